@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Encoded images to arrays, with every failure of a decoder turned into an EclatError."""
+
+from __future__ import annotations
+
+import io
+import struct
+import warnings
+import zlib
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image
+
+from eclat.errors import EclatError
+
+# Formats by name: Pillow would otherwise also try those that start other programs (EPS).
+FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "PPM", "DDS", "PCX")
+
+MAX_PIXELS = 1 << 27
+"""16384 × 8192: half a gigabyte of RGBA."""
+
+_DEFLATE_LIMIT = 1032
+"""No deflate stream grows by more than this (258 bytes for 2 bits), so a PNG that claims more is lying."""
+
+# Pillow's plugins raise nearly every type there is on broken files.
+_DECODER_ERRORS = (
+    *(OSError, ValueError, TypeError, ArithmeticError, LookupError, EOFError, SyntaxError, AttributeError),
+    *(RuntimeError, MemoryError, struct.error, zlib.error, Image.DecompressionBombError),
+)
+
+
+def decode_image(data: bytes) -> NDArray:
+    """(H, W, C) with C = 1, 3 or 4: uint8, or float32 in 0..1 for images of 16 bits. Raises EclatError."""
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+            with Image.open(io.BytesIO(data), formats=FORMATS) as image:
+                _check_size(image, len(data))
+                pixels = _pixels(image, data)
+    except EclatError:
+        raise
+    except _DECODER_ERRORS as error:
+        raise EclatError(f"the image cannot be decoded: {error or type(error).__name__}") from None
+    if not np.isfinite(pixels).all():
+        raise EclatError("the image has texels that are not finite")
+    return pixels
+
+
+def read_image_file(path: Path, data: bytes) -> tuple[NDArray, bool]:
+    """The image `data` from `path`, and whether its format is linear by definition. Raises EclatError."""
+    return decode_image(data), False
+
+
+def _check_size(image: Image.Image, size: int) -> None:
+    width, height = image.size
+    if width < 1 or height < 1:
+        raise EclatError(f"the image has no texels ({width} × {height})")
+    if width * height > MAX_PIXELS:
+        raise EclatError(f"the image has {width} × {height} texels, more than the limit of {MAX_PIXELS}")
+    if image.format == "PNG" and width * height > 8 * _DEFLATE_LIMIT * size:
+        raise EclatError(f"the image claims {width} × {height} texels in a file of {size} bytes")
+
+
+def _pixels(image: Image.Image, data: bytes) -> NDArray:
+    mode = image.mode
+    raw = image.tile[0].args if image.format == "PNG" and image.tile else None
+    if raw in ("RGB;16B", "RGBA;16B"):
+        # Pillow keeps the high bytes of 16-bit colours only; read as little-endian it keeps the low ones.
+        high = np.asarray(image, dtype=np.float32)
+        with Image.open(io.BytesIO(data), formats=("PNG",)) as again:
+            again.tile = [again.tile[0]._replace(args=raw.replace("16B", "16L"))]
+            low = np.asarray(again, dtype=np.float32)
+        return (high * np.float32(256) + low) / np.float32(65535)
+    if mode.startswith("I"):
+        grey = np.asarray(image, dtype=np.float32)[..., None] / np.float32(65535)
+        if grey.min() < 0 or grey.max() > 1:
+            raise EclatError("the image has integers of more than 16 bits, which are not supported")
+        return grey
+    if mode == "F":
+        return np.array(image, dtype=np.float32)[..., None]
+    if mode in ("1", "L"):
+        return np.array(image.convert("L"))[..., None]
+    alpha = mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in image.info
+    return np.array(image.convert("RGBA" if alpha else "RGB"))
