@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Work over index ranges. Ranges are cut by index only, so results never depend on how many threads there are.
+// The only file with oneTBB.
+
+#pragma once
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/parallel_sort.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <cstddef>
+#include <vector>
+
+namespace eclat {
+
+/// Calls `f(i)` for each i in [0, count), in any order, on `threads` threads (0 = all cores).
+template <class F>
+void parallel_for(size_t count, int threads, F&& f) {
+    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+    arena.execute([&] {
+        tbb::parallel_for(
+            tbb::blocked_range<size_t>(0, count, 1),
+            [&](const tbb::blocked_range<size_t>& range) {
+                for (size_t i = range.begin(); i != range.end(); ++i) f(i);
+            },
+            tbb::simple_partitioner());
+    });
+}
+
+/// Calls `f(begin, end)` for consecutive blocks of at most `block` indices of [0, count).
+template <class F>
+void parallel_blocks(size_t count, size_t block, int threads, F&& f) {
+    parallel_for((count + block - 1) / block, threads, [&](size_t i) {
+        f(i * block, i * block + block < count ? i * block + block : count);
+    });
+}
+
+/// The results of `f(i)` in index order.
+template <class T, class F>
+std::vector<T> parallel_map(size_t count, int threads, F&& f) {
+    std::vector<T> out(count);
+    parallel_for(count, threads, [&](size_t i) { out[i] = f(i); });
+    return out;
+}
+
+}  // namespace eclat
