@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The Cornell box with the numbers of Mitsuba 3's `cornell_box()`: a room two metres wide about the origin."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from eclat.scene import Camera, Material, Mesh, Scene, Value, rgb
+from eclat.scenes.geometry import box
+
+Matrix = tuple[tuple[float, float, float, float], ...]
+
+WHITE = rgb(0.885809, 0.698859, 0.666422)
+GREEN = rgb(0.105421, 0.37798, 0.076425)
+RED = rgb(0.570068, 0.0430135, 0.0443706)
+RADIANCE = rgb(18.387, 13.9873, 6.75357)
+
+# Column by column where a unit square or cube goes; the digits, rounding included, are Mitsuba's.
+A, B = 0.99999994, -4.37113883e-08
+LIGHT: Matrix = ((0.229999989, 0, 0, 0), (0, -8.30516367e-09, -0.189999998, 0.99), (0, 0.189999998, -8.30516367e-09, 0.01))
+FLOOR: Matrix = ((A, 0, 0, 0), (0, B, 1, -1), (0, -1, B, 0))
+CEILING: Matrix = ((A, 0, 0, 0), (0, B, -1, 1), (0, 1, B, 0))
+BACK: Matrix = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, -1))
+GREEN_WALL: Matrix = ((B, 0, -1, 1), (0, A, 0, 0), (1, 0, B, 0))
+RED_WALL: Matrix = ((B, 0, 1, -1), (0, A, 0, 0), (-1, 0, B, 0))
+SMALL_BOX: Matrix = ((0.28689146, 0, -0.087711513, 0.335), (0, 0.3, 0, -0.7), (0.087711513, 0, 0.28689146, 0.38))
+LARGE_BOX: Matrix = ((0.284909755, 0, 0.0939491391, -0.33), (0, 0.61, 0, -0.4), (-0.0939491391, 0, 0.284909755, -0.28))
+CAMERA = ((1.0, 0, 0, 0), (0, A, 0, 0), (0, 0, A, 3.9), (0, 0, 0, 1))
+
+
+def build() -> Scene:
+    """All surfaces diffuse; 512×512."""
+    white = diffuse("white", WHITE)
+    return room(floor=white, large_box=white, name="cornell-box")
+
+
+def room(floor: Material, large_box: Material, name: str) -> Scene:
+    """The box with a floor and a tall box of one's own; surfaces reflect on their front only."""
+    white = diffuse("white", WHITE)
+    meshes = (
+        square("light", LIGHT, diffuse("light", WHITE, emission=RADIANCE)),
+        square("floor", FLOOR, floor),
+        square("ceiling", CEILING, white),
+        square("back", BACK, white),
+        square("green-wall", GREEN_WALL, diffuse("green", GREEN)),
+        square("red-wall", RED_WALL, diffuse("red", RED)),
+        cube("small-box", SMALL_BOX, white),
+        cube("large-box", LARGE_BOX, large_box),
+    )
+    camera = Camera(np.array(CAMERA), fov=39.3077, fov_axis="smaller", size=(512, 512), name="camera")
+    return Scene(meshes=meshes, cameras=(camera,), name=name)
+
+
+def diffuse(name: str, reflectance: Value, emission: Value | None = None) -> Material:
+    """A one-sided diffuse material."""
+    return Material("diffuse", {"reflectance": reflectance}, name=name, two_sided=False, emission=emission)
+
+
+def square(name: str, matrix: Matrix, material: Material) -> Mesh:
+    """The square [−1, 1]² at z = 0 that faces +z, transformed."""
+    corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], dtype=np.float64)
+    return Mesh(_transformed(corners, matrix), np.array([(0, 1, 2), (0, 2, 3)]), material, name=name)
+
+
+def cube(name: str, matrix: Matrix, material: Material) -> Mesh:
+    """The cube [−1, 1]³, transformed."""
+    solid = box((-1, -1, -1), (1, 1, 1))
+    return Mesh(_transformed(solid.positions, matrix), solid.triangles, material, name=name)
+
+
+def _transformed(points: np.ndarray, matrix: Matrix) -> np.ndarray:
+    affine = np.array(matrix)
+    return points @ affine[:, :3].T + affine[:, 3]
