@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Discrete distributions: an alias table (which light?), piecewise-constant functions on [0, 1) and [0, 1)² (where in
+// the sky?). Built once, in double; read by many threads.
+
+#pragma once
+
+#include <algorithm>
+#include <bit>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/error.h"
+#include "sampling/warp.h"
+
+namespace eclat {
+
+struct DiscreteSample {
+    uint32_t index = 0;
+    float pdf_discrete = 0;  // 0: there is nothing to pick
+    float remapped = 0;      // a fresh uniform number made from what the choice left of the old one
+};
+
+/// Picks i with probability near weight_i / Σ weight in constant time [Walker77, Vose91].
+///
+/// Random numbers here are multiples of 2^-24, so probabilities are too: weights are rounded to counts of those 2^24
+/// numbers (at least one where the weight is positive), the table is filled in integers, and `pdf_discrete` is exactly
+/// how often an index comes out, however many there are.
+class AliasTable {
+  public:
+    AliasTable() = default;
+
+    explicit AliasTable(std::span<const double> weights) {
+        require(weights.size() <= max_size, "alias table: at most 4194304 entries, got " + std::to_string(weights.size()));
+        std::vector<uint32_t> counts = share_out(weights);
+        if (counts.empty()) return;
+        pdf_.resize(weights.size());
+        for (size_t i = 0; i < weights.size(); ++i) pdf_[i] = static_cast<float>(counts[i]) * 0x1p-24f;
+        counts.resize(std::bit_ceil(counts.size()), 0);
+        fill(counts);
+    }
+
+    bool empty() const { return entries_.empty(); }
+
+    DiscreteSample sample(float u) const {
+        if (empty()) return {};
+        const float scaled = std::clamp(u, 0.0f, below_one) * 0x1p24f;
+        const uint32_t bits = static_cast<uint32_t>(scaled);
+        const Entry& entry = entries_[bits >> shift_];
+        const uint32_t offset = bits & (capacity() - 1);
+        // What lies below the 24th bit is kept for the remapped number.
+        const float rest = scaled - static_cast<float>(bits);
+        if (offset < entry.threshold) {
+            return {bits >> shift_, entry.pdf, remap(offset, rest, entry.threshold)};
+        }
+        return {entry.alias, entry.alias_pdf, remap(offset - entry.threshold, rest, capacity() - entry.threshold)};
+    }
+
+    float pdf_discrete(uint32_t index) const { return empty() ? 0 : pdf_[index]; }
+
+  private:
+    // Indices below `threshold` of the bucket's numbers are its own, the rest its alias's.
+    struct Entry {
+        uint32_t threshold = 0, alias = 0;
+        float pdf = 0, alias_pdf = 0;
+    };
+
+    static constexpr uint32_t total = 1u << 24;
+    static constexpr size_t max_size = 1u << 22;  // leaves four counts an entry on average
+
+    uint32_t capacity() const { return 1u << shift_; }
+
+    static float remap(uint32_t offset, float rest, uint32_t range) {
+        return std::min((static_cast<float>(offset) + rest) / static_cast<float>(range), below_one);
+    }
+
+    /// Counts that sum to 2^24: one for each positive weight, the others by rounding the running sum.
+    static std::vector<uint32_t> share_out(std::span<const double> weights) {
+        double sum = 0;
+        uint32_t positive = 0;
+        for (const double w : weights) {
+            require(w >= 0 && w < 0x1p1000, "alias table: weights must be finite and not negative");
+            sum += w;
+            positive += w > 0;
+        }
+        if (positive == 0) return {};
+        std::vector<uint32_t> counts(weights.size(), 0);
+        const double rest = total - positive;
+        double running = 0;
+        uint32_t given = 0;
+        for (uint32_t i = 0; i < weights.size(); ++i) {
+            if (weights[i] == 0) continue;
+            running += weights[i];
+            const uint32_t until = static_cast<uint32_t>(std::min(rest, running / sum * rest + 0.5));
+            counts[i] = 1 + until - given;
+            given = until;
+        }
+        return counts;
+    }
+
+    /// Each bucket is topped up by one entry that has too much [Vose91]; in integers nothing is left over.
+    void fill(std::vector<uint32_t> counts) {
+        const size_t size = counts.size();
+        shift_ = 24 - static_cast<uint32_t>(std::countr_zero(size));
+        entries_.resize(size);
+        std::vector<uint32_t> poor, rich;
+        for (uint32_t i = 0; i < size; ++i) (counts[i] < capacity() ? poor : rich).push_back(i);
+        while (!poor.empty()) {
+            const uint32_t low = poor.back(), high = rich.back();
+            poor.pop_back();
+            entries_[low] = {counts[low], high, pdf_or_zero(low), pdf_or_zero(high)};
+            counts[high] -= capacity() - counts[low];
+            if (counts[high] < capacity()) {
+                rich.pop_back();
+                poor.push_back(high);
+            }
+        }
+        for (const uint32_t i : rich) entries_[i] = {capacity(), i, pdf_or_zero(i), pdf_or_zero(i)};
+    }
+
+    float pdf_or_zero(uint32_t i) const { return i < pdf_.size() ? pdf_[i] : 0; }
+
+    std::vector<Entry> entries_;
+    std::vector<float> pdf_;
+    uint32_t shift_ = 24;
+};
+
+namespace detail {
+
+/// Writes the running sums of n `weights` as n + 1 numbers from 0 to 1 and returns the total.
+template <class T>
+double cumulate(std::span<const T> weights, float* cdf) {
+    double total = 0;
+    for (const T w : weights) total += w;
+    double running = 0;
+    cdf[0] = 0;
+    for (size_t i = 0; i < weights.size(); ++i) {
+        running += weights[i];
+        cdf[i + 1] = total > 0 ? static_cast<float>(running / total) : 0;
+    }
+    return total;
+}
+
+/// The cell i with cdf[i] ≤ u < cdf[i + 1], and where u lies in it.
+inline DiscreteSample find_cell(const float* cdf, uint32_t size, float u) {
+    u = std::clamp(u, 0.0f, below_one);
+    const float* above = std::upper_bound(cdf + 1, cdf + size, u);
+    const uint32_t i = static_cast<uint32_t>(above - cdf) - 1;
+    const float mass = cdf[i + 1] - cdf[i];
+    return {i, mass, mass > 0 ? std::min((u - cdf[i]) / mass, below_one) : 0};
+}
+
+}  // namespace detail
+
+/// A density on [0, 1) that is constant on n equal cells, sampled by inversion (which keeps the order of u).
+class PiecewiseConstant1D {
+  public:
+    PiecewiseConstant1D() = default;
+    explicit PiecewiseConstant1D(std::span<const double> weights) : cdf_(weights.size() + 1) {
+        total_ = detail::cumulate(weights, cdf_.data());
+    }
+
+    uint32_t size() const { return cdf_.empty() ? 0 : static_cast<uint32_t>(cdf_.size() - 1); }
+    double total() const { return total_; }
+
+    /// The cell, its probability and the place in the cell; x is (index + remapped) / size.
+    DiscreteSample sample(float u) const { return total_ > 0 ? detail::find_cell(cdf_.data(), size(), u) : DiscreteSample{}; }
+
+    float pdf_discrete(uint32_t index) const { return cdf_[index + 1] - cdf_[index]; }
+    float pdf(float x) const {
+        const uint32_t n = size();
+        return pdf_discrete(std::min(static_cast<uint32_t>(x * static_cast<float>(n)), n - 1)) * static_cast<float>(n);
+    }
+
+  private:
+    std::vector<float> cdf_;
+    double total_ = 0;
+};
+
+/// The same on a grid of height × width cells of [0, 1)²: first the row by u.y, then the cell in it by u.x.
+class PiecewiseConstant2D {
+  public:
+    struct Cell {
+        uint32_t column = 0, row = 0;
+        Vec2 offset;             // place in the cell, in [0, 1)²
+        float pdf_discrete = 0;  // of the cell; times width · height it is the density on the unit square
+    };
+
+    PiecewiseConstant2D() = default;
+
+    /// `weights` in row-major order.
+    PiecewiseConstant2D(uint32_t width, uint32_t height, std::span<const float> weights)
+        : width_(width), height_(height), conditional_(size_t(width + 1) * height) {
+        std::vector<double> rows(height);
+        for (uint32_t y = 0; y < height; ++y) {
+            rows[y] = detail::cumulate(weights.subspan(size_t(y) * width, width), row(y));
+        }
+        marginal_ = PiecewiseConstant1D(rows);
+    }
+
+    double total() const { return marginal_.total(); }
+
+    Cell sample(Vec2 u) const {
+        const DiscreteSample y = marginal_.sample(u.y);
+        if (y.pdf_discrete == 0) return {};
+        const DiscreteSample x = detail::find_cell(row(y.index), width_, u.x);
+        return {x.index, y.index, {x.remapped, y.remapped}, x.pdf_discrete * y.pdf_discrete};
+    }
+
+    float pdf_discrete(uint32_t column, uint32_t y) const {
+        return marginal_.pdf_discrete(y) * (row(y)[column + 1] - row(y)[column]);
+    }
+
+  private:
+    float* row(uint32_t y) { return conditional_.data() + size_t(y) * (width_ + 1); }
+    const float* row(uint32_t y) const { return conditional_.data() + size_t(y) * (width_ + 1); }
+
+    uint32_t width_ = 0, height_ = 0;
+    PiecewiseConstant1D marginal_;
+    std::vector<float> conditional_;
+};
+
+}  // namespace eclat

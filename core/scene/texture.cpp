@@ -1,0 +1,139 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "scene/texture.h"
+
+#include <string>
+
+#include "base/error.h"
+
+namespace eclat {
+
+namespace {
+
+/// sRGB's transfer function, encoded to linear [IEC61966-2-1].
+double srgb_to_linear(double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); }
+
+using Table = std::array<float, 256>;
+
+Table make_table(bool srgb) {
+    Table table;
+    for (int i = 0; i < 256; ++i) {
+        const double x = i / 255.0;
+        table[i] = static_cast<float>(srgb ? srgb_to_linear(x) : x);
+    }
+    return table;
+}
+
+const Table linear_table = make_table(false);
+const Table srgb_table = make_table(true);
+
+bool is_alpha(uint32_t channel, uint32_t channels) { return channel == 3 || (channels == 2 && channel == 1); }
+
+/// Folds a coordinate into [0, 1], where the image is.
+float fold(float x, Wrap wrap) {
+    if (wrap == Wrap::clamp) return clamp(x, 0, 1);
+    if (wrap == Wrap::repeat) return x - std::floor(x);
+    const float period = x - 2 * std::floor(x * 0.5f);
+    return period > 1 ? 2 - period : period;
+}
+
+/// The two neighbours of a coordinate along one axis, and how far it is from the first to the second.
+struct Neighbors {
+    uint32_t first, second;
+    float t;
+};
+
+Neighbors neighbors(float x, uint32_t size, Wrap wrap) {
+    const float at = fold(x, wrap) * static_cast<float>(size) - 0.5f;
+    const float floor = std::floor(at);
+    const int i = static_cast<int>(floor), n = static_cast<int>(size);
+    // Beyond an edge is the other edge, or, mirrored and clamped alike, the edge itself.
+    const bool around = wrap == Wrap::repeat;
+    const int first = i < 0 ? (around ? n - 1 : 0) : std::min(i, n - 1);
+    const int second = i + 1 < n ? i + 1 : (around ? 0 : n - 1);
+    return {static_cast<uint32_t>(first), static_cast<uint32_t>(second), at - floor};
+}
+
+uint32_t nearest(float x, uint32_t size, Wrap wrap) {
+    return std::min(static_cast<uint32_t>(fold(x, wrap) * static_cast<float>(size)), size - 1);
+}
+
+Texel lerp(const Texel& a, const Texel& b, float t) {
+    Texel out;
+    for (int i = 0; i < 4; ++i) out[i] = a[i] * (1 - t) + b[i] * t;
+    return out;
+}
+
+}  // namespace
+
+Texture::Texture(const ImageView& image, const TextureOptions& options)
+    : width_(image.width), height_(image.height), channels_(image.channels), options_(options) {
+    const std::string shape =
+        std::to_string(height_) + " x " + std::to_string(width_) + " x " + std::to_string(channels_);
+    require(width_ > 0 && height_ > 0 && channels_ >= 1 && channels_ <= 4,
+            "texture: expected height, width >= 1 and 1 to 4 channels, got " + shape);
+    // Texel coordinates must be exact in float.
+    require(width_ <= 1u << 22 && height_ <= 1u << 22, "texture: expected at most 4194304 texels a side, got " + shape);
+    require((image.bytes != nullptr) != (image.floats != nullptr), "texture: expected either bytes or floats");
+    stride_ = image.bytes && channels_ == 3 ? 4 : channels_;
+    const size_t count = size_t(width_) * height_;
+    if (image.bytes) {
+        bytes_.resize(count * stride_);
+        for (size_t i = 0; i < count; ++i) {
+            for (uint32_t c = 0; c < stride_; ++c) {
+                bytes_[i * stride_ + c] = c < channels_ ? image.bytes[i * channels_ + c] : 255;
+            }
+        }
+        return;
+    }
+    floats_.assign(image.floats, image.floats + count * channels_);
+    for (size_t i = 0; i < floats_.size(); ++i) {
+        require(std::isfinite(floats_[i]), "texture: texels must be finite, got " + std::to_string(floats_[i]) +
+                                               " at row " + std::to_string(i / channels_ / width_) + ", column " +
+                                               std::to_string(i / channels_ % width_));
+        if (options_.srgb && !is_alpha(static_cast<uint32_t>(i % channels_), channels_)) {
+            floats_[i] = static_cast<float>(srgb_to_linear(floats_[i]));
+        }
+    }
+}
+
+const float* Texture::color_table() const { return (options_.srgb ? srgb_table : linear_table).data(); }
+
+Texel Texture::texel(uint32_t x, uint32_t y) const {
+    const size_t at = (size_t(y) * width_ + x) * stride_;
+    if (!bytes_.empty()) {
+        const uint8_t* p = bytes_.data() + at;
+        const float* table = color_table();
+        if (stride_ == 4) return {table[p[0]], table[p[1]], table[p[2]], linear_table[p[3]]};
+        const float grey = table[p[0]];
+        return {grey, grey, grey, stride_ == 2 ? linear_table[p[1]] : 1};
+    }
+    const float* p = floats_.data() + at;
+    if (stride_ >= 3) return {p[0], p[1], p[2], stride_ == 4 ? p[3] : 1};
+    return {p[0], p[0], p[0], stride_ == 2 ? p[1] : 1};
+}
+
+Texel Texture::lookup(Vec2 uv) const {
+    if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {0, 0};
+    if (options_.nearest) {
+        return texel(nearest(uv.x, width_, options_.wrap_u), nearest(uv.y, height_, options_.wrap_v));
+    }
+    const Neighbors x = neighbors(uv.x, width_, options_.wrap_u);
+    const Neighbors y = neighbors(uv.y, height_, options_.wrap_v);
+    const Texel top = lerp(texel(x.first, y.first), texel(x.second, y.first), x.t);
+    const Texel bottom = lerp(texel(x.first, y.second), texel(x.second, y.second), x.t);
+    return lerp(top, bottom, y.t);
+}
+
+float Value::scalar(Vec2 uv) const {
+    float x = constant.r;
+    if (texture) {
+        const Texel t = texture->lookup(transform(uv));
+        const float y = channel < 0 ? luminance(Color(t[0], t[1], t[2])) : t[texel_channel()];
+        x *= invert ? 1 - y : y;
+    }
+    return square ? x * x : x;
+}
+
+}  // namespace eclat
