@@ -33,7 +33,8 @@ class AliasTable {
     AliasTable() = default;
 
     explicit AliasTable(std::span<const double> weights) {
-        require(weights.size() <= max_size, "alias table: at most 4194304 entries, got " + std::to_string(weights.size()));
+        require(weights.size() <= max_size,
+                "alias table: at most 4194304 entries, got " + std::to_string(weights.size()));
         std::vector<uint32_t> counts = share_out(weights);
         if (counts.empty()) return;
         pdf_.resize(weights.size());
@@ -166,7 +167,9 @@ class PiecewiseConstant1D {
     double total() const { return total_; }
 
     /// The cell, its probability and the place in the cell; x is (index + remapped) / size.
-    DiscreteSample sample(float u) const { return total_ > 0 ? detail::find_cell(cdf_.data(), size(), u) : DiscreteSample{}; }
+    DiscreteSample sample(float u) const {
+        return total_ > 0 ? detail::find_cell(cdf_.data(), size(), u) : DiscreteSample{};
+    }
 
     float pdf_discrete(uint32_t index) const { return cdf_[index + 1] - cdf_[index]; }
     float pdf(float x) const {

@@ -61,15 +61,15 @@ class Texture {
 
 /// A parameter of a material: a constant, times a texel where there is a texture.
 ///
-/// The texture is borrowed and must outlive the value. `channel` counts the image's own channels; < 0 reads RGB, of which
-/// a scalar takes the luminance.
+/// The texture is borrowed and must outlive the value. `channel` counts the image's own channels; < 0 reads RGB, of
+/// which a scalar takes the luminance.
 struct Value {
     Color constant{1.0f};
     const Texture* texture = nullptr;
     int channel = -1;
     uint8_t uv_set = 0;
-    bool invert = false;  // 1 − texel instead of texel
-    bool square = false;  // constant² · texel²
+    bool invert = false;                                     // 1 − texel instead of texel
+    bool square = false;                                     // constant² · texel²
     std::array<float, 6> uv_transform = {1, 0, 0, 0, 1, 0};  // 2×3, row by row
 
     bool is_constant() const { return texture == nullptr; }

@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "lights/light.h"
+
+#include <map>
+#include <tuple>
+
+#include "lights/mean_emission.h"
+
+namespace eclat {
+
+namespace {
+
+/// Emissions of equal key are the same function of uv.
+auto key_of(const Value& v) {
+    return std::tuple(v.texture, v.constant.r, v.constant.g, v.constant.b, v.channel, v.invert, v.square,
+                      v.uv_transform);
+}
+
+template <class Light, class F>
+std::vector<double> powers_of(const std::vector<Light>& lights, Color& total, F&& power) {
+    std::vector<double> out;
+    for (const Light& light : lights) {
+        const Color p = power(light);
+        total += p;
+        out.push_back(luminance(p));
+    }
+    return out;
+}
+
+}  // namespace
+
+Lights::Lights(LightInputs inputs)
+    : points_(std::move(inputs.points)),
+      spots_(std::move(inputs.spots)),
+      directionals_(std::move(inputs.directionals)),
+      environment_(std::move(inputs.environment)),
+      center_(inputs.scene_center),
+      radius_(inputs.scene_radius > 0 ? inputs.scene_radius : 1) {
+    std::array<std::vector<double>, light_kinds> powers;
+    powers[static_cast<size_t>(LightKind::triangle)] = add_triangles(inputs.triangles);
+    powers[static_cast<size_t>(LightKind::point)] =
+        powers_of(points_, total_power_, [](const PointLight& l) { return l.power(); });
+    powers[static_cast<size_t>(LightKind::spot)] =
+        powers_of(spots_, total_power_, [](const SpotLight& l) { return l.power(); });
+    powers[static_cast<size_t>(LightKind::directional)] =
+        powers_of(directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(radius_); });
+    if (environment_) {
+        const Color power = environment_->integral() * (pi * radius_ * radius_);
+        total_power_ += power;
+        powers[static_cast<size_t>(LightKind::environment)] = {luminance(power)};
+    }
+    for (uint32_t i = 0; i < directionals_.size(); ++i) {
+        if (!directionals_[i].is_delta()) discs_.push_back(i);
+    }
+    sampler_ = LightSampler(powers);
+}
+
+std::vector<double> Lights::add_triangles(std::span<const EmitterTriangle> triangles) {
+    using Known = std::pair<uint32_t, MeanEmission>;
+    std::map<decltype(key_of(Value())), Known> known;
+    std::vector<double> weights;
+    std::array<double, 3> power = {0, 0, 0};
+    areas_.reserve(triangles.size());
+    weights.reserve(triangles.size());
+    for (const EmitterTriangle& t : triangles) {
+        MeanEmission::Estimate estimate;
+        uint32_t emission = 0;
+        if (t.emission.is_constant()) {
+            estimate.mean = max(t.emission.color(Vec2()), Color(0.0f));
+            estimate.weight = luminance(estimate.mean);
+        } else {
+            const auto key = key_of(t.emission);
+            auto found = known.find(key);
+            if (found == known.end()) {
+                found = known.emplace(key, Known(emissions_.size(), MeanEmission(t.emission))).first;
+                emissions_.push_back(t.emission);
+            }
+            emission = found->second.first;
+            estimate = found->second.second.over(t.uv0, t.uv1, t.uv2);
+        }
+        areas_.emplace_back(t, emission);
+        const double flux_of_one = M_PI * areas_.back().area() * (t.two_sided ? 2 : 1);
+        weights.push_back(flux_of_one * estimate.weight);
+        for (int c = 0; c < 3; ++c) power[c] += flux_of_one * estimate.mean[c];
+    }
+    total_power_ += Color(static_cast<float>(power[0]), static_cast<float>(power[1]), static_cast<float>(power[2]));
+    return weights;
+}
+
+LightSample Lights::sample(Vec3 position, float u_light, Vec2 u, LightSet set) const {
+    const LightSampler::Choice choice = sampler_.choose(set, u_light);
+    if (choice.pdf_discrete == 0) return {};
+    LightSample s;
+    switch (choice.kind) {
+        case LightKind::triangle:
+            s = areas_[choice.index].sample(emissions_, position, u);
+            break;
+        case LightKind::point:
+            s = points_[choice.index].sample(position);
+            break;
+        case LightKind::spot:
+            s = spots_[choice.index].sample(position);
+            break;
+        case LightKind::directional:
+            s = directionals_[choice.index].sample(u);
+            break;
+        case LightKind::environment:
+            s = environment_->sample(u);
+            break;
+    }
+    if (s.pdf_solid_angle == 0) return {};
+    if (!s.delta && std::isinf(s.distance)) {
+        // Sky and discs overlap: one direction has one radiance and one density, whoever chose it.
+        const Infinite all = infinite(s.wi, set);
+        s.radiance = all.radiance;
+        s.pdf_solid_angle = all.pdf_solid_angle;
+    } else {
+        s.pdf_solid_angle *= choice.pdf_discrete;
+    }
+    return s;
+}
+
+Lights::Infinite Lights::infinite(Vec3 direction, LightSet set) const {
+    Infinite out;
+    if (environment_ && set == LightSet::all) {
+        const EnvironmentImage::Lookup at = environment_->lookup(direction);
+        out.radiance = at.radiance;
+        out.pdf_solid_angle = at.pdf_solid_angle * sampler_.pdf_discrete(set, LightKind::environment, 0);
+    }
+    for (const uint32_t i : discs_) {
+        const DirectionalLight& disc = directionals_[i];
+        if (!disc.covers(direction)) continue;
+        out.radiance += disc.radiance();
+        out.pdf_solid_angle += disc.pdf_solid_angle() * sampler_.pdf_discrete(set, LightKind::directional, i);
+    }
+    return out;
+}
+
+PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) const {
+    const LightSampler::Choice choice = sampler_.choose_emission(u_light);
+    if (choice.pdf_discrete == 0) return {};
+    PhotonSample photon;
+    switch (choice.kind) {
+        case LightKind::triangle:
+            photon = areas_[choice.index].emit(emissions_, u_position, u_direction);
+            break;
+        case LightKind::point:
+            photon = points_[choice.index].emit(u_direction);
+            break;
+        case LightKind::spot:
+            photon = spots_[choice.index].emit(u_direction);
+            break;
+        case LightKind::directional:
+            photon = directionals_[choice.index].emit(center_, radius_, u_position, u_direction);
+            break;
+        case LightKind::environment:
+            photon = environment_->emit(center_, radius_, u_position, u_direction);
+            break;
+    }
+    photon.power *= 1 / choice.pdf_discrete;
+    return photon;
+}
+
+}  // namespace eclat

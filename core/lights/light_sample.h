@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What the lights tell about themselves: the vocabulary of this folder.
+
+#pragma once
+
+#include "base/color.h"
+#include "base/frame.h"
+#include "sampling/warp.h"
+#include "scene/ray.h"
+
+namespace eclat {
+
+/// Light that arrives at a point from a direction chosen by a light.
+struct LightSample {
+    Vec3 wi;                    // towards the light
+    float distance = 0;         // to the light; infinite for infinite lights
+    Color radiance;             // arriving along wi, if nothing is in between; a delta light's irradiance facing it
+    float pdf_solid_angle = 0;  // with the choice of the light; 0 = nothing here; delta: the choice's probability
+    bool delta = false;         // no BSDF sample can find this light
+    uint32_t triangle = no_triangle;  // of the scene, that emits
+};
+
+/// A photon that leaves a light.
+struct PhotonSample {
+    Vec3 origin, direction;
+    Color power;                      // W, already divided by the density of all choices; black = nothing was emitted
+    uint32_t triangle = no_triangle;  // of the scene, that it starts on
+};
+
+/// A photon that arrives from infinity along `s`: it starts on a disc that covers the scene's bounding sphere.
+inline PhotonSample emit_from_infinity(const LightSample& s, Vec3 center, float radius, Vec2 u) {
+    if (s.pdf_solid_angle == 0) return {};
+    const Vec2 d = square_to_concentric_disk(u);
+    // One radius away is outside; another keeps the start clear of whatever touches the sphere.
+    const Vec3 origin = center + Frame::around(s.wi).to_world({d.x, d.y, 2}) * radius;
+    return {origin, -s.wi, s.radiance * (pi * radius * radius / s.pdf_solid_angle)};
+}
+
+}  // namespace eclat

@@ -1,0 +1,58 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Which light: by power, with a share for each kind of light so that none drowns beside another.
+
+#pragma once
+
+#include <array>
+#include <span>
+
+#include "sampling/discrete.h"
+
+namespace eclat {
+
+/// Which lights take part.
+enum class LightSet {
+    all,
+    /// Without the environment's image, where a gather over the hemisphere collects it. Suns stay.
+    without_environment_image,
+};
+
+/// Kinds of light, in the order in which they are numbered.
+enum class LightKind { triangle, point, spot, directional, environment };
+constexpr size_t light_kinds = 5;
+
+class LightSampler {
+  public:
+    LightSampler() = default;
+    /// Weights (powers) of each kind's lights; the environment is one light or none.
+    explicit LightSampler(const std::array<std::vector<double>, light_kinds>& powers);
+
+    struct Choice {
+        LightKind kind = LightKind::triangle;
+        uint32_t index = 0;      // within its kind
+        float pdf_discrete = 0;  // 0: there is no light
+    };
+
+    Choice choose(LightSet set, float u) const { return choice(tables_[static_cast<size_t>(set)].sample(u)); }
+    float pdf_discrete(LightSet set, LightKind kind, uint32_t index) const {
+        return tables_[static_cast<size_t>(set)].pdf_discrete(first_[static_cast<size_t>(kind)] + index);
+    }
+
+    /// For photons: by power alone, so that all carry nearly the same.
+    Choice choose_emission(float u) const { return choice(emission_.sample(u)); }
+
+  private:
+    Choice choice(const DiscreteSample& s) const {
+        size_t kind = 0;
+        while (kind + 1 < light_kinds && s.index >= first_[kind + 1]) ++kind;
+        return {static_cast<LightKind>(kind), s.index - first_[kind], s.pdf_discrete};
+    }
+
+    std::array<uint32_t, light_kinds> first_{};
+    std::array<AliasTable, 2> tables_;  // by LightSet
+    AliasTable emission_;
+};
+
+}  // namespace eclat
