@@ -1,0 +1,172 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Emitters that are not part of a shape: lights at points and from infinity, environments, sun and sky."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat import sky
+from eclat.errors import EclatError, did_you_mean, warn
+from eclat.loaders.files import read_texture
+from eclat.loaders.mitsuba.kinds import PLUGINS
+from eclat.loaders.mitsuba.node import Node, Vector
+from eclat.loaders.mitsuba.sun_position import sun_direction
+from eclat.loaders.mitsuba.textures import Textures, image_data
+from eclat.loaders.mitsuba.transforms import Matrix, normalize, transform_directions
+from eclat.scene import DirectionalLight, Environment, PointLight, SpotLight
+from eclat.spectrum import srgb_to_linear
+
+Light = PointLight | SpotLight | DirectionalLight
+Emission = tuple[list[Light], Environment | None]
+
+HALF_TURN = np.diag([-1.0, 1.0, -1.0])
+"""Mitsuba's environment has +z at the image's centre and +x left of it, ours −z and +x right of it."""
+
+
+def make_emitter(node: Node, textures: Textures) -> Emission:
+    """The lights and the environment that an emitter of the scene makes; unknown ones none, with a warning.
+
+    Raises
+    ------
+    EclatError : numbers that make no sense, directions without a length.
+    """
+    if node.type not in _MAKERS:
+        near = did_you_mean(node.type, PLUGINS["emitter"]) if node.type not in PLUGINS["emitter"] else ""
+        reason = "needs a shape" if node.type == "area" else f"is not supported{near}"
+        warn(f"{node.where}: an emitter of this type {reason}; left out")
+        return [], None
+    return _MAKERS[node.type](node, textures)
+
+
+def merge_environments(first: Environment | None, second: Environment | None, where: str) -> Environment | None:
+    """The one environment that a scene can have: of two the first stays, with a warning."""
+    if first is not None and second is not None:
+        warn(f"{where}: a second environment; only the first is used")
+    return first if first is not None else second
+
+
+def _color(node: Node, textures: Textures, name: str) -> Vector:
+    value = textures.value(node, name, default=1.0, kind="emission")
+    if value.texture is not None:
+        warn(f"{node.where}, {name}: a texture is not supported here; its constant factor is used alone")
+    return value.constant
+
+
+def _position(node: Node) -> Vector:
+    x, y, z = (float(value) for value in node.transform("to_world")[:3, 3])
+    return node.vector("position") or (x, y, z)
+
+
+def _point(node: Node, textures: Textures) -> Emission:
+    return [PointLight(_position(node), _color(node, textures, "intensity"))], None
+
+
+def _spot(node: Node, textures: Textures) -> Emission:
+    outer = node.number("cutoff_angle", default=20.0)
+    inner = node.number("beam_width", default=outer * 3 / 4)
+    if not 0 < outer <= 180 or inner < 0:
+        raise EclatError(f"{node.where}: expected 0 ≤ beam_width ≤ cutoff_angle ≤ 180, got {inner:g} and {outer:g}")
+    if node.get("texture") is not None:
+        warn(f"{node.where}: the texture of a spot is not supported, ignored")
+    light = SpotLight(
+        position=_position(node),
+        direction=_axis(node),
+        intensity=_color(node, textures, "intensity"),
+        inner_angle=min(inner, outer),
+        outer_angle=outer,
+        falloff="linear",
+    )
+    return [light], None
+
+
+def _axis(node: Node) -> Vector:
+    """Where the emitter's +z points in the world, of unit length."""
+    return _unit(transform_directions(node.transform("to_world"), np.array([[0.0, 0.0, 1.0]]))[0], node)
+
+
+def _unit(direction: NDArray, node: Node) -> Vector:
+    x, y, z = (float(value) for value in normalize(np.asarray(direction, dtype=np.float64)))
+    if (x, y, z) == (0.0, 0.0, 0.0):
+        raise EclatError(f"{node.where}: expected a direction, got the zero vector")
+    return x, y, z
+
+
+def _directional(node: Node, textures: Textures) -> Emission:
+    given = node.vector("direction")
+    direction = _axis(node) if given is None else _unit(np.array(given), node)
+    return [DirectionalLight(direction, _color(node, textures, "irradiance"))], None
+
+
+def _constant(node: Node, textures: Textures) -> Emission:
+    radiance = _color(node, textures, "radiance")
+    return [], Environment(np.array(radiance, dtype=np.float32).reshape(1, 1, 3))
+
+
+def _envmap(node: Node, textures: Textures) -> Emission:
+    data = image_data(node)
+    if data is None:
+        where = f"{node.where}, filename"
+        texture = read_texture(node.file("filename"), srgb=True, where=where, neutral=(0.5, 0.5, 0.5))
+        image, encoded = texture.image, texture.srgb
+    else:
+        image, encoded = data[0], not data[1]
+    image = image.astype(np.float32) / np.float32(255) if image.dtype == np.uint8 else image.astype(np.float32)
+    image = image[..., :3] if image.shape[2] >= 3 else np.repeat(image[..., :1], 3, axis=2)
+    if encoded:
+        image = srgb_to_linear(image)
+    image = np.asarray(image * node.number("scale", default=1.0), dtype=np.float32)
+    if image.min() < 0:
+        warn(f"{node.where}: the environment has radiance below 0; it is set to 0")
+        image = np.maximum(image, 0)
+    return [], Environment(image, _rotation(node) @ HALF_TURN)
+
+
+def _rotation(node: Node) -> Matrix:
+    """The rotation in `to_world`, without its scale; a mirror stays."""
+    linear = node.transform("to_world")[:3, :3]
+    u, values, vt = np.linalg.svd(linear)
+    if values[-1] <= 1e-9 * max(values[0], 1e-300):
+        raise EclatError(f"{node.where}, to_world: expected a rotation, got a matrix that flattens space")
+    if not np.allclose(values, values.mean(), rtol=1e-3):
+        warn(f"{node.where}, to_world: only the rotation of an environment's transform is used")
+    return u @ vt
+
+
+def _sky(node: Node, textures: Textures) -> Emission:
+    up = (0.0, 1.0, 0.0) if node.legacy else (0.0, 0.0, 1.0)
+    rotation = _rotation(node)
+    local = np.array(node.vector("sun_direction") or sun_direction(node))
+    if not np.any(local):
+        raise EclatError(f"{node.where}, sun_direction: expected a direction, got the zero vector")
+    scale = node.number("scale", default=1.0)
+    parts = {"sun": "sun", "sky": "sky"}.get(node.type, "sunsky")
+    albedo = textures.value(node, "albedo", default=0.15 if node.legacy else 0.3, kind="reflectance").constant
+    try:
+        sun, environment = sky.sun_sky(
+            tuple((rotation @ local).tolist()),
+            turbidity=node.number("turbidity", default=3.0),
+            up=tuple((rotation @ np.array(up)).tolist()),
+            albedo=sum(albedo) / 3,
+            sun_scale=node.number("sun_scale", default=scale),
+            sky_scale=node.number("sky_scale", default=scale),
+            parts=parts,
+        )
+    except EclatError as error:
+        raise EclatError(f"{node.where}: {error}") from None
+    return [] if sun is None else [sun], environment
+
+
+_MAKERS: dict[str, Callable[[Node, Textures], Emission]] = {
+    "point": _point,
+    "spot": _spot,
+    "directional": _directional,
+    "constant": _constant,
+    "envmap": _envmap,
+    "sun": _sky,
+    "sky": _sky,
+    "sunsky": _sky,
+}

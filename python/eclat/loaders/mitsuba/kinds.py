@@ -1,0 +1,70 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which plugins Mitsuba has: what a dict's object is without its XML tag, and what may be ignored in silence."""
+
+from __future__ import annotations
+
+
+def _words(text: str) -> frozenset[str]:
+    return frozenset(text.split())
+
+
+PLUGINS: dict[str, frozenset[str]] = {
+    "shape": _words(
+        "obj ply serialized gltf rectangle cube sphere disk cylinder shapegroup instance merge mesh "
+        "bsplinecurve linearcurve sdfgrid ellipsoids ellipsoidsmesh hair heightfield"
+    ),
+    "bsdf": _words(
+        "diffuse roughdiffuse conductor roughconductor dielectric thindielectric roughdielectric plastic roughplastic "
+        "pplastic phong ward principled principledthin twosided mask bump bumpmap normalmap blendbsdf mixturebsdf "
+        "coating roughcoating difftrans hk irawan null measured measured_polarized circular polarizer retarder "
+        "merl"
+    ),
+    "emitter": _words(
+        "area point spot directional constant envmap sun sky sunsky directionalarea projector collimated timed_sunsky"
+    ),
+    "sensor": _words(
+        "perspective thinlens orthographic telecentric spherical batch distant irradiancemeter radiancemeter "
+        "fluencemeter perspective_rdist"
+    ),
+    "texture": _words("bitmap checkerboard scale mesh_attribute vertexcolors wireframe gridtexture curvature volume"),
+    "spectrum": _words("rgb srgb spectrum uniform d65 blackbody regular irregular rawconstant discrete"),
+    "integrator": _words(
+        "path direct depth aov moment stokes volpath volpathmis ptracer prb prb_basic prbvolpath direct_projective "
+        "prb_projective prb_threepoint bdpt mlt pssmlt erpt ppm sppm photonmapper irrcache adaptive vpl motion ao "
+        "field multichannel volpath_simple projective"
+    ),
+    "sampler": _words("independent stratified multijitter orthogonal ldsampler sobol halton hammersley deterministic"),
+    "film": _words("hdrfilm ldrfilm mfilm tiledhdrfilm specfilm"),
+    "rfilter": _words("box tent gaussian mitchell catmullrom lanczos"),
+    "medium": _words("homogeneous heterogeneous"),
+    "phase": _words("isotropic hg rayleigh kkay microflake sggx tabphase blendphase"),
+    "volume": _words("gridvolume constvolume"),
+    "subsurface": _words("dipole singlescatter"),
+}
+
+IGNORED_TAGS = ("integrator", "sampler", "film", "rfilter")
+"""Objects of which only the film's size matters to us."""
+
+_KEYS = ("bsdf", "emitter", "sensor", "film", "sampler", "integrator", "rfilter", "medium", "texture", "shape")
+
+
+def tag_of(kind: str, key: str, parent: str) -> str:
+    """The XML tag of the object of type `kind` under `key` in an object with the tag `parent`; "unknown" if unclear."""
+    for tag, names in PLUGINS.items():
+        if kind in names:
+            return tag
+    for tag in _KEYS:
+        if key.lower().startswith(tag):
+            return tag
+    return "bsdf" if parent in ("shape", "bsdf") else "unknown"
+
+
+SILENT_PROPERTIES = _words(
+    "near_clip far_clip shutter_open shutter_close sampling_weight specular_sampling_rate diffuse_sampling_rate "
+    "sample_visible focus_distance max_smooth_angle collapse strict cache filename to_world mip_map filter_type "
+    "max_anisotropy samples intensity_scale specular_sampling_weight srgb shutter_open_time main_specular_sampling_rate "
+    "clearcoat_sampling_rate diffuse_reflectance_sampling_rate "
+    "spec_trans_sampling_rate format accel"
+)
+"""What changes no converged picture, or only how it is computed."""

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Shapes that are files: obj, ply, serialized, and, as an extension of ours, gltf with its own materials.
+
+A shape of type obj without a bsdf takes the materials of its MTL file; bsdfs in it that are named after materials of
+the file replace those.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from eclat.loaders.ply import load_ply
+from eclat.loaders.serialized import load_serialized
+
+from eclat.errors import did_you_mean, warn
+from eclat.loaders.gltf import load_gltf
+from eclat.loaders.mitsuba.materials import Materials, default_material
+from eclat.loaders.mitsuba.node import Node
+from eclat.loaders.obj import load_obj
+from eclat.scene import Mesh
+
+MESH_FILES = ("obj", "ply", "serialized", "gltf")
+
+_OWN = ("bsdf", "ref")
+"""Names under which a bsdf is the shape's own, not one of the file's materials."""
+
+
+def load_mesh_file(node: Node, materials: Materials) -> list[Mesh]:
+    """The meshes of a shape's file, in its own frame, with their materials. Raises EclatError as the loaders do."""
+    own = [child for name, child in node.of_tag("bsdf") if name in _OWN or not (name or child.id)]
+    named = {name or child.id: child for name, child in node.of_tag("bsdf") if child not in own}
+    if node.type in ("ply", "serialized"):
+        own, named = [*own, *named.values()], {}
+    if len(own) > 1:
+        warn(f"{node.where}: expected one bsdf, got {len(own)}; the first is used")
+    if named:
+        return _with_replacements(node, materials, own, named)
+    if own or node.type in ("ply", "serialized"):
+        return _with_bsdf(node, materials, own)
+    return _with_file_materials(node)
+
+
+def _with_bsdf(node: Node, materials: Materials, own: list[Node]) -> list[Mesh]:
+    material = materials.of(own[0]) if own else default_material()
+    return [replace(mesh, material=material) for mesh in _bare(node)]
+
+
+def _with_replacements(node: Node, materials: Materials, own: list[Node], named: dict[str, Node]) -> list[Mesh]:
+    meshes = _with_file_materials(node)
+    known = {mesh.material.name for mesh in meshes if mesh.material.name}
+    unknown = [name for name in named if name not in known]
+    if len(unknown) == 1 and len(named) == 1 and not own:
+        # In Mitsuba names of bsdfs mean nothing: this one is the shape's own.
+        if known and unknown[0] != named[unknown[0]].id:
+            near = did_you_mean(unknown[0], known)
+            warn(f"{node.where}: the file has no material {unknown[0]!r}{near}; the bsdf is used for the whole shape")
+        return _with_bsdf(node, materials, [named[unknown[0]]])
+    for name in unknown:
+        warn(f"{node.where}: the file has no material {name!r} for a bsdf to replace{did_you_mean(name, known)}")
+    result = []
+    for mesh in meshes:
+        replacement = named.get(mesh.material.name, own[0] if own else None)
+        result.append(mesh if replacement is None else replace(mesh, material=materials.of(replacement)))
+    return result
+
+
+def _with_file_materials(node: Node) -> list[Mesh]:
+    face_normals = node.boolean("face_normals", default=False)
+    if node.type == "obj":
+        flip = node.boolean("flip_tex_coords", default=True)
+        return load_obj(node.file("filename"), face_normals=face_normals, flip_v=flip)
+    scene = load_gltf(node.file("filename"))
+    if scene.lights or scene.environment:
+        warn(f"{node.where}: only the meshes of the glTF file are used, not its lights")
+    if face_normals:
+        return [replace(mesh, normals=None) for mesh in scene.meshes]
+    return list(scene.meshes)
+
+
+def _bare(node: Node) -> list[Mesh]:
+    """The meshes without materials; as in Mitsuba normals are computed where the file has none."""
+    path = node.file("filename")
+    face_normals = node.boolean("face_normals", default=False)
+    if node.type == "obj":
+        flip = node.boolean("flip_tex_coords", default=True)
+        return load_obj(path, face_normals=face_normals, materials=False, smooth=True, flip_v=flip)
+    if node.type == "gltf":
+        return _with_file_materials(node)
+    if node.type == "ply":
+        mesh = load_ply(path, face_normals=face_normals)
+    else:
+        mesh = load_serialized(path, node.integer("shape_index", default=0), face_normals=face_normals)
+    if mesh.uvs is not None and node.boolean("flip_tex_coords", default=False):
+        mesh = replace(mesh, uvs=mesh.uvs * np.array([1, -1], dtype=np.float32) + np.array([0, 1], dtype=np.float32))
+    return [mesh]

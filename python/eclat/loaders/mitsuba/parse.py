@@ -1,0 +1,215 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""XML to the neutral tree: defaults, parameters, includes, aliases and references, of all versions of Mitsuba."""
+
+from __future__ import annotations
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from eclat.errors import EclatError, did_you_mean, warn
+from eclat.loaders.mitsuba.elements import Element, read_elements
+from eclat.loaders.mitsuba.node import MAX_DEPTH, Node, parse_boolean, parse_number, parse_vector, snake_case
+from eclat.loaders.mitsuba.references import Identifiers, resolve_references
+from eclat.loaders.mitsuba.spectra import parse_blackbody, parse_rgb, parse_spectrum, read_spd
+from eclat.loaders.mitsuba.transforms import read_transform
+
+OBJECT_TAGS = {
+    **{tag: tag for tag in ("scene", "shape", "bsdf", "texture", "emitter", "sensor", "film", "sampler", "integrator")},
+    **{tag: tag for tag in ("rfilter", "medium", "phase", "volume", "subsurface", "spectrum")},
+    "luminaire": "emitter",
+    "background": "emitter",
+    "camera": "sensor",
+}
+
+_MAX_INCLUDES = 1000
+_MAX_EXPANDED = 1 << 14
+"""Characters of an attribute after substitution: defaults that double each other must not fill the memory."""
+
+
+def parse_xml(path: Path, parameters: dict[str, str]) -> Node:
+    """The tree of an XML scene, references resolved. Raises EclatError with file and line."""
+    parser = _Parser(path, parameters)
+    scene = Node("scene", "scene", path.name, parser.folders)
+    parser.file(path, scene, str(path), (), 0)
+    for name in parameters.keys() - parser.read_parameters:
+        warn(f"{path.name}: no element uses the parameter {name!r}{did_you_mean(name, parser.read_parameters)}")
+    resolve_references(scene, parser.identifiers)
+    return scene
+
+
+class _Parser:
+    def __init__(self, path: Path, parameters: dict[str, str]) -> None:
+        self.folders: tuple[Path, ...] = (path.parent,)
+        self.parameters = dict(parameters)
+        self.read_parameters: set[str] = set()
+        self.identifiers = Identifiers()
+        self.includes = 0
+        self.legacy = False
+
+    def file(self, path: Path, scene: Node, where: str, stack: tuple[Path, ...], depth: int) -> None:
+        """Read the file at `path` into `scene`; `stack` are the files that include it, with their folders searched."""
+        real = path.resolve()
+        if real in stack:
+            raise EclatError(f"{where}: {path.name} includes itself")
+        self.includes += 1
+        if self.includes > _MAX_INCLUDES:
+            raise EclatError(f"{where}: more than {_MAX_INCLUDES} includes")
+        root = read_elements(path, where)
+        if path.parent not in self.folders:
+            self.folders = (*self.folders, path.parent)
+        if OBJECT_TAGS.get(root.tag) != "scene":
+            if not stack:
+                raise EclatError(f"{root.where}: expected the root element <scene>")
+            self.child(root, scene, (*stack, real), depth + 1)
+            return
+        if not stack:
+            self.legacy = _is_legacy(root)
+        for child in root.children:
+            self.child(child, scene, (*stack, real), depth + 1)
+
+    def child(self, element: Element, parent: Node, stack: tuple[Path, ...], depth: int) -> None:
+        """Add what `element` says to `parent`: a property, an object, or a directive."""
+        if depth > MAX_DEPTH:
+            raise EclatError(f"{element.where}: elements and includes are nested more than {MAX_DEPTH} deep")
+        element.attributes = {key: self.expand(value, element) for key, value in element.attributes.items()}
+        tag, attributes = element.tag, element.attributes
+        if tag == "include":
+            self.include(element, parent, stack, depth)
+        elif tag == "default":
+            self.parameters.setdefault(_needed(element, "name"), attributes.get("value", ""))
+        elif tag == "alias":
+            self.identifiers.alias(_needed(element, "id"), _needed(element, "as"), element.where)
+        elif tag == "path":
+            self.folders = (*self.folders, self.folders[0] / _needed(element, "value", "filename"))
+        elif tag == "ref":
+            target = Node("ref", "", element.where, self.folders, id=_needed(element, "id"))
+            # The name tells references from bsdfs that are made inside a shape of type obj (mesh_files.py).
+            parent.children.append((attributes.get("name", "ref"), target))
+        elif tag in OBJECT_TAGS and ("type" in attributes or tag not in ("spectrum", "scene")):
+            self.object(element, parent, stack, depth)
+        elif tag in _PROPERTIES or tag in ("transform", "animation"):
+            self.property(element, parent)
+        else:
+            known = [*OBJECT_TAGS, *_PROPERTIES, "transform", "include", "default", "alias", "ref", "path"]
+            warn(f"{element.where}: an unknown element, ignored{did_you_mean(tag, known)}")
+
+    def include(self, element: Element, parent: Node, stack: tuple[Path, ...], depth: int) -> None:
+        name = _needed(element, "filename")
+        path = Node("include", "", element.where, self.folders, properties={"filename": name}).file("filename")
+        self.file(path, parent, element.where, stack, depth)
+
+    def object(self, element: Element, parent: Node, stack: tuple[Path, ...], depth: int) -> None:
+        attributes = element.attributes
+        node = Node(OBJECT_TAGS[element.tag], _needed(element, "type"), element.where, self.folders)
+        node.id, node.legacy = attributes.get("id", ""), self.legacy
+        for child in element.children:
+            self.child(child, node, stack, depth + 1)
+        self.identifiers.add(node.id, node)
+        parent.children.append((attributes.get("name", ""), node))
+
+    def property(self, element: Element, parent: Node) -> None:
+        """Set the property that `element` gives to `parent`."""
+        name = element.attributes.get("name")
+        if name is None and element.tag in ("transform", "animation"):
+            name = "to_world"
+        if name is None:
+            warn(f"{element.where}: a property without a name, ignored")
+            return
+        if parent.tag == "scene":
+            return  # Mitsuba's scene has no property that we need
+        parent.properties[snake_case(name)] = self.value(element)
+
+    def value(self, element: Element) -> Any:
+        if element.tag == "animation":
+            frames = [child for child in element.children if child.tag == "transform"]
+            warn(f"{element.where}: motion is not supported; the first keyframe is used")
+            return self.value(frames[0]) if frames else np.eye(4)
+        if element.tag == "transform":
+            for step in element.children:
+                step.attributes = {key: self.expand(value, step) for key, value in step.attributes.items()}
+            return read_transform(element)
+        if element.tag == "spectrum" and "filename" in element.attributes:
+            holder = Node("spectrum", "", element.where, self.folders, properties=dict(element.attributes))
+            return read_spd(holder.file("filename"), element.where)
+        return _PROPERTIES[element.tag](element)
+
+    def expand(self, text: str, element: Element) -> str:
+        """`text` with every `$name` replaced. Raises EclatError for a name that has no value."""
+        if "$" not in text:
+            return text
+        expanded = re.sub(r"\$\{?(\w+)\}?", lambda match: self.parameter(match[1], element), text)
+        if len(expanded) > _MAX_EXPANDED:
+            raise EclatError(f"{element.where}: more than {_MAX_EXPANDED} characters after substitution of parameters")
+        return expanded
+
+    def parameter(self, word: str, element: Element) -> str:
+        """The value of the parameter `word`, or of the longest one that `word` begins with, as Mitsuba does."""
+        for end in range(min(len(word), 200), 0, -1):
+            if word[:end] in self.parameters:
+                self.read_parameters.add(word[:end])
+                return self.parameters[word[:end]] + word[end:]
+        raise EclatError(
+            f"{element.where}: the parameter ${word[:60]} has no value and no <default>"
+            f"{did_you_mean(word[:60], self.parameters)}"
+        )
+
+
+def _is_legacy(root: Element) -> bool:
+    version = root.attributes.get("version")
+    if version is None:
+        warn(f"{root.where}: expected the attribute version; 3.0.0 is assumed")
+        return False
+    match = re.match(r"\s*(\d+)\.", version + ".")
+    if not match:
+        raise EclatError(f"{root.where}: expected a version like 3.0.0, got {version[:40]!r}")
+    return int(match[1]) < 2
+
+
+def _needed(element: Element, *names: str) -> str:
+    """The first of these attributes; EclatError where there is none."""
+    for name in names:
+        if name in element.attributes:
+            return element.attributes[name]
+    raise EclatError(f"{element.where}: expected the attribute {' or '.join(names)}")
+
+
+def _number(element: Element) -> float:
+    return parse_number(_needed(element, "value"), element.where)
+
+
+def _vector(element: Element) -> tuple[float, float, float]:
+    if "value" in element.attributes:
+        return parse_vector(element.attributes["value"], element.where)
+    x, y, z = (parse_number(element.attributes.get(axis, "0"), element.where) for axis in "xyz")
+    return x, y, z
+
+
+def _rgb(element: Element) -> Any:
+    if "value" not in element.attributes and "r" in element.attributes:
+        text = " ".join(element.attributes.get(channel, "0") for channel in "rgb")
+        return parse_rgb(text, element.where, encoded=element.tag == "srgb")
+    return parse_rgb(_needed(element, "value"), element.where, encoded=element.tag == "srgb")
+
+
+def _blackbody(element: Element) -> Any:
+    scale = parse_number(element.attributes.get("scale", "1"), element.where)
+    return parse_blackbody(_needed(element, "temperature", "value"), scale, element.where)
+
+
+_PROPERTIES = {
+    "float": _number,
+    "integer": _number,
+    "boolean": lambda element: parse_boolean(_needed(element, "value"), element.where),
+    "string": lambda element: _needed(element, "value"),
+    "point": _vector,
+    "vector": _vector,
+    "rgb": _rgb,
+    "srgb": _rgb,
+    "spectrum": lambda element: parse_spectrum(_needed(element, "value", "intensity"), element.where),
+    "blackbody": _blackbody,
+    "color": _rgb,
+}

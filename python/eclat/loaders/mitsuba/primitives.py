@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Mitsuba's primitives as triangles with normals, texture coordinates and tangents, in their own frame.
+
+Curved ones get `SEGMENTS` divisions of a turn. A chord departs from its arc by at most 1 − cos(π / 128) = 3.0e-4 of the
+radius, the middle of a sphere's cell by about twice that. The vertices stand outside the true surface by half of it or
+so, such that the area, and with it the power of an emitter of given radiance, is exactly that of the true shape.
+
+Texture coordinates are Mitsuba's, with v = 0 the first row of the image.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+SEGMENTS = 128
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Surface:
+    """positions, normals, tangents (V, 3), uvs (V, 2), triangles (T, 3) counter-clockwise seen from outside."""
+
+    positions: Floats
+    normals: Floats
+    tangents: Floats
+    uvs: Floats
+    triangles: NDArray[np.int64]
+
+
+def rectangle() -> Surface:
+    """The square [−1, 1]² at z = 0 that faces +z."""
+    positions = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=np.float64)
+    uvs = (positions[:, :2] + 1) / 2
+    triangles = np.array([[0, 1, 2], [0, 2, 3]])
+    return Surface(positions, _all((0, 0, 1), 4), _all((1, 0, 0), 4), uvs, triangles)
+
+
+def cube() -> Surface:
+    """The cube [−1, 1]³; each side has the whole image."""
+    corners = np.array([[0, 0], [0, 1], [1, 1], [1, 0]], dtype=np.float64)
+    positions, normals, tangents, triangles = [], [], [], []
+    for index, (normal, across, down) in enumerate(_CUBE_SIDES):
+        n, u, v = (np.array(axis, dtype=np.float64) for axis in (normal, across, down))
+        positions.append(n - u - v + 2 * (corners[:, :1] * u + corners[:, 1:] * v))
+        normals.append(_all(normal, 4))
+        tangents.append(_all(across, 4))
+        triangles.append(np.array([[0, 1, 2], [0, 2, 3]]) + 4 * index)
+    uvs = np.tile(corners, (6, 1))
+    return Surface(*(np.concatenate(part) for part in (positions, normals, tangents)), uvs, np.concatenate(triangles))
+
+
+def disk() -> Surface:
+    """The unit disk at z = 0 that faces +z; u is the radius, v the angle."""
+    angle = np.arange(SEGMENTS + 1) * (2 * math.pi / SEGMENTS)
+    # n triangles of two sides R have the area n / 2 · R² sin(2π / n).
+    radius = math.sqrt(2 * math.pi / SEGMENTS / math.sin(2 * math.pi / SEGMENTS))
+    middle = angle[:-1] + math.pi / SEGMENTS
+    outward = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
+    inner = np.stack([np.cos(middle), np.sin(middle), 0 * middle], axis=1)
+    positions = np.concatenate([outward * radius, 0 * inner])
+    uvs = np.concatenate([_columns(1.0, angle / (2 * math.pi)), _columns(0.0, middle / (2 * math.pi))])
+    first = np.arange(SEGMENTS)
+    triangles = np.stack([first, first + 1, first + SEGMENTS + 1], axis=1)
+    return Surface(positions, _all((0, 0, 1), len(positions)), np.concatenate([outward, inner]), uvs, triangles)
+
+
+def cylinder() -> Surface:
+    """The side of the unit cylinder from z = 0 to 1, without caps; u goes around, v along z."""
+    angle = np.arange(SEGMENTS + 1) * (2 * math.pi / SEGMENTS)
+    radius = math.pi / SEGMENTS / math.sin(math.pi / SEGMENTS)  # the perimeter 2 n R sin(π / n) is that of the circle
+    normals = np.tile(np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1), (2, 1))
+    tangents = np.tile(np.stack([-np.sin(angle), np.cos(angle), 0 * angle], axis=1), (2, 1))
+    height = np.repeat([0.0, 1.0], SEGMENTS + 1)
+    positions = normals * radius
+    positions[:, 2] = height
+    uvs = np.stack([np.tile(angle / (2 * math.pi), 2), height], axis=1)
+    return Surface(positions, normals, tangents, uvs, _grid(2, SEGMENTS + 1)[:, ::-1])
+
+
+def sphere() -> Surface:
+    """The unit sphere; u goes around z, v from +z down to −z."""
+    angle = np.arange(SEGMENTS + 1) * (2 * math.pi / SEGMENTS)
+    polar = np.arange(SEGMENTS // 2 + 1) * (2 * math.pi / SEGMENTS)
+    theta, phi = (part.ravel() for part in np.meshgrid(polar, angle, indexing="ij"))
+    normals = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
+    tangents = np.stack([-np.sin(phi), np.cos(phi), 0 * phi], axis=1)
+    uvs = np.stack([phi / (2 * math.pi), theta / math.pi], axis=1)
+    triangles = _grid(len(polar), len(angle))
+    area = _areas(normals, triangles)
+    triangles = triangles[area > 1e-9]  # at the poles one of a cell's two triangles has no area
+    radius = math.sqrt(4 * math.pi / area.sum())
+    # At a pole each triangle has its own vertex, with the u of the cell's middle.
+    polar_rows = (theta == polar[0]) | (theta == polar[-1])
+    uvs[polar_rows, 0] += np.where(theta[polar_rows] == polar[0], 0.5, -0.5) / SEGMENTS
+    return Surface(normals * radius, normals, tangents, uvs, triangles)
+
+
+# normal, direction of growing u, direction of growing v
+_CUBE_SIDES = (
+    ((0, -1, 0), (0, 0, 1), (1, 0, 0)),
+    ((0, 1, 0), (-1, 0, 0), (0, 0, -1)),
+    ((1, 0, 0), (0, 1, 0), (0, 0, -1)),
+    ((0, 0, 1), (0, 1, 0), (1, 0, 0)),
+    ((-1, 0, 0), (0, 1, 0), (0, 0, 1)),
+    ((0, 0, -1), (0, -1, 0), (1, 0, 0)),
+)
+
+
+def _all(vector: tuple[float, float, float], count: int) -> Floats:
+    return np.tile(np.array(vector, dtype=np.float64), (count, 1))
+
+
+def _columns(u: float, v: Floats) -> Floats:
+    return np.stack([np.full_like(v, u), v], axis=1)
+
+
+def _grid(rows: int, columns: int) -> NDArray[np.int64]:
+    """Two triangles for each cell of a grid of vertices: rows go down, columns to the right, seen from outside."""
+    first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
+    a, b, c, d = first, first + columns, first + columns + 1, first + 1
+    return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+
+
+def _areas(positions: Floats, triangles: NDArray[np.int64]) -> Floats:
+    p, q, r = (positions[triangles[:, i]] for i in range(3))
+    return np.linalg.norm(np.cross(q - p, r - p), axis=1) / 2

@@ -1,0 +1,169 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Shapes of the tree to meshes in world space, with their materials and area lights."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from eclat.errors import EclatError, did_you_mean, warn
+from eclat.loaders.mitsuba import primitives
+from eclat.loaders.mitsuba.kinds import PLUGINS
+from eclat.loaders.mitsuba.materials import Materials, default_material
+from eclat.loaders.mitsuba.mesh_files import MESH_FILES, load_mesh_file
+from eclat.loaders.mitsuba.node import Node
+from eclat.loaders.mitsuba.placement import placed
+from eclat.loaders.mitsuba.transforms import Matrix, is_singular, normalize
+from eclat.scene import Material, Mesh, grey
+
+_MAX_TRIANGLES = 10**8
+"""In all; instances are copied, and a few lines can ask for more than any memory holds."""
+
+
+@dataclass
+class Shapes:
+    """Makes the meshes of a scene; counts triangles so that instances of instances cannot fill the memory."""
+
+    materials: Materials = field(default_factory=Materials)
+    groups: dict[int, list[Mesh]] = field(default_factory=dict)
+    lit: dict[tuple[int, int], tuple[Material, Material]] = field(default_factory=dict)
+    """By material and emitter: the material that shines, and the dark one (kept, so that its id stays its own)."""
+    triangles: int = 0
+
+    def of(self, node: Node) -> list[Mesh]:
+        """The meshes of a shape, none (with a warning) for types that we do not have. Raises EclatError."""
+        if node.type == "shapegroup":
+            return []  # it is seen through its instances only
+        if node.type == "instance":
+            return self._instance(node)
+        if node.type == "merge":
+            return [mesh for _, child in node.of_tag("shape") for mesh in self.of(child)]
+        if node.type in MESH_FILES:
+            meshes = [self._in_world(mesh, node) for mesh in load_mesh_file(node, self.materials)]
+        elif node.type in _PRIMITIVES:
+            meshes = self._primitive(node)
+        else:
+            near = did_you_mean(node.type, PLUGINS["shape"] | {"gltf"})
+            warn(f"{node.where}: a shape of a type that is not supported{near}; left out")
+            return []
+        self._count(sum(len(mesh.triangles) for mesh in meshes), node)
+        return [replace(mesh, material=self._lit(mesh.material, node)) for mesh in meshes]
+
+    def _instance(self, node: Node) -> list[Mesh]:
+        groups = [child for _, child in node.of_tag("shape")]
+        if len(groups) != 1 or groups[0].type != "shapegroup":
+            raise EclatError(f"{node.where}: expected one shapegroup inside, got {[group.type for group in groups]}")
+        group = groups[0]
+        if id(group) not in self.groups:
+            self.groups[id(group)] = [mesh for _, child in group.of_tag("shape") for mesh in self.of(child)]
+        meshes = self.groups[id(group)]
+        self._count(sum(len(mesh.triangles) for mesh in meshes), node)
+        matrix = self._to_world(node)
+        return [placed(mesh, matrix) for mesh in meshes]
+
+    def _count(self, triangles: int, node: Node) -> None:
+        self.triangles += triangles
+        if self.triangles > _MAX_TRIANGLES:
+            raise EclatError(f"{node.where}: the scene has more than {_MAX_TRIANGLES:.0e} triangles with its instances")
+
+    def _primitive(self, node: Node) -> list[Mesh]:
+        made = _PRIMITIVES[node.type](node)
+        if made is None:
+            return []
+        surface, matrix = made
+        material = self._bsdf(node)
+        tangents = None
+        if material.normal_map is not None and material.normal_map.kind == "normal":
+            # Mitsuba's bitangent is normal × tangent, whichever way v goes.
+            tangents = np.concatenate([surface.tangents, np.ones((len(surface.tangents), 1))], axis=1)
+        mesh = Mesh(
+            surface.positions,
+            surface.triangles,
+            material,
+            normals=surface.normals,
+            uvs=surface.uvs,
+            tangents=tangents,
+            name=node.id or node.type,
+        )
+        mesh = placed(mesh, self._to_world(node) @ matrix)
+        if node.boolean("face_normals", default=False):
+            mesh = replace(mesh, normals=None)
+        return [self._flipped(mesh, node)]
+
+    def _in_world(self, mesh: Mesh, node: Node) -> Mesh:
+        name = node.id or mesh.name
+        return self._flipped(replace(placed(mesh, self._to_world(node)), name=name), node)
+
+    def _flipped(self, mesh: Mesh, node: Node) -> Mesh:
+        if not node.boolean("flip_normals", default=False):
+            return mesh
+        normals = None if mesh.normals is None else -mesh.normals
+        return replace(mesh, triangles=mesh.triangles[:, ::-1], normals=normals)
+
+    def _to_world(self, node: Node) -> Matrix:
+        matrix = node.transform("to_world")
+        if is_singular(matrix) and node.type not in ("rectangle", "disk"):
+            warn(f"{node.where}, to_world: the transform flattens the shape")
+        return matrix
+
+    def _bsdf(self, node: Node) -> Material:
+        bsdfs = [child for _, child in node.of_tag("bsdf")]
+        if len(bsdfs) > 1:
+            warn(f"{node.where}: expected one bsdf, got {len(bsdfs)}; the first is used")
+        return self.materials.of(bsdfs[0]) if bsdfs else default_material()
+
+    def _lit(self, material: Material, node: Node) -> Material:
+        """`material` with the emission of the shape's area light."""
+        emitters = [child for _, child in node.of_tag("emitter")]
+        if not emitters:
+            return material
+        emitter = emitters[0]
+        if len(emitters) > 1 or emitter.type != "area":
+            types = [child.type for child in emitters]
+            warn(f"{node.where}: expected one emitter of type area, got {types}; the first is taken as one")
+        original, key = material, (id(material), id(emitter))
+        if key not in self.lit:
+            radiance = self.materials.textures.value(emitter, "radiance", default=1.0, kind="emission")
+            if material.opacity.texture is None and max(material.opacity.constant) == 0:
+                warn(f"{node.where}: a light on a null bsdf becomes an opaque black surface that shines")
+                material = replace(material, opacity=grey(1.0), two_sided=False)
+            self.lit[key] = replace(material, emission=radiance), original
+        return self.lit[key][0]
+
+
+def _sphere(node: Node) -> tuple[primitives.Surface, Matrix] | None:
+    radius = node.number("radius", default=1.0)
+    matrix = np.diag([radius, radius, radius, 1.0])
+    matrix[:3, 3] = node.vector("center") or (0.0, 0.0, 0.0)
+    if radius <= 0:
+        raise node.mismatch("radius", "a number above 0", radius)
+    return primitives.sphere(), matrix
+
+
+def _cylinder(node: Node) -> tuple[primitives.Surface, Matrix] | None:
+    start = np.array(node.vector("p0") or (0.0, 0.0, 0.0))
+    end = np.array(node.vector("p1") or (0.0, 0.0, 1.0))
+    radius = node.positive("radius", default=1.0)
+    axis = end - start
+    if not np.any(axis):
+        warn(f"{node.where}: p0 and p1 are the same point; left out")
+        return None
+    side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
+    across = normalize(side)
+    matrix = np.eye(4)
+    matrix[:3, 0], matrix[:3, 1] = across * radius, np.cross(normalize(axis), across) * radius
+    matrix[:3, 2], matrix[:3, 3] = axis, start
+    if np.allclose(axis / np.linalg.norm(axis), (0, 0, 1)):
+        matrix[:3, :2] = np.array([[radius, 0], [0, radius], [0, 0]])  # where u begins, as in Mitsuba
+    return primitives.cylinder(), matrix
+
+
+_PRIMITIVES = {
+    "rectangle": lambda node: (primitives.rectangle(), np.eye(4)),
+    "cube": lambda node: (primitives.cube(), np.eye(4)),
+    "disk": lambda node: (primitives.disk(), np.eye(4)),
+    "sphere": _sphere,
+    "cylinder": _cylinder,
+}
