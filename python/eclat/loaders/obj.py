@@ -1,0 +1,207 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Wavefront OBJ: triangles and polygons, with the materials of its MTL files.
+
+World space is the file's, lengths count as metres. Faces without `vn` are flat, those with `vn` are smooth whatever
+the smoothing groups say (the format has it so). Curves, surfaces, lines and points are left out with a warning.
+`obj_text` reads the statements, `mtl` and `mtl_materials` the materials; this file makes meshes of them.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass, replace
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.loaders import triangles as geometry
+from eclat.loaders.files import read_bytes
+from eclat.loaders.mtl import Library, load_library
+from eclat.loaders.mtl_materials import MtlMaterial, build_material
+from eclat.loaders.obj_text import ObjText, read_obj_text
+from eclat.scene import FloatArray, Material, Mesh, Scene, Value, grey
+
+IntArray = NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class _Vertices:
+    """Corners merged into vertices, and the triangles between them."""
+
+    positions: FloatArray
+    normals: NDArray[np.float32]
+    """Zero where the file gives none."""
+    uvs: NDArray[np.float32]
+    has_uv: NDArray[np.bool_]
+    colors: NDArray[np.float32] | None
+    triangles: IntArray
+    polygons: IntArray
+    """(T,) the face that each triangle was cut from."""
+
+
+def load_obj_scene(path: Path) -> Scene:
+    """The scene in an OBJ file: its meshes with the materials of its MTL files; no camera, no lights but emitters."""
+    return Scene(meshes=tuple(load_obj(path)), name=path.stem)
+
+
+def load_obj(
+    path: Path, *, face_normals: bool = False, materials: bool = True, smooth: bool = False, flip_v: bool = True
+) -> list[Mesh]:
+    """The triangles of an OBJ file, one mesh per material in order of appearance.
+
+    Parameters
+    ----------
+    face_normals : ignore `vn`, everything is flat.
+    materials : read MTL files; without, all triangles come as one mesh with a default material.
+    smooth : where the file has no normals at all, compute them (as Mitsuba does) instead of flat shading; vertices
+        that differ in `vt` stay apart.
+    flip_v : OBJ's v grows upwards, ours downwards; False keeps the file's numbers.
+
+    Raises
+    ------
+    EclatError : unreadable files, malformed lines, indices out of range, coordinates that are not finite, no triangle.
+    """
+    text = read_obj_text(read_bytes(path, where=path.name), path.name)
+    vertices = _merge_corners(text, path.name, face_normals=face_normals, flip_v=flip_v)
+    if smooth and not face_normals and not vertices.normals.any():
+        vertices = replace(vertices, normals=geometry.smooth_normals(vertices.positions, vertices.triangles))
+    if not materials:
+        mesh = _part(vertices, np.arange(len(vertices.triangles)), path.stem)
+        return [_with_surface(mesh, MtlMaterial(_grey(mesh)), path.name)]
+    library = load_library(path, text.libraries)
+    material_of = text.face_materials[vertices.polygons]
+    meshes = []
+    for which in _grouped(material_of):
+        material = text.material_names[material_of[which[0]]]
+        groups = np.unique(text.face_groups[vertices.polygons[which]])
+        name = text.group_names[groups[0]] if len(groups) == 1 else ""
+        mesh = _part(vertices, which, name or material or path.stem)
+        meshes.append(_with_surface(mesh, _find_material(library, material, mesh), path.name))
+    return meshes
+
+
+def _merge_corners(text: ObjText, where: str, *, face_normals: bool, flip_v: bool) -> _Vertices:
+    cut, polygons = geometry.triangulate(text.positions, text.corners[:, 0], text.counts, where)
+    short = int((text.counts < 3).sum())
+    keep = geometry.drop_slivers(text.positions, text.corners[:, 0][cut], where, short_polygons=short)
+    cut, polygons = cut[keep], polygons[keep]
+    corners = text.corners[cut.ravel()]
+    normals = geometry.normalized(text.normals)
+    if face_normals:
+        corners[:, 2] = -1
+    else:
+        corners[:, 2], normals = _complete_normals(text, corners, polygons, normals)
+    pair = np.unique((corners[:, 1] + 1) * (len(normals) + 1) + corners[:, 2] + 1, return_inverse=True)[1].ravel()
+    key = corners[:, 0] * (int(pair.max()) + 1) + pair
+    first, inverse = np.unique(key, return_index=True, return_inverse=True)[1:]
+    v, t, n = corners[first].T
+    uvs = np.vstack([text.uvs, np.zeros((1, 2), np.float32)])[t]
+    if flip_v:
+        uvs[:, 1] = np.where(t >= 0, 1 - uvs[:, 1], 0)
+    return _Vertices(
+        positions=text.positions[v],
+        normals=np.vstack([normals, np.zeros((1, 3))])[n].astype(np.float32),
+        uvs=uvs,
+        has_uv=t >= 0,
+        colors=None if text.colors is None else _linear_colors(text.colors)[v],
+        triangles=inverse.reshape(-1, 3),
+        polygons=polygons,
+    )
+
+
+def _complete_normals(
+    text: ObjText, corners: IntArray, polygons: IntArray, normals: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """Where a material has normals, its corners without (or with one of length zero) get their face's.
+
+    `corners` are the triangles', three for each of `polygons`. Returns their normal indices, and the longer table.
+    """
+    index = corners[:, 2].copy()
+    index[index >= 0] = np.where(normals[index[index >= 0]].any(axis=1), index[index >= 0], -1)
+    material = np.repeat(text.face_materials[polygons], 3)
+    wanted = np.bincount(material, index >= 0) > 0
+    missing = wanted[material] & (index < 0)
+    if not missing.any():
+        return index, normals
+    areas = np.zeros((len(text.counts), 3))
+    p = text.positions[corners[:, 0].reshape(-1, 3)]
+    # The sum over a polygon's triangles, so that all of a polygon is shaded as one.
+    np.add.at(areas, polygons, np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
+    index[missing] = len(normals) + np.repeat(polygons, 3)[missing]
+    return index, np.vstack([normals, geometry.normalized(areas)])
+
+
+def _linear_colors(colors: FloatArray) -> NDArray[np.float32]:
+    """(V, 4) linear RGBA; the files' numbers are sRGB, white where a vertex has none."""
+    known = np.isfinite(colors).all(axis=1)
+    return np.column_stack(
+        [geometry.linear_from_srgb(np.where(known[:, None], colors, 1)), np.ones(len(colors), np.float32)]
+    )
+
+
+def _grouped(values: IntArray) -> list[IntArray]:
+    """The places of each distinct value, ascending; values in order of appearance."""
+    order = np.argsort(values, kind="stable")
+    pieces = np.split(order, np.flatnonzero(np.diff(values[order])) + 1)
+    return sorted(pieces, key=lambda piece: int(piece[0]))
+
+
+def _part(vertices: _Vertices, which: IntArray, name: str) -> Mesh:
+    """The triangles numbered `which` as a mesh of their own, with Éclat's default material."""
+    used, inverse = np.unique(vertices.triangles[which], return_inverse=True)
+    normals = vertices.normals[used]
+    return Mesh(
+        positions=vertices.positions[used],
+        triangles=inverse.reshape(-1, 3).astype(np.int32),
+        material=Material(),
+        normals=normals if normals.any() else None,
+        uvs=vertices.uvs[used] if vertices.has_uv[used].any() else None,
+        colors=None if vertices.colors is None else vertices.colors[used],
+        name=name,
+    )
+
+
+def _grey(mesh: Mesh, name: str = "") -> Material:
+    """For triangles without a material: grey, or the vertex colours alone."""
+    return Material(parameters={"reflectance": grey(0.5 if mesh.colors is None else 1.0)}, name=name)
+
+
+def _find_material(library: Library, name: str, mesh: Mesh) -> MtlMaterial:
+    found = build_material(library, name) if name else None
+    return found or MtlMaterial(_grey(mesh, name))
+
+
+def _with_surface(mesh: Mesh, found: MtlMaterial, where: str) -> Mesh:
+    """`mesh` with the material, of which those parts are decided that depend on the geometry."""
+    material = found.material
+    if found.open_material is not None and not _is_closed(mesh):
+        material = found.open_material
+    if material.normal_map is not None and material.normal_map.kind == "bump":
+        scale = material.normal_map.scale * _texture_width(mesh, material.normal_map.value)
+        material = replace(material, normal_map=replace(material.normal_map, scale=scale))
+    if mesh.colors is not None:
+        material = replace(material, vertex_colors=True)
+    return replace(mesh, material=material)
+
+
+def _is_closed(mesh: Mesh) -> bool:
+    """Whether each edge is met by as many triangles one way as the other, vertices at one place counting as one."""
+    ids = np.unique(mesh.positions, axis=0, return_inverse=True)[1].ravel()
+    ends = ids[np.asarray(mesh.triangles)]
+    start, end = ends.ravel(), ends[:, (1, 2, 0)].ravel()
+    count = int(ids.max()) + 1
+    return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
+
+
+def _texture_width(mesh: Mesh, value: Value) -> float:
+    """The length in metres that one width of the texture covers on the mesh, on average over its area."""
+    if mesh.uvs is None:
+        return 1.0
+    corners = np.asarray(mesh.positions, dtype=np.float64)[mesh.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    (a, b, _), (c, d, _) = value.uv_transform
+    flat = np.asarray(mesh.uvs, dtype=np.float64)[mesh.triangles]
+    e, f = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
+    uv_area = np.abs(e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]).sum() * abs(a * d - b * c)
+    return float(np.sqrt(area / uv_area)) if uv_area > 0 else 1.0

@@ -1,0 +1,290 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The statements of an OBJ file as arrays, read many lines at a time; odd lines one by one, with their number."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Iterator
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.loaders.triangles import check_positions, finite_rows
+
+IntArray = NDArray[np.int64]
+
+_ABSENT = int(np.iinfo(np.int64).min)
+_LARGEST_INDEX = 1 << 40
+"""No file holds as many vertices; a larger index would overflow sums below."""
+
+_CONTINUED = re.compile(rb"\\[ \t]*(?:\r\n|\r|\n)")
+_KINDS = ("v", "vt", "vn")
+
+
+@dataclass(frozen=True, eq=False)
+class ObjText:
+    """What an OBJ file says. F faces with C corners in all."""
+
+    positions: NDArray[np.float64]
+    """(V, 3), finite."""
+    colors: NDArray[np.float64] | None
+    """(V, 3) as in the file, NaN where a vertex has none."""
+    uvs: NDArray[np.float32]
+    normals: NDArray[np.float32]
+    """(N, 3), of any length."""
+    corners: IntArray
+    """(C, 3) rows of positions, uvs, normals; −1 for none. In range."""
+    counts: IntArray
+    """(F,) corners of each face."""
+    face_materials: IntArray
+    """(F,) places in `material_names`, where "" means that no `usemtl` came before."""
+    face_groups: IntArray
+    """(F,) places in `group_names`."""
+    material_names: list[str]
+    group_names: list[str]
+    libraries: list[tuple[int, str]]
+    """Line and argument of each `mtllib`."""
+
+
+@dataclass
+class _Statements:
+    """Lines sorted by kind, not parsed yet."""
+
+    rows: dict[bytes, list[bytes]] = field(default_factory=lambda: {b"v": [], b"vt": [], b"vn": []})
+    lines: dict[bytes, list[int]] = field(default_factory=lambda: {b"v": [], b"vt": [], b"vn": []})
+    faces: list[bytes] = field(default_factory=list)
+    face_lines: list[int] = field(default_factory=list)
+    face_seen: list[tuple[int, int, int]] = field(default_factory=list)
+    """How many v, vt, vn came before each face: negative indices count from there."""
+    face_materials: list[int] = field(default_factory=list)
+    face_groups: list[int] = field(default_factory=list)
+    materials: dict[bytes, int] = field(default_factory=lambda: {b"": 0})
+    groups: dict[bytes, int] = field(default_factory=lambda: {b"": 0})
+    libraries: list[tuple[int, bytes]] = field(default_factory=list)
+    ignored: dict[bytes, int] = field(default_factory=dict)
+
+
+def read_obj_text(data: bytes, where: str) -> ObjText:
+    """Parse the bytes of an OBJ file called `where`.
+
+    Raises
+    ------
+    EclatError : no vertices or faces, malformed lines, indices out of range, coordinates that are not finite.
+    """
+    found = _sort_lines(data)
+    if found.ignored:
+        kinds = ", ".join(f"{decoded(key)[:20]!r} (line {line})" for key, line in list(found.ignored.items())[:8])
+        more = f" and {len(found.ignored) - 8} more kinds" if len(found.ignored) > 8 else ""
+        warn(f"{where}: statements that are not understood are ignored: {kinds}{more}")
+    if not found.rows[b"v"] or not found.faces:
+        raise EclatError(
+            f"{where}: expected an OBJ file with vertices (v) and faces (f), "
+            f"got {len(found.rows[b'v'])} vertices and {len(found.faces)} faces"
+        )
+    vertices = _table(found, b"v", (3, 6), 3, where)
+    check_positions(vertices[:, :3], where, numbers=found.lines[b"v"])
+    corners, counts = _corners(found, where)
+    return ObjText(
+        positions=np.ascontiguousarray(vertices[:, :3]),
+        colors=vertices[:, 3:] if vertices.shape[1] == 6 else None,
+        uvs=finite_rows(_table(found, b"vt", (1, 2), 1, where), "texture coordinates (vt)", where),
+        normals=finite_rows(_table(found, b"vn", (3,), 3, where), "normals (vn)", where),
+        corners=corners,
+        counts=counts,
+        face_materials=np.array(found.face_materials, dtype=np.int64),
+        face_groups=np.array(found.face_groups, dtype=np.int64),
+        material_names=[decoded(name) for name in found.materials],
+        group_names=[decoded(name) for name in found.groups],
+        libraries=[(line, decoded(name)) for line, name in found.libraries],
+    )
+
+
+def decoded(text: bytes) -> str:
+    """UTF-8, else Latin-1, which never fails."""
+    try:
+        return text.decode("utf-8")
+    except UnicodeDecodeError:
+        return text.decode("latin-1")
+
+
+def logical_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
+    """Numbered lines (from 1), those that end with a backslash joined to the next; any line ending, BOM removed."""
+    data = data.removeprefix(b"\xef\xbb\xbf")
+    if not _CONTINUED.search(data):
+        yield from enumerate(data.splitlines(), 1)
+        return
+    number, parts = 0, []
+    for number, line in enumerate(data.splitlines(), 1):
+        bare = line.rstrip(b" \t")
+        if bare.endswith(b"\\"):
+            parts.append(bare[:-1])
+        else:
+            yield number - len(parts), b" ".join([*parts, line])
+            parts = []
+    if parts:
+        yield number - len(parts) + 1, b" ".join(parts)
+
+
+def _sort_lines(data: bytes) -> _Statements:
+    found = _Statements()
+    rows, lines = found.rows, found.lines
+    v, vt, vn = rows[b"v"], rows[b"vt"], rows[b"vn"]
+    material = group = 0
+    for number, line in logical_lines(data):
+        words = line.split(None, 1)
+        if not words:
+            continue
+        key = words[0]
+        rest = words[1] if len(words) == 2 else b""
+        if key in rows:
+            rows[key].append(rest)
+            lines[key].append(number)
+        elif key == b"f" or key == b"fo":
+            found.faces.append(rest)
+            found.face_lines.append(number)
+            found.face_seen.append((len(v), len(vt), len(vn)))
+            found.face_materials.append(material)
+            found.face_groups.append(group)
+        elif key == b"usemtl":
+            material = found.materials.setdefault(rest.strip(), len(found.materials))
+        elif key == b"g" or key == b"o":
+            group = found.groups.setdefault(b" ".join(rest.split()), len(found.groups))
+        elif key == b"mtllib":
+            found.libraries.append((number, rest.strip()))
+        elif key != b"s" and not key.startswith(b"#"):
+            found.ignored.setdefault(key, number)
+    return found
+
+
+def _uncommented(rows: list[bytes]) -> list[bytes]:
+    return [row.partition(b"#")[0] if b"#" in row else row for row in rows]
+
+
+def _table(found: _Statements, kind: bytes, widths: tuple[int, ...], least: int, where: str) -> NDArray[np.float64]:
+    """The numbers after each statement of a `kind`: as many columns as the widest, NaN where a row has fewer.
+
+    Rows may have any count of at least `least`; they are cut to the largest of `widths` that fits. The result has at
+    least two columns.
+    """
+    rows = _uncommented(found.rows[kind])
+    if not rows:
+        return np.zeros((0, max(least, 2)))
+    width = len(rows[0].split())
+    table = _uniform_table(rows, width) if width else None
+    if table is None:
+        table = _uneven_table(rows, found.lines[kind], max(widths), least, decoded(kind), where)
+    usable = max((w for w in widths if w <= table.shape[1]), default=0)
+    if usable < least:
+        raise EclatError(
+            f"{where}, line {found.lines[kind][0]}: expected {least} numbers after {decoded(kind)}, got {width}"
+        )
+    table = table[:, :usable]
+    return table if usable > 1 else np.column_stack([table, np.zeros(len(table))])
+
+
+def _uniform_table(rows: list[bytes], width: int) -> NDArray[np.float64] | None:
+    """All rows at once when each has exactly `width` numbers, else None."""
+    tokens = b" ; ".join(rows).split()
+    stride = width + 1
+    if len(tokens) != stride * len(rows) - 1 or tokens[width::stride].count(b";") != len(rows) - 1:
+        return None
+    del tokens[width::stride]
+    try:
+        return np.array(list(map(float, tokens))).reshape(-1, width)
+    except ValueError:
+        return None
+
+
+def _uneven_table(
+    rows: list[bytes], lines: list[int], width: int, least: int, kind: str, where: str
+) -> NDArray[np.float64]:
+    table = np.full((len(rows), width), np.nan)
+    junk = 0
+    for i, row in enumerate(rows):
+        words = row.split()
+        values = _leading_numbers(words[:width])
+        if len(values) < least:
+            got = decoded(row).strip()[:60]
+            raise EclatError(f"{where}, line {lines[i]}: expected {least} numbers after {kind}, got {got!r}")
+        junk += len(values) < min(len(words), width)
+        # Four or five numbers are a weight or incomplete colours, of which nothing is used.
+        count = width if len(values) == width else least if width == 6 else len(values)
+        table[i, :count] = values[:count]
+    if kind == "vt":
+        table[np.isnan(table[:, 1]), 1] = 0
+    if junk:
+        warn(f"{where}: {junk} {kind} lines have more than numbers; the rest of those lines is ignored")
+    return table
+
+
+def _leading_numbers(words: list[bytes]) -> list[float]:
+    values = []
+    for word in words:
+        try:
+            values.append(float(word))
+        except ValueError:
+            break
+    return values
+
+
+def _corners(found: _Statements, where: str) -> tuple[IntArray, IntArray]:
+    """(C, 3) zero-based indices with −1 for none, and (F,) counts."""
+    rows = _uncommented(found.faces)
+    counts = np.array(list(map(len, map(bytes.split, rows))), dtype=np.int64)
+    words = b" ".join(rows).split()
+    lines = np.repeat(np.array(found.face_lines, dtype=np.int64), counts)
+    indices = _uniform_corners(words) if words else np.zeros((0, 3), dtype=np.int64)
+    if indices is None:
+        indices = np.array([_corner(word, line, where) for word, line in zip(words, lines, strict=True)], dtype=np.int64)
+    seen = np.repeat(np.array(found.face_seen, dtype=np.int64), counts, axis=0)
+    totals = np.array([len(found.rows[kind.encode()]) for kind in _KINDS])
+    given = indices != _ABSENT
+    places = np.where(indices > 0, indices - 1, seen + np.where(given, indices, 0))
+    wrong = given & ((indices == 0) | (places < 0) | (places >= totals))
+    if wrong.any():
+        corner, column = (int(i) for i in np.argwhere(wrong)[0])
+        raise EclatError(
+            f"{where}, line {lines[corner]}: expected a {_KINDS[column]} index in 1..{totals[column]} "
+            f"(or negative, counted back from this line), got {indices[corner, column]}"
+        )
+    return np.where(given, places, -1), counts
+
+
+def _uniform_corners(words: list[bytes]) -> IntArray | None:
+    """All corners at once when all are written alike (v, v/t, v//n or v/t/n), else None."""
+    slashes = words[0].count(b"/")
+    joined = b" ".join(words)
+    if b"//" in words[0]:
+        columns, tokens, separator = [0, 2], joined.replace(b"//", b" ! ").split(), b"!"
+    else:
+        columns, tokens, separator = list(range(slashes + 1)), joined.replace(b"/", b" / ").split(), b"/"
+    stride = 2 * len(columns) - 1
+    if slashes > 2 or len(tokens) != stride * len(words):
+        return None
+    try:
+        values = [np.array(list(map(int, tokens[2 * i :: stride])), dtype=np.int64) for i in range(len(columns))]
+    except (ValueError, OverflowError):
+        return None
+    if any(tokens[i::stride].count(separator) != len(words) for i in range(1, stride, 2)):
+        return None
+    result = np.full((len(words), 3), _ABSENT)
+    result[:, columns] = np.stack(values, axis=1)
+    return result if np.abs(np.stack(values)).max() < _LARGEST_INDEX else None
+
+
+def _corner(word: bytes, line: int, where: str) -> list[int]:
+    parts = word.split(b"/")
+    try:
+        if len(parts) > 3 or not parts[0]:
+            raise ValueError
+        numbers = [int(part) if part else _ABSENT for part in parts]
+    except ValueError:
+        raise EclatError(
+            f"{where}, line {line}: expected a face corner like 7, 7/3, 7//2 or 7/3/2, got {decoded(word)[:40]!r}"
+        ) from None
+    # Out of range in any file: kept small enough for the arrays, so that the range check reports it.
+    limited = [n if n == _ABSENT else max(-_LARGEST_INDEX, min(n, _LARGEST_INDEX)) for n in numbers]
+    return limited + [_ABSENT] * (3 - len(parts))

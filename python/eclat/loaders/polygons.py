@@ -1,0 +1,100 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Polygons of one size cut into triangles: fans where these fit, ears where not."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import warn
+from eclat.scene import FloatArray
+
+_LARGEST_EARED = 256
+"""Ear clipping takes cubic time at worst; beyond this many corners a fan must do."""
+
+_FLAT = 1e-9
+"""Twice a triangle's area over the polygon's, below which three corners count as collinear."""
+
+Point = tuple[float, float]
+
+
+def polygon_triangles(positions: FloatArray, polygons: NDArray[np.integer], where: str) -> NDArray[np.int64]:
+    """Cut P polygons of n corners each.
+
+    Parameters
+    ----------
+    positions : (V, 3).
+    polygons : (P, n) vertices, n ≥ 3; need not be convex or quite planar, should be simple.
+    where : file, for the warning that a concave polygon is too large to be cut well.
+
+    Returns
+    -------
+    (P, n − 2, 3) corner numbers 0 … n − 1, in the polygon's sense of rotation.
+    """
+    n = polygons.shape[1]
+    fan = np.stack([np.zeros(n - 2, np.int64), np.arange(1, n - 1), np.arange(2, n)], axis=1)
+    result = np.tile(fan, (len(polygons), 1, 1))
+    if n == 3:
+        return result
+    p = np.asarray(positions, dtype=np.float64)[polygons]
+    p -= p[:, :1]
+    # Of all vectors the sum of the fan's cross products is the polygon's area vector, convex or not.
+    crosses = np.cross(p[:, 1:-1], p[:, 2:])
+    normal = crosses.sum(axis=1)
+    areas = (crosses * normal[:, None]).sum(axis=2)
+    bad = areas.min(axis=1) <= _FLAT * np.abs(areas).sum(axis=1)
+    bad &= (normal != 0).any(axis=1)
+    if n > _LARGEST_EARED and bad.any():
+        warn(f"{where}: {int(bad.sum())} concave polygons of {n} corners are cut as if convex (limit {_LARGEST_EARED})")
+        return result
+    for row in np.flatnonzero(bad):
+        result[row] = _ears(_flattened(p[row], normal[row]))
+    return result
+
+
+def _flattened(points: FloatArray, normal: FloatArray) -> list[Point]:
+    """The (n, 3) `points` seen against `normal`, along its longest axis: counter-clockwise."""
+    axis = int(np.argmax(np.abs(normal)))
+    first, second = (axis + 1) % 3, (axis + 2) % 3
+    if normal[axis] < 0:
+        first, second = second, first
+    return [(float(point[first]), float(point[second])) for point in points]
+
+
+def _cross(a: Point, b: Point, c: Point) -> float:
+    return (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
+
+
+def _ears(points: list[Point]) -> list[tuple[int, int, int]]:
+    """Triangles of a counter-clockwise simple polygon; of a tangled one, some n − 2 triangles."""
+    left = list(range(len(points)))
+    area = sum(_cross(points[0], points[i], points[i + 1]) for i in range(1, len(points) - 1))
+    triangles = []
+    while len(left) > 3:
+        ear = _find_ear(points, left, _FLAT * abs(area))
+        triangles.append((left[ear - 1], left[ear], left[(ear + 1) % len(left)]))
+        del left[ear]
+    triangles.append((left[0], left[1], left[2]))
+    return triangles
+
+
+def _find_ear(points: list[Point], left: list[int], flat: float) -> int:
+    """The place in `left` of a corner to cut: a proper ear, else a flat corner, else any."""
+    n = len(left)
+    turns = [_cross(points[left[i - 1]], points[left[i]], points[left[(i + 1) % n]]) for i in range(n)]
+    # Only corners that do not turn left can lie inside an ear.
+    obstacles = [points[left[i]] for i in range(n) if turns[i] <= flat]
+    for i in range(n):
+        if turns[i] > flat and not _covers_any(
+            points[left[i - 1]], points[left[i]], points[left[(i + 1) % n]], obstacles
+        ):
+            return i
+    return min(range(n), key=lambda i: abs(turns[i]))
+
+
+def _covers_any(a: Point, b: Point, c: Point, obstacles: list[Point]) -> bool:
+    """Whether one of `obstacles`, the triangle's own corners aside, lies in the triangle or on its edges."""
+    return any(
+        q not in (a, b, c) and _cross(a, b, q) >= 0 and _cross(b, c, q) >= 0 and _cross(c, a, q) >= 0 for q in obstacles
+    )
