@@ -17,7 +17,7 @@ struct SphericalTriangle {
     float volume, sum_c, sum_ab;
     float solid_angle;  // NaN where a corner is not a direction
 
-    /// From unit vectors, in either orientation. tan(Ω/2) = |a·(b×c)| / (1 + a·b + b·c + c·a) [VanOosterom83 eq. 8].
+    /// From unit vectors, in either orientation. tan(Ω/2) = |a·(b×c)| / (1 + a·b + b·c + c·a) [VanOosterom83].
     static SphericalTriangle around(Vec3 a, Vec3 b, Vec3 c) {
         // Edges instead of corners in the product: the same volume, without cancellation.
         const float volume = std::abs(dot(a, cross(b - a, c - a)));

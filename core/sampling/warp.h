@@ -73,7 +73,7 @@ inline float triangle_pdf_area(float area) { return 1 / area; }
 
 // --- linear density on [0, 1] ---------------------------------------------------------------------------------------
 
-/// x with density proportional to lerp(a, b, x), for a, b ≥ 0 [PBRT4 §A.4.1].
+/// x with density proportional to lerp(a, b, x), for a, b ≥ 0 [PBRT4 §2.3.2].
 inline float unit_to_linear(float u, float a, float b) {
     const float sum = a + b;
     if (!(sum > 0)) return u;

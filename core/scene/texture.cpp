@@ -11,7 +11,7 @@ namespace eclat {
 
 namespace {
 
-/// sRGB's transfer function, encoded to linear [IEC61966-2-1].
+/// sRGB's transfer function, encoded to linear [IEC61966].
 double srgb_to_linear(double x) { return x <= 0.04045 ? x / 12.92 : std::pow((x + 0.055) / 1.055, 2.4); }
 
 using Table = std::array<float, 256>;
