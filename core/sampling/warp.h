@@ -76,7 +76,7 @@ inline float triangle_pdf_area(float area) { return 1 / area; }
 /// x with density proportional to lerp(a, b, x), for a, b ≥ 0 [PBRT4 §2.3.2].
 inline float unit_to_linear(float u, float a, float b) {
     const float sum = a + b;
-    if (!(sum > 0)) return u;
+    if (!(sum > 0) || u == 0) return u;
     // Shares instead of the values themselves: their squares cannot overflow.
     const float p = a / sum, q = b / sum;
     return std::min(u / (p + std::sqrt(lerp(p * p, q * q, u))), below_one);

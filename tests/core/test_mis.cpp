@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Weights of techniques: shares that sum to one, at the ends of the range too.
+
+#include "sampling/mis.h"
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+#include <initializer_list>
+
+using namespace eclat;
+
+TEST_CASE("the weights of two techniques sum to one") {
+    for (const float a : {1e-30f, 1e-3f, 1.0f, 7.0f, 1e30f}) {
+        for (const float b : {1e-30f, 0.5f, 3.0f, 1e30f}) {
+            CHECK(balance_heuristic(a, b) + balance_heuristic(b, a) == doctest::Approx(1));
+            CHECK(power_heuristic(a, b) + power_heuristic(b, a) == doctest::Approx(1));
+        }
+    }
+    CHECK(balance_heuristic(1, 3) == doctest::Approx(0.25));
+    CHECK(power_heuristic(1, 3) == doctest::Approx(0.1));
+}
+
+TEST_CASE("a technique that cannot make the sample has no weight, a delta has all") {
+    CHECK(power_heuristic(0, 1) == 0);
+    CHECK(power_heuristic(0, 0) == 0);
+    CHECK(power_heuristic(2, 0) == 1);
+    CHECK(power_heuristic(INFINITY, 1) == 1);
+    CHECK(power_heuristic(1, INFINITY) == 0);
+    CHECK(balance_heuristic(1, INFINITY) == 0);
+}
