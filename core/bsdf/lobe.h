@@ -29,7 +29,7 @@ struct LobeSample {
 };
 
 struct Lobe {
-    enum class Kind : uint8_t { lambert, coated_diffuse, phong, reflection, refraction, thin };
+    enum class Kind : uint8_t { lambert, coated_diffuse, phong, ward, reflection, refraction, thin };
     enum class Fresnel : uint8_t { conductor, schlick, dielectric };
 
     Kind kind = Kind::lambert;

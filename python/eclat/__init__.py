@@ -3,3 +3,47 @@
 """Éclat: global illumination by irradiance caching, beside an unbiased path tracer."""
 
 from __future__ import annotations
+
+import importlib
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from eclat.errors import EclatError, EclatWarning
+    from eclat.image import Image
+    from eclat.loaders import load
+    from eclat.loaders.mitsuba import load_dict
+    from eclat.options import METHODS, Direct, IrradianceCache, Path
+    from eclat.rendering import irradiance, render, solve
+    from eclat.scene import Scene
+    from eclat.solution import Solution, merge
+
+_HOMES = {
+    "load": "eclat.loaders",
+    "load_dict": "eclat.loaders.mitsuba",
+    "solve": "eclat.rendering",
+    "render": "eclat.rendering",
+    "irradiance": "eclat.rendering",
+    "Solution": "eclat.solution",
+    "merge": "eclat.solution",
+    "Direct": "eclat.options",
+    "Path": "eclat.options",
+    "IrradianceCache": "eclat.options",
+    "METHODS": "eclat.options",
+    "Image": "eclat.image",
+    "Scene": "eclat.scene",
+    "EclatError": "eclat.errors",
+    "EclatWarning": "eclat.errors",
+}
+"""Name → module: imported when first used, so that `eclat --help` need not load the core."""
+
+__all__ = list(_HOMES)
+
+
+def __getattr__(name: str) -> Any:
+    if name not in _HOMES:
+        raise AttributeError(f"module 'eclat' has no attribute {name!r}")
+    return getattr(importlib.import_module(_HOMES[name]), name)
+
+
+def __dir__() -> list[str]:
+    return sorted(__all__)

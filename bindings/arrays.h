@@ -1,0 +1,54 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Names for the shapes of arrays that cross the border, and their conversions.
+
+#pragma once
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <array>
+#include <vector>
+
+#include "base/color.h"
+
+namespace nb = nanobind;
+
+namespace eclat {
+
+template <class T, nb::ssize_t... Shape>
+using Array = nb::ndarray<const T, nb::shape<Shape...>, nb::c_contig, nb::device::cpu>;
+using Points = Array<float, -1, 3>;
+using Uvs = Array<float, -1, 2>;
+using Colors = Array<float, -1, 4>;
+using Triangles = Array<uint32_t, -1, 3>;
+using Bytes3 = Array<uint8_t, -1, -1, -1>;
+using Floats3 = Array<float, -1, -1, -1>;
+
+inline Vec3 vec3(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+inline Color color(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }
+
+inline std::vector<Vec3> vec3s(const Points& a) {
+    std::vector<Vec3> out(a.shape(0));
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {a(i, 0), a(i, 1), a(i, 2)};
+    return out;
+}
+inline std::vector<Vec2> vec2s(const Uvs& a) {
+    std::vector<Vec2> out(a.shape(0));
+    for (size_t i = 0; i < out.size(); ++i) out[i] = {a(i, 0), a(i, 1)};
+    return out;
+}
+
+/// A NumPy array of `shape` filled by `fill(float* data)`.
+template <class Fill>
+nb::ndarray<nb::numpy, float> float_array(std::initializer_list<size_t> shape, Fill&& fill) {
+    size_t size = 1;
+    for (size_t n : shape) size *= n;
+    auto* data = new float[size];
+    nb::capsule owner(data, [](void* p) noexcept { delete[] static_cast<float*>(p); });
+    fill(data);
+    return {data, shape, owner};
+}
+
+}  // namespace eclat

@@ -1,0 +1,76 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+
+#include <cstring>
+
+#include "arrays.h"
+#include "integrators/irradiance_cache.h"
+#include "world_holder.h"
+
+using namespace eclat;
+using namespace nb::literals;
+
+namespace {
+
+static_assert(sizeof(IrradianceRecord) % sizeof(float) == 0);
+constexpr size_t floats_per_record = sizeof(IrradianceRecord) / sizeof(float);
+
+/// (records, floats): position, normal, E, rotation gradient (RGB × xyz), translation gradient, R, radius and bounds.
+auto to_array(const RecordCache& cache) {
+    const auto& records = cache.records();
+    return float_array({records.size(), floats_per_record}, [&](float* data) {
+        if (!records.empty()) std::memcpy(data, records.data(), records.size() * sizeof(IrradianceRecord));
+    });
+}
+
+RecordCache from_array(Array<float, -1, -1> values, const CacheOptions& options, float spacing) {
+    if (values.shape(1) != floats_per_record) throw std::invalid_argument("a record cache of another version");
+    std::vector<IrradianceRecord> records(values.shape(0));
+    if (!records.empty()) std::memcpy(static_cast<void*>(records.data()), values.data(), records.size() * sizeof(IrradianceRecord));
+    RecordCache cache(options);
+    cache.insert(records, spacing, 0);
+    return cache;
+}
+
+}  // namespace
+
+void bind_cache(nb::module_& m) {
+    nb::class_<IrradianceCacheOptions>(m, "IrradianceCacheOptions")
+        .def(nb::init<>())
+        .def_rw("spacing", &IrradianceCacheOptions::spacing)
+        .def_prop_rw("harmonic", [](const IrradianceCacheOptions& o) { return o.distance == Spacing::harmonic; },
+                     [](IrradianceCacheOptions& o, bool on) { o.distance = on ? Spacing::harmonic : Spacing::minimum; })
+        .def_prop_rw("ward_weight", [](const IrradianceCacheOptions& o) { return o.cache.weight == Weight::ward; },
+                     [](IrradianceCacheOptions& o, bool on) { o.cache.weight = on ? Weight::ward : Weight::tabellion; })
+        .def_prop_rw("relaxation", [](const IrradianceCacheOptions& o) { return o.cache.relaxation; },
+                     [](IrradianceCacheOptions& o, float x) { o.cache.relaxation = x; })
+        .def_prop_rw("rotation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.rotation_gradient; },
+                     [](IrradianceCacheOptions& o, bool on) { o.cache.rotation_gradient = on; })
+        .def_prop_rw("translation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.translation_gradient; },
+                     [](IrradianceCacheOptions& o, bool on) { o.cache.translation_gradient = on; })
+        .def_prop_rw("neighbor_clamping", [](const IrradianceCacheOptions& o) { return o.cache.neighbor_clamping; },
+                     [](IrradianceCacheOptions& o, bool on) { o.cache.neighbor_clamping = on; })
+        .def_rw("gradient_limit", &IrradianceCacheOptions::gradient_limit)
+        .def_rw("least_pixels", &IrradianceCacheOptions::least_pixels)
+        .def_rw("largest_pixels", &IrradianceCacheOptions::largest_pixels)
+        .def_rw("rows", &IrradianceCacheOptions::rows)
+        .def_rw("far_rows", &IrradianceCacheOptions::far_rows)
+        .def_rw("far_records", &IrradianceCacheOptions::far_records)
+        .def_rw("max_depth", &IrradianceCacheOptions::max_depth)
+        .def_rw("seed", &IrradianceCacheOptions::seed)
+        .def_rw("threads", &IrradianceCacheOptions::threads);
+    nb::class_<SolvedCaches>(m, "SolvedCaches")
+        .def("__init__", [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
+            new (c) SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, o.cache, 0.5f)};
+        })
+        .def_prop_ro("near", [](const SolvedCaches& c) { return to_array(c.near); }, nb::rv_policy::move)
+        .def_prop_ro("far", [](const SolvedCaches& c) { return to_array(c.far); }, nb::rv_policy::move)
+        .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
+        .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });
+    m.def("solve_irradiance_cache", [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, Progress& progress) {
+        return solve_irradiance_cache(scene.world(), camera, options, progress);
+    }, nb::call_guard<nb::gil_scoped_release>());
+}

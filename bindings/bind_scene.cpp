@@ -1,0 +1,166 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <nanobind/nanobind.h>
+#include <nanobind/ndarray.h>
+#include <nanobind/stl/array.h>
+#include <nanobind/stl/unique_ptr.h>
+#include <nanobind/stl/vector.h>
+
+#include "arrays.h"
+#include "world_holder.h"
+
+using namespace eclat;
+using namespace nb::literals;
+
+namespace {
+
+/// Collects what Python describes, then becomes a scene.
+struct SceneBuilder {
+    SceneBuilder() = default;
+    SceneBuilder(const SceneBuilder&) = delete;
+
+    std::vector<MeshArrays> meshes;
+    std::vector<Material> materials;
+    std::vector<std::unique_ptr<Texture>> textures;
+    LightInputs lights;
+
+    int add_texture_bytes(Bytes3 image, bool srgb, int wrap_u, int wrap_v, bool nearest) {
+        return add_texture({static_cast<uint32_t>(image.shape(1)), static_cast<uint32_t>(image.shape(0)),
+                            static_cast<uint32_t>(image.shape(2)), image.data(), nullptr},
+                           srgb, wrap_u, wrap_v, nearest);
+    }
+    int add_texture_floats(Floats3 image, bool srgb, int wrap_u, int wrap_v, bool nearest) {
+        return add_texture({static_cast<uint32_t>(image.shape(1)), static_cast<uint32_t>(image.shape(0)),
+                            static_cast<uint32_t>(image.shape(2)), nullptr, image.data()},
+                           srgb, wrap_u, wrap_v, nearest);
+    }
+    int add_texture(const ImageView& view, bool srgb, int wrap_u, int wrap_v, bool nearest) {
+        textures.push_back(std::make_unique<Texture>(
+            view, TextureOptions{srgb, static_cast<Wrap>(wrap_u), static_cast<Wrap>(wrap_v), nearest}));
+        return static_cast<int>(textures.size()) - 1;
+    }
+    Value value(std::array<float, 3> constant, int texture, int channel, int uv_set, std::array<float, 6> uv_transform,
+                bool invert, bool square) const {
+        Value v;
+        v.constant = {constant[0], constant[1], constant[2]};
+        v.texture = texture < 0 ? nullptr : textures.at(texture).get();
+        v.channel = channel;
+        v.uv_set = static_cast<uint8_t>(uv_set);
+        v.uv_transform = uv_transform;
+        v.invert = invert;
+        v.square = square;
+        return v;
+    }
+    int add_material(const Material& material) {
+        materials.push_back(material);
+        return static_cast<int>(materials.size()) - 1;
+    }
+    void add_mesh(Points positions, Triangles triangles, int material, Points normals, Uvs uvs, Uvs uvs2, Colors colors) {
+        MeshArrays mesh;
+        mesh.positions = vec3s(positions);
+        mesh.normals = vec3s(normals);
+        mesh.uvs = vec2s(uvs);
+        mesh.uvs2 = vec2s(uvs2);
+        mesh.colors.assign(colors.data(), colors.data() + colors.size());
+        for (size_t i = 0; i < triangles.shape(0); ++i)
+            mesh.triangles.push_back({{triangles(i, 0), triangles(i, 1), triangles(i, 2)}});
+        mesh.material = material;
+        meshes.push_back(std::move(mesh));
+    }
+    void add_point(std::array<float, 3> p, std::array<float, 3> i) {
+        lights.points.push_back({vec3(p), color(i)});
+    }
+    void add_spot(std::array<float, 3> p, std::array<float, 3> d, std::array<float, 3> i, float inner, float outer, bool smooth) {
+        lights.spots.emplace_back(vec3(p), vec3(d), color(i), inner, outer, smooth ? SpotLight::Falloff::smooth : SpotLight::Falloff::linear);
+    }
+    void add_directional(std::array<float, 3> d, std::array<float, 3> e, float angular_radius) {
+        lights.directionals.emplace_back(vec3(d), color(e), angular_radius);
+    }
+    void set_environment(Floats3 image, std::array<float, 9> to_world) {
+        lights.environment.emplace(std::span<const float>(image.data(), image.size()), static_cast<uint32_t>(image.shape(1)),
+                                   static_cast<uint32_t>(image.shape(0)), to_world);
+    }
+
+    std::unique_ptr<CoreScene> build() {
+        auto scene = std::make_unique<CoreScene>();
+        scene->geometry = std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::move(textures));
+        const Geometry& g = *scene->geometry;
+        for (uint32_t t = 0; t < g.triangle_count(); ++t) {
+            const Material& m = g.material_of(t);
+            if (!m.emits) continue;
+            if (scene->emitter_of_triangle.empty()) scene->emitter_of_triangle.assign(g.triangle_count(), not_emitting);
+            scene->emitter_of_triangle[t] = static_cast<uint32_t>(scene->emitters.size());
+            const int set = m.emission.uv_set;
+            EmitterTriangle e;
+            e.p0 = g.vertex(t, 0);
+            e.p1 = g.vertex(t, 1);
+            e.p2 = g.vertex(t, 2);
+            e.uv0 = g.uv(t, 0, set);
+            e.uv1 = g.uv(t, 1, set);
+            e.uv2 = g.uv(t, 2, set);
+            e.emission = m.emission;
+            e.two_sided = m.emission_two_sided;
+            e.triangle_id = t;
+            scene->emitters.push_back(e);
+        }
+        lights.triangles = scene->emitters;
+        lights.scene_center = (g.low() + g.high()) * 0.5f;
+        lights.scene_radius = g.radius();
+        scene->lights = Lights(std::move(lights));
+        return scene;
+    }
+};
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+    nb::class_<Value>(m, "Value");
+    nb::class_<Material>(m, "Material")
+        .def(nb::init<>())
+        .def_prop_rw("kind", [](const Material& s) { return static_cast<int>(s.kind); },
+                     [](Material& s, int kind) { s.kind = static_cast<MaterialKind>(kind); })
+        .def_rw("parameters", &Material::parameters)
+        .def_rw("two_sided", &Material::two_sided)
+        .def_rw("back", &Material::back)
+        .def_prop_rw("children", [](const Material& s) { return std::array<int, 2>{s.children[0], s.children[1]}; },
+                     [](Material& s, std::array<int, 2> c) { s.children[0] = c[0], s.children[1] = c[1]; })
+        .def_rw("beckmann", &Material::beckmann)
+        .def_rw("nonlinear", &Material::nonlinear)
+        .def_rw("thin_walled", &Material::thin_walled)
+        .def_rw("opacity", &Material::opacity)
+        .def_rw("alpha_cutoff", &Material::alpha_cutoff)
+        .def_rw("vertex_colors", &Material::vertex_colors)
+        .def_rw("has_normal_map", &Material::has_normal_map)
+        .def_rw("bump", &Material::bump)
+        .def_rw("normal_map", &Material::normal_map)
+        .def_rw("normal_scale", &Material::normal_scale)
+        .def_rw("emits", &Material::emits)
+        .def_rw("emission", &Material::emission)
+        .def_rw("emission_two_sided", &Material::emission_two_sided);
+    nb::class_<SceneBuilder>(m, "SceneBuilder")
+        .def(nb::init<>())
+        .def("add_texture", &SceneBuilder::add_texture_bytes, "image"_a, "srgb"_a, "wrap_u"_a, "wrap_v"_a, "nearest"_a)
+        .def("add_texture", &SceneBuilder::add_texture_floats, "image"_a, "srgb"_a, "wrap_u"_a, "wrap_v"_a, "nearest"_a)
+        .def("value", &SceneBuilder::value)
+        .def("add_material", &SceneBuilder::add_material)
+        .def("add_mesh", &SceneBuilder::add_mesh)
+        .def("add_point", &SceneBuilder::add_point)
+        .def("add_spot", &SceneBuilder::add_spot)
+        .def("add_directional", &SceneBuilder::add_directional)
+        .def("set_environment", &SceneBuilder::set_environment)
+        .def("build", &SceneBuilder::build);
+    nb::class_<CoreScene>(m, "Scene")
+        .def_prop_ro("triangle_count", [](const CoreScene& s) { return s.geometry->triangle_count(); })
+        .def_prop_ro("radius", [](const CoreScene& s) { return s.geometry->radius(); })
+        .def("escapes", [](const CoreScene& s, Points origins, Points directions) {
+            std::vector<Ray> rays;
+            const auto o = vec3s(origins), d = vec3s(directions);
+            for (size_t i = 0; i < o.size(); ++i) rays.push_back({o[i], 0, d[i], infinity});
+            std::vector<uint8_t> hit(rays.size());
+            s.geometry->rays().occluded(rays, hit);
+            size_t free = 0;
+            for (uint8_t h : hit) free += !h;
+            return free;
+        }, "Number of rays that meet nothing.");
+}

@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Symbols as in [WardHeckbert92]: M rows in θ, N columns in φ; θ_j− and θ_j+ are the walls of row j, φ_k− the lower wall
+// of column k, u_k the tangent towards the middle of column k, v_k− the tangent at right angles to its wall.
+// Held to tests/core/test_hemisphere.cpp: exact gradients of a polygon's irradiance.
+
+#include "cache/hemisphere.h"
+
+namespace eclat {
+
+namespace {
+
+float sin_wall(int j, int rows) { return std::sqrt(static_cast<float>(j) / static_cast<float>(rows)); }
+float cos_wall(int j, int rows) { return safe_sqrt(1 - static_cast<float>(j) / static_cast<float>(rows)); }
+
+Vec3 tangent(const Frame& frame, float phi) { return frame.u * std::cos(phi) + frame.v * std::sin(phi); }
+
+template <class Gradient>
+void accumulate(Gradient& gradient, Vec3 direction, Color amount) {
+    for (int c = 0; c < 3; ++c) gradient.channel[c] += direction * amount[c];
+}
+
+}  // namespace
+
+int columns_for(int rows) { return static_cast<int>(std::lround(pi * static_cast<float>(rows))); }
+
+Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u) {
+    const float s2 = (static_cast<float>(j) + u.x) / static_cast<float>(rows);
+    const float phi = 2 * pi * (static_cast<float>(k) + u.y) / static_cast<float>(columns);
+    const float s = std::sqrt(s2);
+    return {s * std::cos(phi), s * std::sin(phi), safe_sqrt(1 - s2)};
+}
+
+Color irradiance(const HemisphereSamples& samples) {
+    Color sum;
+    for (const Color& L : samples.radiance) sum += L;
+    return sum * (pi / static_cast<float>(samples.radiance.size()));
+}
+
+RotationGradient rotation_gradient(const HemisphereSamples& samples) {
+    const int M = samples.rows, N = samples.columns;
+    RotationGradient out{};
+    for (int k = 0; k < N; ++k) {
+        Color column;
+        for (int j = 0; j < M; ++j) {
+            // ∫ sin² θ dθ over the row: exact where the row-centre tangent of [WardHeckbert92 eq. 4] is 10 % low.
+            const float lower = std::asin(sin_wall(j, M)), upper = std::asin(sin_wall(j + 1, M));
+            const float antiderivative = (upper - sin_wall(j + 1, M) * cos_wall(j + 1, M)) -
+                                         (lower - sin_wall(j, M) * cos_wall(j, M));
+            column += samples.L(j, k) * (0.5f * antiderivative);
+        }
+        const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(N);
+        const float azimuth = 2 * std::sin(pi / static_cast<float>(N));  // ∫ of the unit tangent over the column
+        accumulate(out, tangent(samples.frame, phi + pi / 2), column * azimuth);
+    }
+    return out;
+}
+
+TranslationGradient translation_gradient(const HemisphereSamples& samples) {
+    const int M = samples.rows, N = samples.columns;
+    TranslationGradient out{};
+    const auto jump = [&](int j, int k, int j0, int k0) {
+        const float nearest = std::min(samples.r(j, k), samples.r(j0, k0));
+        return nearest < infinity && nearest > 0 ? (samples.L(j, k) - samples.L(j0, k0)) / nearest : Color();
+    };
+    for (int k = 0; k < N; ++k) {
+        const int before = (k + N - 1) % N;
+        // Walls between rows start at 1: the zenith is no wall.
+        Color polar, azimuthal;
+        for (int j = 1; j < M; ++j)
+            polar += jump(j, k, j - 1, k) * (sin_wall(j, M) * sqr(cos_wall(j, M)));  // [WardHeckbert92 eq. 5]
+        for (int j = 0; j < M; ++j) azimuthal += jump(j, k, j, before) * (sin_wall(j + 1, M) - sin_wall(j, M));
+        const float step = 2 * pi / static_cast<float>(N), wall = step * static_cast<float>(k);
+        accumulate(out, tangent(samples.frame, wall + 0.5f * step), polar * step);
+        accumulate(out, tangent(samples.frame, wall + pi / 2), azimuthal);
+    }
+    return out;
+}
+
+float harmonic_mean_distance(const HemisphereSamples& samples) {
+    float sum = 0;
+    for (float r : samples.distance) sum += 1 / r;
+    return static_cast<float>(samples.distance.size()) / sum;
+}
+
+float minimum_distance(const HemisphereSamples& samples) {
+    constexpr float cos_80_degrees_squared = 0.030154f;  // sin² of 10°
+    float least = infinity;
+    for (int j = 0; j < samples.rows && sqr(cos_wall(j + 1, samples.rows)) > cos_80_degrees_squared; ++j)
+        for (int k = 0; k < samples.columns; ++k) least = std::min(least, samples.r(j, k));
+    return least;
+}
+
+}  // namespace eclat

@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// A stratified gather: radiance and distance in each cell of a polar grid, rows uniform in sin² [Ward88].
+
+#pragma once
+
+#include <vector>
+
+#include "base/frame.h"
+#include "cache/record.h"
+
+namespace eclat {
+
+struct HemisphereSamples {
+    int rows = 0, columns = 0;      // M, N
+    Frame frame;                    // its u is the direction of the grid's φ = 0
+    std::vector<Color> radiance;    // L_jk, row by row from the zenith
+    std::vector<float> distance;    // r_jk, infinite where nothing was met
+
+    const Color& L(int j, int k) const { return radiance[size_t(j) * columns + k]; }
+    float r(int j, int k) const { return distance[size_t(j) * columns + k]; }
+};
+
+/// N for M rows such that cells are about as wide as high: N = π M.
+int columns_for(int rows);
+
+/// The direction in cell (j, k) for random numbers u in the unit square, in the grid's frame.
+Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u);
+
+/// E = π / MN Σ L_jk [Ward88 eq. 3].
+Color irradiance(const HemisphereSamples& samples);
+RotationGradient rotation_gradient(const HemisphereSamples& samples);
+TranslationGradient translation_gradient(const HemisphereSamples& samples);
+
+/// Harmonic mean of the distances; a miss is infinitely far.
+float harmonic_mean_distance(const HemisphereSamples& samples);
+/// Least distance of the rays at more than 10° from the tangent plane: grazing ones meet the curved surface that they
+/// left, or its neighbouring facets.
+float minimum_distance(const HemisphereSamples& samples);
+
+}  // namespace eclat

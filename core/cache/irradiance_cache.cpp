@@ -1,0 +1,87 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "cache/irradiance_cache.h"
+
+#include "base/parallel.h"
+
+namespace eclat {
+
+void RecordCache::insert(std::span<const IrradianceRecord> records, float spacing, int threads) {
+    records_.insert(records_.end(), records.begin(), records.end());
+    if (options_.neighbor_clamping) clamp_to_neighbors(spacing, threads);
+    std::vector<SphereTree::Sphere> spheres;
+    spheres.reserve(records_.size());
+    for (const auto& r : records_) spheres.push_back({r.position, r.radius * options_.relaxation});
+    tree_ = SphereTree(std::move(spheres));
+}
+
+// Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
+// What one record sees in a gap reaches its neighbours. One round over the unclamped distances is exact: by the triangle
+// inequality a chain of clamps is never shorter than the direct one.
+void RecordCache::clamp_to_neighbors(float spacing, int threads) {
+    std::vector<SphereTree::Sphere> points;
+    float largest = 0;
+    for (const auto& r : records_) {
+        points.push_back({r.position, 0});
+        if (r.distance < infinity) largest = std::max(largest, r.distance);
+    }
+    const SphereTree tree(std::move(points));
+    const auto clamped = parallel_map<float>(records_.size(), threads, [&](size_t i) {
+        const IrradianceRecord& record = records_[i];
+        float distance = record.distance;
+        // A neighbour at distance d can only matter if d < R_i − R_j < R_i.
+        tree.for_each_near(record.position, std::min(distance, largest), [&](uint32_t j, float d2) {
+            distance = std::min(distance, records_[j].distance + std::sqrt(d2));
+        });
+        return distance;
+    });
+    for (size_t i = 0; i < records_.size(); ++i) {
+        IrradianceRecord& r = records_[i];
+        r.radius = clamp(spacing * clamped[i], r.least_radius, r.largest_radius);
+    }
+}
+
+bool RecordCache::serves(Vec3 p, Vec3 n) const {
+    bool served = false;
+    tree_.for_each_around(p, [&](uint32_t i, float) {
+        served = served || weight(records_[i], p, n, options_.weight, 1) > 0;
+    });
+    return served;
+}
+
+float RecordCache::density(Vec3 p, Vec3 n) const {
+    float sum = 0;
+    tree_.for_each_around(p, [&](uint32_t i, float) { sum += weight(records_[i], p, n, options_.weight, 1); });
+    return sum;
+}
+
+Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) const {
+    Color E = record.irradiance;
+    const Vec3 turn = cross(record.normal, n), shift = p - record.position;
+    for (int c = 0; c < 3; ++c) {
+        const float value = E[c];  // [WardHeckbert92 eq. 7]
+        float change = 0;
+        if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
+        if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
+        E[c] = clamp(value + change, 0.05f * value, 20 * value);  // bounds of Radiance's calculation, see algorithms page
+    }
+    return E;
+}
+
+std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 n, float* mean_radius) const {
+    Color sum;
+    float weights = 0, radii = 0;
+    tree_.for_each_around(p, [&](uint32_t i, float) {
+        const float w = weight(records_[i], p, n, options_.weight, options_.relaxation);
+        if (w <= 0) return;
+        sum += extrapolate(records_[i], p, n) * w;
+        weights += w;
+        radii += w * records_[i].radius;
+    });
+    if (weights == 0) return std::nullopt;  // a miss, not darkness
+    if (mean_radius) *mean_radius = radii / weights;
+    return sum / weights;
+}
+
+}  // namespace eclat

@@ -1,0 +1,52 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Records and the tree that finds them. A value: filled in passes, then only read.
+
+#pragma once
+
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "cache/record_tree.h"
+#include "cache/weight.h"
+
+namespace eclat {
+
+struct CacheOptions {
+    Weight weight = Weight::tabellion;
+    float relaxation = 1.5f;  // of a record's radius when it is read
+    bool rotation_gradient = true;
+    bool translation_gradient = true;
+    bool neighbor_clamping = true;
+};
+
+class RecordCache {
+  public:
+    RecordCache() = default;
+    explicit RecordCache(const CacheOptions& options) : options_(options) {}
+
+    /// Adds records in the order given, clamps neighbours and rebuilds the tree.
+    void insert(std::span<const IrradianceRecord> records, float spacing, int threads);
+
+    /// Whether a record is valid at the point, by the strict test that decides where records are placed.
+    bool serves(Vec3 p, Vec3 n) const;
+    /// Indirect irradiance at `p` for normal `n`; nothing where no record serves it. `mean_radius`: of those that do.
+    std::optional<Color> interpolate(Vec3 p, Vec3 n, float* mean_radius = nullptr) const;
+    /// Sum of the weights there: the density of records.
+    float density(Vec3 p, Vec3 n) const;
+
+    const std::vector<IrradianceRecord>& records() const { return records_; }
+    const CacheOptions& options() const { return options_; }
+
+  private:
+    void clamp_to_neighbors(float spacing, int threads);
+    Color extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) const;
+
+    CacheOptions options_;
+    std::vector<IrradianceRecord> records_;
+    SphereTree tree_;
+};
+
+}  // namespace eclat

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <array>
+
+#include "base/color.h"
+
+namespace eclat {
+
+/// How irradiance changes when the normal turns: per channel, used as (n_k × n) · gradient. W·m⁻² per radian.
+struct RotationGradient {
+    std::array<Vec3, 3> channel;
+};
+
+/// How irradiance changes when the point moves in its tangent plane: per channel. W·m⁻³.
+struct TranslationGradient {
+    std::array<Vec3, 3> channel;
+};
+
+/// Irradiance at a point, with what is needed to extrapolate it to its surroundings [Ward88, WardHeckbert92].
+struct IrradianceRecord {
+    Vec3 position, normal;
+    Color irradiance;
+    RotationGradient rotation;
+    TranslationGradient translation;
+    float distance = 0;  // R_k: the mean or least distance to what the record sees, limited by the gradient
+    float radius = 0;    // within which it is valid: a part of R_k, clamped to its neighbours and its bounds
+    float least_radius = 0, largest_radius = infinity;  // its bounds, from the size of a pixel there
+};
+static_assert(sizeof(IrradianceRecord) <= 200);
+
+}  // namespace eclat

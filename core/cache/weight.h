@@ -1,0 +1,46 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// How much a record counts at a point: 1 at the record, falling to 0 at the border of its validity, so that no border
+// shows. `relaxation` ≥ 1 widens the validity: records are placed by a strict test and read by a relaxed one.
+
+#pragma once
+
+#include "cache/record.h"
+
+namespace eclat {
+
+enum class Weight : uint8_t { tabellion, ward };
+
+namespace detail {
+// √(1 − cos 10°): a normal that differs by 10° ends a record's validity [Tabellion04 sec. 4.2].
+constexpr float sqrt_one_minus_cos_10 = 0.12326f;
+// How far behind or before a record's plane a point may lie, as a part of the record's radius.
+constexpr float plane_tolerance = 0.25f;
+}  // namespace detail
+
+/// 0 where the record does not serve the point.
+inline float weight(const IrradianceRecord& record, Vec3 p, Vec3 n, Weight kind, float relaxation) {
+    const float cosine = dot(n, record.normal);
+    if (cosine <= 0) return 0;
+    const Vec3 d = p - record.position;
+    const float reach = record.radius * relaxation;
+    const float distance2 = length_squared(d);
+    if (distance2 >= reach * reach) return 0;
+    const float e_position = std::sqrt(distance2) / reach;
+    const float turn = safe_sqrt(1 - cosine);
+    // The point must lie in the record's plane, by the mean of both normals: what is behind one sees what the other
+    // cannot [Ward88]. Relative to the radius, so that no unit of length matters.
+    const float off_plane = std::fabs(dot(d, n + record.normal)) * 0.5f / (detail::plane_tolerance * reach);
+    if (kind == Weight::tabellion) {
+        // [Tabellion04 eq. 3], max of both errors; the square makes the border smooth.
+        const float e = std::max(std::max(e_position, off_plane), turn / (detail::sqrt_one_minus_cos_10 * relaxation));
+        return e < 1 ? sqr(1 - e) : 0;
+    }
+    // [Ward88 eq. 8] with the radius standing for a R, minus its value at the border.
+    const float e = e_position + turn / (detail::sqrt_one_minus_cos_10 * relaxation);
+    if (e >= 1 || off_plane >= 1) return 0;
+    return (1 / std::max(e, 1e-3f) - 1) * (1 - off_plane);
+}
+
+}  // namespace eclat

@@ -1,0 +1,84 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Sums of samples per pixel and layer. A pixel's samples arrive in order of their index, so that any division of the
+// work gives the same bits. Samples that are not finite are counted and remembered, never added.
+
+#pragma once
+
+#include <atomic>
+#include <cstdint>
+#include <mutex>
+#include <vector>
+
+#include "base/color.h"
+
+namespace eclat {
+
+struct FilmSample {
+    Color radiance, direct, albedo;
+    Vec3 normal;
+    float distance = 0;  // 0: nothing was met
+    bool missed_cache = false;
+};
+
+struct BadSample {
+    int x, y;
+    uint32_t sample;
+};
+
+class Film {
+  public:
+    Film(int width, int height)
+        : width_(width), height_(height), pixels_(size_t(width) * height) {}
+
+    void add(int x, int y, uint32_t sample, const FilmSample& s) {
+        Pixel& p = pixels_[size_t(y) * width_ + x];
+        if (!is_finite(s.radiance)) {
+            report(x, y, sample);
+            return;
+        }
+        ++p.samples;
+        p.radiance += s.radiance;
+        if (sample % 2 == 0) {
+            ++p.even_samples;
+            p.even += s.radiance;
+        }
+        p.direct += s.direct;
+        p.albedo += s.albedo;
+        p.normal += s.normal;
+        p.cache_misses += s.missed_cache;
+        if (s.distance > 0) {
+            ++p.hits;
+            p.distance += s.distance;
+        }
+    }
+
+    struct Pixel {
+        Color radiance, even, direct, albedo;
+        Vec3 normal;
+        float distance = 0;
+        uint32_t samples = 0, even_samples = 0, hits = 0, cache_misses = 0;
+    };
+
+    int width() const { return width_; }
+    int height() const { return height_; }
+    const std::vector<Pixel>& pixels() const { return pixels_; }
+    uint64_t bad_count() const { return bad_count_; }
+    const std::vector<BadSample>& bad_samples() const { return bad_; }
+
+  private:
+    void report(int x, int y, uint32_t sample) {
+        const std::lock_guard lock(mutex_);
+        ++bad_count_;
+        if (bad_.size() < 8) bad_.push_back({x, y, sample});
+    }
+
+    int width_, height_;
+    std::vector<Pixel> pixels_;
+    std::mutex mutex_;
+    uint64_t bad_count_ = 0;
+    std::vector<BadSample> bad_;
+};
+
+}  // namespace eclat

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The only loop over pixels.
+
+#pragma once
+
+#include <vector>
+
+#include "film/film.h"
+#include "scene/camera.h"
+#include "transport/paths.h"
+
+namespace eclat {
+
+enum class Filter : uint8_t { box, tent };
+
+struct RenderRange {
+    uint32_t first_sample = 0, end_sample = 1;
+    int x0 = 0, y0 = 0, x1 = 0, y1 = 0;  // pixels of the crop; x1, y1 are exclusive
+    uint32_t seed = 0;
+    int threads = 0;
+    Filter filter = Filter::box;
+    std::vector<uint32_t> tile_order;  // empty: as they come; else a permutation of the tiles
+};
+
+/// Adds samples [first, end) of each pixel of the crop to `film`.
+///
+/// Work is cut into tiles of 32 × 32 pixels of the whole picture, one sample a batch: a batch is the same whatever the
+/// crop, the number of samples or of threads, and so are its bits.
+void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
+            Progress& progress);
+
+/// Total or indirect irradiance at points by `samples` cosine-distributed rays each [W m⁻²].
+struct IrradianceQuery {
+    Vec3 position, normal;
+};
+std::vector<Color> irradiance_at(const World& world, const std::vector<IrradianceQuery>& points, const PathOptions& options,
+                                 bool direct, bool indirect, int samples, uint32_t seed, int threads, Progress& progress);
+
+}  // namespace eclat

@@ -1,0 +1,171 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The only file with Embree: 3.13 (Debian 12) and 4.x differ in where a query's options stand.
+
+#include "scene/intersect.h"
+
+#include <bit>
+
+#if __has_include(<embree4/rtcore.h>)
+#include <embree4/rtcore.h>
+#else
+#include <embree3/rtcore.h>
+#endif
+
+#include "base/error.h"
+#include "sampling/rng.h"
+
+namespace eclat {
+
+struct Intersector::Impl {
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+    OpacityFunction opacity;
+    std::vector<uint32_t> to_triangle[2];  // of the opaque and the translucent geometry
+    std::vector<Triangle> indices[2];
+
+    ~Impl() {
+        if (scene) rtcReleaseScene(scene);
+        if (device) rtcReleaseDevice(device);
+    }
+};
+
+namespace {
+
+void reject_transparent(const RTCFilterFunctionNArguments* args) {
+    const auto& impl = *static_cast<const Intersector::Impl*>(args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        const unsigned primitive = RTCHitN_primID(args->hit, args->N, i);
+        const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
+        const float opacity = impl.opacity(impl.to_triangle[1][primitive], u, v);
+        if (opacity >= 1) continue;
+        const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
+        const uint32_t key = hash(hash(bits(RTCRayN_dir_x(args->ray, args->N, i)), bits(RTCRayN_dir_y(args->ray, args->N, i)),
+                                       bits(RTCRayN_org_x(args->ray, args->N, i))),
+                                  bits(RTCRayN_org_y(args->ray, args->N, i)), primitive);
+        if (opacity <= 0 || to_unit_float(key) >= opacity) args->valid[i] = 0;
+    }
+}
+
+void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsigned id) {
+    const auto& indices = impl.indices[id];
+    if (indices.empty()) return;
+    RTCGeometry geometry = rtcNewGeometry(impl.device, RTC_GEOMETRY_TYPE_TRIANGLE);
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, vertices.data(), 0, sizeof(Vec3),
+                               vertices.size());
+    rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
+                               sizeof(Intersector::Triangle), indices.size());
+    if (id == 1) {
+        rtcSetGeometryUserData(geometry, &impl);
+        rtcSetGeometryIntersectFilterFunction(geometry, reject_transparent);
+        rtcSetGeometryOccludedFilterFunction(geometry, reject_transparent);
+    }
+    rtcCommitGeometry(geometry);
+    rtcAttachGeometryByID(impl.scene, geometry, id);
+    rtcReleaseGeometry(geometry);
+}
+
+void fill(RTCRay8& packet, std::span<const Ray> rays, int* valid) {
+    for (size_t i = 0; i < 8; ++i) {
+        const bool live = i < rays.size();
+        const Ray& ray = rays[live ? i : 0];
+        valid[i] = live ? -1 : 0;
+        packet.org_x[i] = ray.origin.x;
+        packet.org_y[i] = ray.origin.y;
+        packet.org_z[i] = ray.origin.z;
+        packet.dir_x[i] = ray.direction.x;
+        packet.dir_y[i] = ray.direction.y;
+        packet.dir_z[i] = ray.direction.z;
+        packet.tnear[i] = ray.t_min;
+        packet.tfar[i] = ray.t_max;
+        packet.time[i] = 0;
+        packet.mask[i] = ~0u;
+        packet.id[i] = static_cast<unsigned>(i);
+        packet.flags[i] = 0;
+    }
+}
+
+#if RTC_VERSION_MAJOR >= 4
+void query(const int* valid, RTCScene scene, RTCRayHit8* packet, RTCRayQueryFlags flags) {
+    RTCIntersectArguments arguments;
+    rtcInitIntersectArguments(&arguments);
+    arguments.flags = flags;
+    rtcIntersect8(valid, scene, packet, &arguments);
+}
+void query(const int* valid, RTCScene scene, RTCRay8* packet) { rtcOccluded8(valid, scene, packet); }
+constexpr auto coherent = RTC_RAY_QUERY_FLAG_COHERENT, incoherent = RTC_RAY_QUERY_FLAG_INCOHERENT;
+using QueryFlags = RTCRayQueryFlags;
+#else
+void query(const int* valid, RTCScene scene, RTCRayHit8* packet, RTCIntersectContextFlags flags) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    context.flags = flags;
+    rtcIntersect8(valid, scene, &context, packet);
+}
+void query(const int* valid, RTCScene scene, RTCRay8* packet) {
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded8(valid, scene, &context, packet);
+}
+constexpr auto coherent = RTC_INTERSECT_CONTEXT_FLAG_COHERENT, incoherent = RTC_INTERSECT_CONTEXT_FLAG_INCOHERENT;
+using QueryFlags = RTCIntersectContextFlags;
+#endif
+
+}  // namespace
+
+Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
+                         const std::vector<uint8_t>& translucent, OpacityFunction opacity)
+    : impl_(std::make_unique<Impl>()) {
+    impl_->opacity = std::move(opacity);
+    impl_->device = rtcNewDevice(nullptr);
+    require(impl_->device != nullptr, "the ray tracer (Embree) could not start on this machine");
+    impl_->scene = rtcNewScene(impl_->device);
+    // Robust: no ray slips through the edge between two triangles. Medium quality builds are deterministic, high ones
+    // (with spatial splits) are not.
+    rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_MEDIUM);
+    for (uint32_t i = 0; i < triangles.size(); ++i) {
+        const int kind = translucent[i] ? 1 : 0;
+        impl_->to_triangle[kind].push_back(i);
+        impl_->indices[kind].push_back(triangles[i]);
+    }
+    for (unsigned id : {0u, 1u}) add_geometry(*impl_, vertices, id);
+    rtcCommitScene(impl_->scene);
+    require(rtcGetDeviceError(impl_->device) == RTC_ERROR_NONE, "the ray tracer (Embree) could not build its tree");
+}
+
+Intersector::~Intersector() = default;
+
+void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
+    const QueryFlags flags = coherence == Coherence::camera ? coherent : incoherent;
+    for (size_t begin = 0; begin < rays.size(); begin += 8) {
+        const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
+        alignas(32) RTCRayHit8 packet;
+        alignas(32) int valid[8];
+        fill(packet.ray, some, valid);
+        for (int i = 0; i < 8; ++i) packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
+        query(valid, impl_->scene, &packet, flags);
+        for (size_t i = 0; i < some.size(); ++i) {
+            const unsigned geometry = packet.hit.geomID[i];
+            hits[begin + i] = geometry == RTC_INVALID_GEOMETRY_ID
+                                  ? Hit{}
+                                  : Hit{impl_->to_triangle[geometry][packet.hit.primID[i]], packet.ray.tfar[i],
+                                        packet.hit.u[i], packet.hit.v[i]};
+        }
+    }
+}
+
+void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out) const {
+    for (size_t begin = 0; begin < rays.size(); begin += 8) {
+        const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
+        alignas(32) RTCRay8 packet;
+        alignas(32) int valid[8];
+        fill(packet, some, valid);
+        query(valid, impl_->scene, &packet);
+        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = packet.tfar[i] < 0;
+    }
+}
+
+}  // namespace eclat

@@ -1,0 +1,73 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Parameters with textures → a BSDF at a point. The kinds and their parameters are those of `Material` in Python.
+
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "bsdf/bsdf.h"
+#include "scene/texture.h"
+
+namespace eclat {
+
+enum class MaterialKind : uint8_t {
+    diffuse,
+    phong,
+    ward,
+    conductor,
+    dielectric,
+    thin_dielectric,
+    plastic,
+    metallic_roughness,
+    blend
+};
+
+struct Material {
+    MaterialKind kind = MaterialKind::diffuse;
+    std::vector<Value> parameters;  // in the order of MATERIAL_KINDS in Python
+    bool two_sided = true;
+    int back = -1;         // with two_sided, the material of the other side; −1: the same
+    int children[2] = {-1, -1};
+    bool beckmann = false;
+    bool nonlinear = false;
+    bool thin_walled = true;
+    Value opacity;
+    float alpha_cutoff = -1;  // < 0: none
+    bool vertex_colors = false;
+    bool has_normal_map = false, bump = false;
+    Value normal_map;
+    float normal_scale = 1;
+    bool emits = false;
+    Value emission;
+    bool emission_two_sided = false;
+
+    bool transmits = false;  // some light goes through, so one-sidedness does not apply
+    bool refracts = false;   // inside and outside differ, so its frame is never turned towards the viewer
+    float internal_reflectance = 0, external_reflectance = 0;  // plastic: of diffuse light; see `prepare`
+
+    /// Its lobes depend on directions in the tangent plane.
+    bool anisotropic() const {
+        return kind == MaterialKind::ward || kind == MaterialKind::conductor || kind == MaterialKind::dielectric;
+    }
+
+    /// Fills what depends on constants only; `materials` holds its children, prepared.
+    void prepare(const std::vector<Material>& materials);
+};
+
+/// What varies over a surface, as materials need it.
+struct SurfaceCoordinates {
+    Vec2 uv, uv2;
+    Color vertex_color{1};
+    float vertex_alpha = 1;
+};
+
+/// Lobes of `materials[index]`; z of their frame is the side that is looked at.
+Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceCoordinates& at, bool from_behind);
+
+/// Straight-through opacity in [0, 1].
+float opacity_at(const Material& material, const SurfaceCoordinates& at);
+
+}  // namespace eclat

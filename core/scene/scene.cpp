@@ -1,0 +1,185 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "scene/scene.h"
+
+#include "base/error.h"
+
+namespace eclat {
+
+namespace {
+
+// Intersections are exact to some ulps of the largest coordinate involved; 16 of them (2⁻²⁰ relative to it) keep rays
+// from meeting the surface that they leave, at any scale of the scene.
+constexpr float offset_ulps = 0x1p-20f;
+
+float magnitude(Vec3 v) { return std::max(std::fabs(v.x), std::max(std::fabs(v.y), std::fabs(v.z))); }
+
+template <class T>
+T interpolate(const std::vector<T>& values, const uint32_t* v, float b, float c) {
+    return (1 - b - c) * values[v[0]] + b * values[v[1]] + c * values[v[2]];
+}
+
+void check(const MeshArrays& m, size_t index, size_t materials) {
+    const std::string where = "mesh " + std::to_string(index) + ": ";
+    const size_t n = m.positions.size();
+    for (size_t size : {m.normals.size(), m.uvs.size(), m.uvs2.size(), m.colors.size() / 4})
+        require(size == 0 || size == n, where + "per-vertex arrays must be as long as positions (" + std::to_string(n) +
+                                            "), got " + std::to_string(size));
+    for (size_t i = 0; i < n; ++i)
+        require(is_finite(m.positions[i]), where + "position " + std::to_string(i) + " is not finite");
+    for (size_t i = 0; i < m.triangles.size(); ++i)
+        for (uint32_t v : m.triangles[i].v)
+            require(v < n, where + "triangle " + std::to_string(i) + " uses vertex " + std::to_string(v) + " of " +
+                               std::to_string(n));
+    require(m.material >= 0 && static_cast<size_t>(m.material) < materials, where + "material out of range");
+}
+
+}  // namespace
+
+Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materials,
+                   std::vector<std::unique_ptr<Texture>> textures)
+    : arrays_(std::move(meshes)), materials_(std::move(materials)), textures_(std::move(textures)) {
+    for (Material& m : materials_) m.prepare(materials_);
+    low_ = Vec3{infinity, infinity, infinity};
+    high_ = -low_;
+    std::vector<uint8_t> translucent;
+    for (size_t i = 0; i < arrays_.size(); ++i) {
+        MeshArrays& m = arrays_[i];
+        check(m, i, materials_.size());
+        const auto first = static_cast<uint32_t>(vertices_.size());
+        mesh_.push_back({m.material, first, &m});
+        vertices_.insert(vertices_.end(), m.positions.begin(), m.positions.end());
+        const Material& material = materials_[m.material];
+        const bool sees_through = !material.opacity.is_constant() || material.opacity.constant.r < 1 ||
+                                  (material.vertex_colors && !m.colors.empty());
+        for (const auto& t : m.triangles) {
+            triangles_.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+            triangle_mesh_.push_back(static_cast<uint32_t>(i));
+            translucent.push_back(sees_through);
+            for (int k = 0; k < 3; ++k) {
+                low_ = min(low_, m.positions[t.v[k]]);
+                high_ = max(high_, m.positions[t.v[k]]);
+            }
+        }
+        m.positions = {};
+    }
+    if (triangles_.empty()) low_ = high_ = {};
+    vertices_.reserve(vertices_.size() + 1);  // wide loads read past the last
+    intersector_ = std::make_unique<Intersector>(vertices_, triangles_, translucent, [this](uint32_t t, float u, float v) {
+        return opacity_at(material_of(t), coordinates(t, u, v));
+    });
+}
+
+Vec2 Geometry::uv(uint32_t triangle, int corner, int set) const {
+    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const auto& uvs = set == 0 ? mesh.arrays->uvs : mesh.arrays->uvs2;
+    return uvs.empty() ? Vec2{} : uvs[triangles_[triangle].v[corner] - mesh.first_vertex];
+}
+
+Vec3 Geometry::geometric_normal(uint32_t triangle) const {
+    const Vec3 p = vertex(triangle, 0);
+    const Vec3 n = cross(vertex(triangle, 1) - p, vertex(triangle, 2) - p);
+    const float l2 = length_squared(n);
+    return l2 > 0 ? n / std::sqrt(l2) : Vec3{0, 0, 1};
+}
+
+SurfaceCoordinates Geometry::coordinates(uint32_t triangle, float u, float v) const {
+    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const MeshArrays& a = *mesh.arrays;
+    const auto& t = triangles_[triangle].v;
+    const uint32_t local[3] = {t[0] - mesh.first_vertex, t[1] - mesh.first_vertex, t[2] - mesh.first_vertex};
+    SurfaceCoordinates at;
+    if (!a.uvs.empty()) at.uv = interpolate(a.uvs, local, u, v);
+    if (!a.uvs2.empty()) at.uv2 = interpolate(a.uvs2, local, u, v);
+    if (!a.colors.empty()) {
+        float c[4];
+        for (int i = 0; i < 4; ++i)
+            c[i] = (1 - u - v) * a.colors[4 * local[0] + i] + u * a.colors[4 * local[1] + i] + v * a.colors[4 * local[2] + i];
+        at.vertex_color = {c[0], c[1], c[2]};
+        at.vertex_alpha = c[3];
+    }
+    return at;
+}
+
+Vec3 Geometry::shading_normal(uint32_t triangle, float u, float v, Vec3 geometric) const {
+    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const auto& normals = mesh.arrays->normals;
+    if (normals.empty()) return geometric;
+    const auto& t = triangles_[triangle].v;
+    const uint32_t local[3] = {t[0] - mesh.first_vertex, t[1] - mesh.first_vertex, t[2] - mesh.first_vertex};
+    const Vec3 n = interpolate(normals, local, u, v);
+    const float l2 = length_squared(n);
+    return l2 > 0 ? n / std::sqrt(l2) : geometric;
+}
+
+Vec3 Geometry::mapped_normal(const Material& material, uint32_t triangle, const SurfaceCoordinates& at, Vec3 normal) const {
+    // Position as a function of the map's texture coordinates: e = a · du + b · dv for both edges.
+    const Value& map = material.normal_map;
+    const Vec2 t0 = map.transform(uv(triangle, 0, map.uv_set)), t1 = map.transform(uv(triangle, 1, map.uv_set)) - t0,
+               t2 = map.transform(uv(triangle, 2, map.uv_set)) - t0;
+    const Vec3 e1 = vertex(triangle, 1) - vertex(triangle, 0), e2 = vertex(triangle, 2) - vertex(triangle, 0);
+    const float determinant = t1.x * t2.y - t1.y * t2.x;
+    if (determinant == 0) return normal;
+    const Vec3 dpdu = (e1 * t2.y - e2 * t1.y) / determinant, dpdv = (e2 * t1.x - e1 * t2.x) / determinant;
+    if (!material.bump) {
+        const Color c = map.color(at.uv, at.uv2);
+        const Frame frame = Frame::along(normal, dpdu);
+        // Green grows upwards in the image, which is against our v.
+        const Vec3 up = dot(frame.v, dpdv) > 0 ? -frame.v : frame.v;
+        const Vec3 n = frame.u * ((2 * c.r - 1) * material.normal_scale) + up * ((2 * c.g - 1) * material.normal_scale) +
+                       normal * (2 * c.b - 1);
+        const float l2 = length_squared(n);
+        return l2 > 0 ? n / std::sqrt(l2) : normal;
+    }
+    // Gradient of the height by central differences of one texel [Blinn78].
+    const float du = 1 / static_cast<float>(map.texture->width()), dv = 1 / static_cast<float>(map.texture->height());
+    const Vec2 p = map.transform(map.uv_set == 0 ? at.uv : at.uv2);
+    const auto height = [&](float x, float y) {
+        return luminance(map.finish(map.texture->lookup({x, y}))) * material.normal_scale;
+    };
+    const float hu = (height(p.x + du, p.y) - height(p.x - du, p.y)) / (2 * du);
+    const float hv = (height(p.x, p.y + dv) - height(p.x, p.y - dv)) / (2 * dv);
+    const Vec3 ng = cross(dpdu, dpdv);
+    const float area = length_squared(ng);
+    if (!(area > 0)) return normal;
+    // Surface gradient: dual vectors of the tangents, weighted by the height's derivatives.
+    const Vec3 gradient = (cross(dpdv, ng) * hu + cross(ng, dpdu) * hv) / area;
+    return normalize(normal - gradient + normal * dot(gradient, normal));
+}
+
+SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
+    SurfacePoint out;
+    const uint32_t triangle = hit.triangle;
+    const Vec3 p0 = vertex(triangle, 0), p1 = vertex(triangle, 1), p2 = vertex(triangle, 2);
+    out.triangle = triangle;
+    out.position = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v;
+    out.offset = offset_ulps * std::max(magnitude(p0), std::max(magnitude(p1), magnitude(p2)));
+    out.normal = geometric_normal(triangle);
+
+    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const Material& material = materials_[mesh.material];
+    const SurfaceCoordinates at = coordinates(triangle, hit.u, hit.v);
+    out.uv = material.emission.uv_set == 0 ? at.uv : at.uv2;
+    Vec3 n = shading_normal(triangle, hit.u, hit.v, out.normal);
+    if (dot(n, out.normal) < 0) n = -n;
+    if (material.has_normal_map) n = mapped_normal(material, triangle, at, n);
+    const bool from_behind = dot(wo, out.normal) < 0;
+    if (from_behind && !material.refracts) {
+        out.normal = -out.normal;
+        n = -n;
+    }
+    // A shading normal that looks away from a viewer in front of the surface is bent until it does not.
+    const float facing = dot(n, wo), side = dot(out.normal, wo);
+    if (facing * side <= 0) n = normalize(n + wo * ((side > 0 ? 1.0f : -1.0f) * 1e-3f - facing));
+    out.frame = Frame::around(n);
+    if (material.anisotropic() && !mesh.arrays->uvs.empty()) {
+        const Vec2 a = uv(triangle, 0, 0), b = uv(triangle, 1, 0) - a, c = uv(triangle, 2, 0) - a;
+        const float determinant = b.x * c.y - b.y * c.x;
+        if (determinant != 0) out.frame = Frame::along(n, ((p1 - p0) * c.y - (p2 - p0) * b.y) / determinant);
+    }
+    out.bsdf = make_bsdf(materials_, mesh.material, at, from_behind);
+    return out;
+}
+
+}  // namespace eclat

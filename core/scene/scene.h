@@ -1,0 +1,69 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// A scene made from arrays, validated once; everything that follows may trust it.
+
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "scene/intersect.h"
+#include "scene/material.h"
+#include "scene/surface_point.h"
+#include "scene/texture.h"
+
+namespace eclat {
+
+/// Per-vertex arrays are empty or as long as `positions`.
+struct MeshArrays {
+    std::vector<Vec3> positions, normals;
+    std::vector<Vec2> uvs, uvs2;
+    std::vector<float> colors;  // RGBA
+    std::vector<Intersector::Triangle> triangles;
+    int material = 0;
+};
+
+class Geometry {
+  public:
+    /// Throws std::invalid_argument for non-finite positions, indices out of range or sizes that disagree.
+    Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materials, std::vector<std::unique_ptr<Texture>> textures);
+
+    const Intersector& rays() const { return *intersector_; }
+    const std::vector<Material>& materials() const { return materials_; }
+    size_t triangle_count() const { return triangles_.size(); }
+    Vec3 low() const { return low_; }
+    Vec3 high() const { return high_; }
+    float radius() const { return 0.5f * length(high_ - low_); }
+
+    const Material& material_of(uint32_t triangle) const { return materials_[mesh_[triangle_mesh_[triangle]].material]; }
+    Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[triangles_[triangle].v[corner]]; }
+    Vec2 uv(uint32_t triangle, int corner, int set) const;
+    /// Unit normal by counter-clockwise order.
+    Vec3 geometric_normal(uint32_t triangle) const;
+
+    /// The point of `hit`, seen from direction `wo` (away from the surface).
+    SurfacePoint surface_point(const Hit& hit, Vec3 wo) const;
+    SurfaceCoordinates coordinates(uint32_t triangle, float u, float v) const;
+
+  private:
+    struct Mesh {
+        int material;
+        uint32_t first_vertex;
+        const MeshArrays* arrays;
+    };
+    Vec3 shading_normal(uint32_t triangle, float u, float v, Vec3 geometric) const;
+    Vec3 mapped_normal(const Material& material, uint32_t triangle, const SurfaceCoordinates& at, Vec3 normal) const;
+
+    std::vector<MeshArrays> arrays_;
+    std::vector<Mesh> mesh_;
+    std::vector<Vec3> vertices_;
+    std::vector<Intersector::Triangle> triangles_;
+    std::vector<uint32_t> triangle_mesh_;
+    std::vector<Material> materials_;
+    std::vector<std::unique_ptr<Texture>> textures_;
+    std::unique_ptr<Intersector> intersector_;
+    Vec3 low_, high_;
+};
+
+}  // namespace eclat

@@ -1,0 +1,34 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#pragma once
+
+#include <cstdint>
+
+#include "base/frame.h"
+#include "bsdf/bsdf.h"
+#include "scene/ray.h"
+
+namespace eclat {
+
+/// Where a ray met a surface, and how that point scatters.
+struct SurfacePoint {
+    Vec3 position;
+    Vec3 normal;   // geometric, unit, on the side of the viewer unless the material refracts
+    Frame frame;   // of shading; its z is the side that `bsdf` looks at
+    Vec2 uv;       // of the emitter's texture set
+    float offset = 0;  // how far rays must start from the surface so that they do not meet it again
+    uint32_t triangle = no_triangle;
+    Bsdf bsdf;
+
+    /// The geometric normal, on the side that `bsdf` looks at.
+    Vec3 normal_towards_shading() const { return dot(normal, frame.n) >= 0 ? normal : -normal; }
+
+    /// A ray that leaves towards `direction`.
+    Ray ray(Vec3 direction, float t_max = infinity) const {
+        const float side = dot(direction, normal) >= 0 ? offset : -offset;
+        return {position + normal * side, 0, direction, t_max};
+    }
+};
+
+}  // namespace eclat

@@ -1,0 +1,210 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "transport/paths.h"
+
+#include "sampling/mis.h"
+
+namespace eclat {
+
+namespace {
+
+// A shadow ray ends this fraction short of the light, so that it does not meet the light itself: 16 ulps of a float.
+constexpr float shadow_shortening = 1 - 0x1p-19f;
+
+/// How much of the light that a direction finds has not been counted by next-event estimation.
+enum class Arrival : uint8_t { whole, weighted, none };
+
+struct State {
+    Ray ray;
+    Color throughput{1};
+    Sampler sampler;
+    uint32_t index;
+    int edges = 0;       // of the path so far
+    float pdf = 0;       // of the ray's direction
+    float eta2 = 1;      // radiance scaling by refraction, which roulette must not mistake for absorption
+    Arrival arrival;
+    Vec3 from;
+};
+
+struct Shadow {
+    Color contribution;
+    uint32_t index;
+    bool direct;
+};
+
+class Tracer {
+  public:
+    Tracer(const World& world, const PathOptions& options, std::span<PathResult> out, Progress& progress)
+        : world_(world), options_(options), out_(out), progress_(progress) {}
+
+    void run(std::span<const PathRay> rays) {
+        start(rays);
+        std::vector<State> next;
+        Coherence coherence = options_.coherence;
+        while (!states_.empty()) {
+            rays_.resize(states_.size());
+            hits_.resize(states_.size());
+            for (size_t i = 0; i < states_.size(); ++i) rays_[i] = states_[i].ray;
+            world_.geometry.rays().intersect(rays_, hits_, coherence);
+            coherence = Coherence::none;
+            shadow_rays_.clear();
+            shadows_.clear();
+            next.clear();
+            for (size_t i = 0; i < states_.size(); ++i)
+                if (advance(states_[i], hits_[i])) next.push_back(states_[i]);
+            resolve_shadows();
+            progress_.count_rays(rays_.size() + shadow_rays_.size());
+            states_.swap(next);
+        }
+    }
+
+  private:
+    void start(std::span<const PathRay> rays) {
+        states_.reserve(rays.size());
+        const Arrival arrival = options_.emission_at_first_hit ? Arrival::whole : Arrival::none;
+        for (uint32_t i = 0; i < rays.size(); ++i)
+            states_.push_back({.ray = rays[i].ray, .sampler = rays[i].sampler, .index = i, .arrival = arrival, .from = rays[i].ray.origin});
+    }
+
+    bool may_have(int edges) const { return options_.max_depth < 0 || edges <= options_.max_depth; }
+
+    void add(uint32_t index, Color radiance, bool direct) {
+        out_[index].radiance += radiance;
+        if (direct) out_[index].direct += radiance;
+    }
+
+    /// Follow one path over the edge that ended at `hit`; true where it goes on.
+    bool advance(State& s, const Hit& hit) {
+        ++s.edges;
+        if (hit.missed()) {
+            add_environment(s);
+            return false;
+        }
+        const Vec3 wo = -s.ray.direction;
+        const SurfacePoint point = world_.geometry.surface_point(hit, wo);
+        const Vec3 wo_local = point.frame.to_local(wo);
+        if (s.edges == 1) {
+            PathResult& first = out_[s.index];
+            first.distance = hit.t;
+            first.normal = point.frame.n;
+            first.albedo = point.bsdf.albedo(wo_local);
+        }
+        add_emission(s, hit, point, wo);
+        if (!may_have(s.edges + 1)) return false;
+
+        LobeSet going_on = LobeSet::all;
+        if (options_.cache && point.bsdf.has(LobeSet::diffuse)) {
+            if (const auto irradiance = options_.cache(point, hit.t)) {
+                add(s.index, s.throughput * point.bsdf.diffuse_albedo(wo_local) * *irradiance * inv_pi, false);
+                going_on = LobeSet::glossy;
+            } else {
+                out_[s.index].cache_missed = true;
+            }
+        }
+        sample_light(s, point, wo_local, going_on);
+        return continue_path(s, point, wo_local, going_on);
+    }
+
+    void add_environment(const State& s) {
+        const Vec3 w = s.ray.direction;
+        const Lights::Infinite sampled = world_.lights.infinite(w, options_.light_set);
+        Color radiance = sampled.radiance;
+        if (s.arrival == Arrival::none) radiance = Color();
+        if (s.arrival == Arrival::weighted) radiance *= power_heuristic(s.pdf, sampled.pdf_solid_angle);
+        // What light sampling leaves out arrives whole.
+        if (options_.light_set == LightSet::without_environment_image)
+            radiance += world_.lights.environment(w) - sampled.radiance;
+        add(s.index, s.throughput * radiance, s.edges <= 2);
+    }
+
+    void add_emission(const State& s, const Hit& hit, const SurfacePoint& point, Vec3 wo) {
+        const uint32_t emitter = world_.emitter(hit.triangle);
+        if (emitter == not_emitting || s.arrival == Arrival::none) return;
+        const Color radiance = world_.lights.emitted(emitter, {hit.u, hit.v}, wo);
+        if (is_black(radiance)) return;
+        float weight = 1;
+        if (s.arrival == Arrival::weighted)
+            weight = power_heuristic(s.pdf, world_.lights.pdf_solid_angle(emitter, s.from, point.position, options_.light_set));
+        add(s.index, s.throughput * radiance * weight, s.edges <= 2);
+    }
+
+    void sample_light(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+        const float u = s.sampler.next_1d();
+        const Vec2 uv = s.sampler.next_2d();
+        if (!point.bsdf.has_non_delta()) return;
+        const LightSample light = world_.lights.sample(point.position, u, uv, options_.light_set);
+        if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
+        const Vec3 wi = point.frame.to_local(light.wi);
+        if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading normal and the surface disagree
+        Color f;
+        if (going_on == LobeSet::glossy) f = point.bsdf.eval(wo, wi, LobeSet::diffuse).f;
+        const EvalPdf e = point.bsdf.eval(wo, wi, going_on);
+        f += e.f * (light.delta ? 1 : power_heuristic(light.pdf_solid_angle, e.pdf_solid_angle));
+        if (is_black(f)) return;
+        const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / light.pdf_solid_angle);
+        shadow_rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
+        shadows_.push_back({contribution, s.index, s.edges == 1});
+    }
+
+    bool continue_path(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+        const float u_lobe = s.sampler.next_1d();
+        const Vec2 u = s.sampler.next_2d();
+        const float u_roulette = s.sampler.next_1d();
+        const auto sample = point.bsdf.sample(wo, u_lobe, u, going_on);
+        if (!sample) return false;
+        const Vec3 wi = point.frame.to_world(sample->wi);
+        if (dot(wi, point.normal) * sample->wi.z <= 0) return false;
+        s.throughput *= sample->weight;
+        if (sample->transmission) s.eta2 *= sqr(sample->eta_ratio);
+        if (s.edges >= options_.roulette_depth) {
+            const float survival = std::min(0.95f, max_component(s.throughput) * s.eta2);  // [ArvoKirk90]
+            if (u_roulette >= survival) return false;
+            s.throughput *= 1 / survival;
+        }
+        if (!(max_component(s.throughput) > 0)) return false;
+        s.ray = point.ray(wi);
+        s.from = point.position;
+        s.pdf = sample->pdf_solid_angle;
+        s.arrival = sample->delta ? Arrival::whole : Arrival::weighted;
+        return true;
+    }
+
+    void resolve_shadows() {
+        occluded_.resize(shadow_rays_.size());
+        world_.geometry.rays().occluded(shadow_rays_, occluded_);
+        for (size_t i = 0; i < shadows_.size(); ++i)
+            if (!occluded_[i]) add(shadows_[i].index, shadows_[i].contribution, shadows_[i].direct);
+    }
+
+    const World& world_;
+    const PathOptions& options_;
+    std::span<PathResult> out_;
+    Progress& progress_;
+    std::vector<State> states_;
+    std::vector<Ray> rays_, shadow_rays_;
+    std::vector<Hit> hits_;
+    std::vector<Shadow> shadows_;
+    std::vector<uint8_t> occluded_;
+};
+
+}  // namespace
+
+void trace_paths(const World& world, std::span<const PathRay> rays, const PathOptions& options,
+                 std::span<PathResult> out, Progress& progress) {
+    std::fill(out.begin(), out.end(), PathResult{});
+    Tracer(world, options, out, progress).run(rays);
+}
+
+std::optional<ShadowRay> sample_irradiance(const World& world, const SurfacePoint& point, Vec3 n, LightSet set,
+                                           Sampler& sampler) {
+    const float u = sampler.next_1d();
+    const Vec2 uv = sampler.next_2d();
+    const LightSample light = world.lights.sample(point.position, u, uv, set);
+    const float cosine = dot(light.wi, n);
+    if (!(light.pdf_solid_angle > 0) || cosine <= 0) return std::nullopt;
+    return ShadowRay{point.ray(light.wi, light.distance * shadow_shortening),
+                     light.radiance * (cosine / light.pdf_solid_angle)};
+}
+
+}  // namespace eclat

@@ -1,0 +1,228 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""A scene's arrays, handed to the core once and kept as long as the scene lives."""
+
+from __future__ import annotations
+
+import hashlib
+import weakref
+from dataclasses import dataclass
+
+import numpy as np
+
+from eclat import _core
+from eclat.errors import EclatError
+from eclat.scene import (
+    DEFAULTS,
+    MATERIAL_KINDS,
+    Camera,
+    DirectionalLight,
+    FloatArray,
+    Material,
+    PointLight,
+    Scene,
+    SpotLight,
+    Texture,
+    Value,
+    grey,
+)
+
+_WRAPS = ("repeat", "mirror", "clamp")
+MAX_PIXELS = 2**28
+
+
+@dataclass(frozen=True)
+class Compiled:
+    """The core's scene. It lives in a frame shifted by `center` (taken in double precision), so that float32 suffices
+    far from the origin."""
+
+    core: _core.Scene
+    center: FloatArray
+
+    def to_core(self, points: FloatArray) -> np.ndarray:
+        """World positions (N, 3) in the core's frame, float32."""
+        return np.ascontiguousarray(np.asarray(points, np.float64) - self.center, np.float32)
+
+    def camera(self, camera: Camera, size: tuple[int, int]) -> _core.Camera:
+        """The core's camera for a picture of `size` (width, height)."""
+        width, height = size
+        matrix = np.asarray(camera.to_world, np.float64)
+        if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
+            raise EclatError(f"camera {camera.name!r}: to_world must be a finite 4×4 matrix")
+        columns = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
+        half_width, half_height = _half_extent(camera, width / height)
+        right, up, backward = (tuple(map(float, columns[:, i])) for i in range(3))
+        position = tuple(map(float, self.to_core(matrix[:3, 3])))
+        return _core.Camera(
+            right, up, backward, position, size, (half_width, half_height), camera.shift,
+            camera.aperture_radius, camera.focus_distance, camera.projection == "orthographic",
+        )  # fmt: skip
+
+
+def _half_extent(camera: Camera, aspect: float) -> tuple[float, float]:
+    if camera.projection == "orthographic":
+        half = camera.fov / 2
+    else:
+        if not 0 < camera.fov < 180:
+            raise EclatError(f"camera {camera.name!r}: fov must be between 0 and 180 degrees, got {camera.fov!r}")
+        half = float(np.tan(np.radians(camera.fov) / 2))
+    axis = camera.fov_axis
+    if axis == "smaller":
+        axis = "y" if aspect >= 1 else "x"
+    elif axis == "larger":
+        axis = "x" if aspect >= 1 else "y"
+    if axis == "diagonal":
+        half_height = half / float(np.hypot(aspect, 1))
+        return half_height * aspect, half_height
+    return (half, half / aspect) if axis == "x" else (half * aspect, half)
+
+
+_cache: weakref.WeakKeyDictionary[Scene, Compiled] = weakref.WeakKeyDictionary()
+
+
+def compiled(scene: Scene) -> Compiled:
+    """The core's form of `scene`, made at the first call. Raises EclatError for what the core refuses."""
+    found = _cache.get(scene)
+    if found is None:
+        try:
+            found = _cache[scene] = _Compiler(scene).compile()
+        except ValueError as error:
+            raise EclatError(f"{scene.name or 'scene'}: {error}") from error
+    return found
+
+
+class _Compiler:
+    def __init__(self, scene: Scene) -> None:
+        self.scene = scene
+        self.builder = _core.SceneBuilder()
+        self.textures: dict[int, int] = {}
+        self.materials: dict[int, int] = {}
+
+    def compile(self) -> Compiled:
+        center = _center(self.scene)
+        for mesh in self.scene.meshes:
+            self.builder.add_mesh(
+                np.ascontiguousarray(np.asarray(mesh.positions, np.float64) - center, np.float32),
+                np.ascontiguousarray(mesh.triangles, np.uint32),
+                self.material(mesh.material),
+                _floats(mesh.normals, 3),
+                _floats(mesh.uvs, 2),
+                _floats(mesh.uvs2, 2),
+                _floats(mesh.colors, 4),
+            )
+        for light in self.scene.lights:
+            self.light(light, center)
+        environment = self.scene.environment
+        if environment is not None:
+            to_world = tuple(float(x) for x in np.asarray(environment.to_world, np.float64).ravel())
+            self.builder.set_environment(np.ascontiguousarray(environment.image, np.float32), to_world)
+        return Compiled(self.builder.build(), center)
+
+    def light(self, light: PointLight | SpotLight | DirectionalLight, center: FloatArray) -> None:
+        if isinstance(light, DirectionalLight):
+            self.builder.add_directional(light.direction, light.irradiance, light.angular_radius)
+            return
+        position = tuple(float(x) for x in np.asarray(light.position, np.float64) - center)
+        if isinstance(light, PointLight):
+            self.builder.add_point(position, light.intensity)
+        else:
+            smooth = light.falloff == "smooth"
+            self.builder.add_spot(
+                position, light.direction, light.intensity, light.inner_angle, light.outer_angle, smooth
+            )
+
+    def texture(self, texture: Texture) -> int:
+        index = self.textures.get(id(texture))
+        if index is None:
+            image = np.asarray(texture.image)
+            image = image if image.dtype == np.uint8 else image.astype(np.float32)
+            image = np.ascontiguousarray(image if image.ndim == 3 else image[:, :, None])
+            wraps = _WRAPS.index(texture.wrap_u), _WRAPS.index(texture.wrap_v)
+            index = self.builder.add_texture(image, texture.srgb, *wraps, texture.filter == "nearest")
+            self.textures[id(texture)] = index
+        return index
+
+    def value(self, value: Value) -> _core.Value:
+        texture = -1 if value.texture is None else self.texture(value.texture)
+        channel = -1 if value.channel is None else value.channel
+        transform = tuple(float(x) for row in value.uv_transform for x in row)
+        return self.builder.value(value.constant, texture, channel, value.uv_set, transform, value.invert, value.square)
+
+    def material(self, material: Material) -> int:
+        index = self.materials.get(id(material))
+        if index is None:
+            index = self.materials[id(material)] = self.builder.add_material(self.convert(material))
+        return index
+
+    def convert(self, material: Material) -> _core.Material:
+        names = MATERIAL_KINDS[material.kind]
+        out = _core.Material()
+        out.kind = list(MATERIAL_KINDS).index(material.kind)
+        given = dict(material.parameters)
+        if "alpha_v" in names and "alpha_v" not in given and "alpha_u" in given:
+            given["alpha_v"] = given["alpha_u"]
+        out.parameters = [self.value(given.get(name, DEFAULTS[name])) for name in names]
+        out.two_sided = material.two_sided
+        out.back = -1 if material.back is None else self.material(material.back)
+        out.children = [self.material(child) for child in material.children] or [-1, -1]
+        out.beckmann = material.distribution == "beckmann"
+        out.nonlinear = material.nonlinear
+        out.thin_walled = material.thin_walled
+        out.opacity = self.value(material.opacity)
+        out.alpha_cutoff = -1.0 if material.alpha_cutoff is None else material.alpha_cutoff
+        out.vertex_colors = material.vertex_colors
+        if material.normal_map is not None:
+            out.has_normal_map = True
+            out.bump = material.normal_map.kind == "bump"
+            out.normal_map = self.value(material.normal_map.value)
+            out.normal_scale = material.normal_map.scale
+        out.emits = material.emission is not None and any(c > 0 for c in material.emission.constant)
+        out.emission = self.value(material.emission or grey(0.0))
+        out.emission_two_sided = material.emission_two_sided
+        return out
+
+
+def _floats(array: FloatArray | None, width: int) -> np.ndarray:
+    return np.zeros((0, width), np.float32) if array is None else np.ascontiguousarray(array, np.float32)
+
+
+def _center(scene: Scene) -> FloatArray:
+    """Centre of the bounds, rounded to few bits so that scaling a scene by a power of two scales it exactly."""
+    used = [np.asarray(m.positions, np.float64) for m in scene.meshes if len(m.positions)]
+    if not used:
+        return np.zeros(3)
+    low = np.min([p.min(axis=0) for p in used], axis=0)
+    high = np.max([p.max(axis=0) for p in used], axis=0)
+    if not (np.isfinite(low).all() and np.isfinite(high).all()):
+        return np.zeros(3)  # the core names the mesh and the vertex
+    # A shift pays only where the scene lies far from the origin; elsewhere positions keep their own digits.
+    middle = (low + high) / 2
+    return middle if np.abs(middle).max() > 4 * np.linalg.norm(high - low) else np.zeros(3)
+
+
+def fingerprint(scene: Scene) -> str:
+    """A hash of all that changes light: geometry, materials, lights. Cameras do not count."""
+    digest = hashlib.sha256()
+
+    def feed(x: object) -> None:
+        if isinstance(x, np.ndarray):
+            digest.update(str((x.dtype, x.shape)).encode())
+            digest.update(np.ascontiguousarray(x).tobytes())
+        elif hasattr(x, "__dataclass_fields__"):
+            for name in x.__dataclass_fields__:
+                if name not in ("name", "cameras", "warnings"):
+                    digest.update(name.encode())
+                    feed(getattr(x, name))
+        elif isinstance(x, dict):
+            for key in sorted(x):
+                digest.update(key.encode())
+                feed(x[key])
+        elif isinstance(x, tuple | list):
+            digest.update(str(len(x)).encode())
+            for item in x:
+                feed(item)
+        else:
+            digest.update(repr(x).encode())
+
+    feed(scene)
+    return digest.hexdigest()[:32]

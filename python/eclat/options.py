@@ -1,0 +1,108 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The methods and what can be set on each. Every field has a default that needs no touching."""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, fields
+from typing import Literal
+
+from eclat.errors import EclatError, did_you_mean
+
+
+@dataclass(frozen=True)
+class Direct:
+    """Emission and light that arrives straight from lights: paths of at most two edges."""
+
+
+@dataclass(frozen=True)
+class Path:
+    """Unbiased path tracing: the reference."""
+
+    roulette_depth: int = 5
+    """Edges of a path before it may be ended at random (1 or more)."""
+
+    def __post_init__(self) -> None:
+        _check_range("Path", "roulette_depth", self.roulette_depth, 1, 10**6)
+
+
+@dataclass(frozen=True)
+class IrradianceCache:
+    """Irradiance caching: diffuse indirect light from records, the rest traced.
+
+    `max_error` steers the spacing and the rays of records; the other fields are None for "what max_error asks for".
+    """
+
+    max_error: float = 0.01
+    """Wanted relative error of the indirect light, 0.0005..0.5."""
+    weight: Literal["tabellion", "ward"] = "tabellion"
+    """How records are weighted: Tabellion and Lamorlette 2004, or Ward's split sphere (1988)."""
+    distance: Literal["minimum", "harmonic"] = "minimum"
+    """What a record's radius follows: the least distance to what it sees, or the harmonic mean."""
+    spacing: float | None = None
+    """Radius of a record in units of that distance."""
+    rows: int | None = None
+    """Rows M of a gather; it has about π·M² rays."""
+    least_pixels: float = 2.5
+    """Lower bound of a record's radius, in pixels."""
+    largest_pixels: float = 40.0
+    """Upper bound of a record's radius, in pixels."""
+    relaxation: float = 1.5
+    """How much farther a record is read than it keeps others from being placed (1 or more)."""
+    rotation_gradient: bool = True
+    translation_gradient: bool = True
+    neighbor_clamping: bool = True
+    gradient_limit: bool = True
+    far_records: int = 2000
+    """Candidates for the coarse records in which gather rays end; 0 traces every path to its end."""
+    far_rows: int = 9
+
+    def __post_init__(self) -> None:
+        _check_range("IrradianceCache", "max_error", self.max_error, 0.0005, 0.5)
+        if self.spacing is not None:
+            _check_range("IrradianceCache", "spacing", self.spacing, 0.01, 2)
+        if self.rows is not None:
+            _check_range("IrradianceCache", "rows", self.rows, 2, 256)
+        _check_range("IrradianceCache", "far_rows", self.far_rows, 2, 256)
+        _check_range("IrradianceCache", "far_records", self.far_records, 0, 10**7)
+        _check_range("IrradianceCache", "least_pixels", self.least_pixels, 0.25, 1000)
+        _check_range("IrradianceCache", "largest_pixels", self.largest_pixels, self.least_pixels, 10**5)
+        _check_range("IrradianceCache", "relaxation", self.relaxation, 1, 4)
+        for name, known in (("weight", ("tabellion", "ward")), ("distance", ("minimum", "harmonic"))):
+            if getattr(self, name) not in known:
+                raise EclatError(
+                    f"IrradianceCache: {name} must be one of {', '.join(known)}, got {getattr(self, name)!r}"
+                    + did_you_mean(str(getattr(self, name)), known)
+                )
+
+
+Options = Direct | Path | IrradianceCache
+
+METHODS: dict[str, type[Direct] | type[Path] | type[IrradianceCache]] = {
+    "direct": Direct,
+    "path": Path,
+    "irradiance-cache": IrradianceCache,
+}
+"""Name on the command line → options class."""
+
+
+def method_name(options: Options) -> str:
+    """The name in `METHODS` of an options object."""
+    return next(name for name, cls in METHODS.items() if cls is type(options))
+
+
+def make_options(method: str, **settings: object) -> Options:
+    """Options of `method` with some fields set. Raises EclatError for an unknown method or field."""
+    if method not in METHODS:
+        raise EclatError(f"unknown method {method!r}, expected one of {', '.join(METHODS)}{did_you_mean(method, METHODS)}")
+    known = [f.name for f in fields(METHODS[method])]
+    for key in settings:
+        if key not in known:
+            raise EclatError(f"unknown option {key} for {method}{did_you_mean(key, known)}")
+    return METHODS[method](**settings)  # type: ignore[arg-type]
+
+
+def _check_range(where: str, name: str, value: float, low: float, high: float) -> None:
+    if not isinstance(value, int | float) or math.isnan(value) or not low <= value <= high:
+        raise EclatError(f"{where}: {name} must be between {low:g} and {high:g}, got {value!r}")

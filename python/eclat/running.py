@@ -1,0 +1,48 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Long calls into the core: they run beside the main thread, which reports progress and stops them on Ctrl-C."""
+
+from __future__ import annotations
+
+import threading
+import time
+from collections.abc import Callable
+from typing import TypeVar
+
+from eclat import _core
+
+ProgressReport = Callable[[str, float, dict[str, float]], None]
+"""Called about ten times a second from the main thread with phase, fraction done (0..1) and statistics."""
+
+T = TypeVar("T")
+
+
+def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None = None) -> tuple[T, _core.Progress]:
+    """`call(progress)` on a thread of its own; an exception in `report`, or Ctrl-C, cancels it and is raised."""
+    progress = _core.Progress()
+    outcome: list[T] = []
+    failure: list[BaseException] = []
+
+    def work() -> None:
+        try:
+            outcome.append(call(progress))
+        except BaseException as error:
+            failure.append(error)
+
+    thread = threading.Thread(target=work, daemon=True)
+    started = time.perf_counter()
+    thread.start()
+    try:
+        while thread.is_alive():
+            thread.join(0.1 if report is not None else 0.5)
+            if report is not None:
+                seconds = max(time.perf_counter() - started, 1e-9)
+                fraction = min(1.0, progress.done / progress.total) if progress.total else 0.0
+                report(phase, fraction, {"rays": float(progress.rays), "seconds": seconds})
+    except BaseException:
+        progress.cancel()
+        thread.join()
+        raise
+    if failure:
+        raise failure[0]
+    return outcome[0], progress

@@ -1,0 +1,125 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Gather gradients against finite differences of an irradiance known in closed form (Lambert's polygon formula).
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <vector>
+
+#include "cache/hemisphere.h"
+#include "sampling/rng.h"
+
+using namespace eclat;
+
+namespace {
+
+struct Rectangle {
+    float x0, x1, y0, y1, z;
+    float radiance;
+};
+
+// A ceiling with a bright patch, and a dark plate that hides a part of both.
+const std::array<Rectangle, 3> scene{{{-40, 40, -40, 40, 1.0f, 1.0f}, {0.2f, 1.1f, -0.5f, 0.6f, 0.999f, 3.0f},
+                                      {-0.7f, 0.1f, -0.3f, 0.5f, 0.5f, 0.0f}}};
+
+/// ∫ n·w dω over a polygon seen from the origin [Lambert]; vertices in either order.
+double form(const std::vector<std::array<double, 3>>& v, std::array<double, 3> n) {
+    double sum = 0;
+    for (size_t i = 0; i < v.size(); ++i) {
+        const auto &a = v[i], &b = v[(i + 1) % v.size()];
+        const std::array<double, 3> c{a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]};
+        const double length = std::sqrt(c[0] * c[0] + c[1] * c[1] + c[2] * c[2]);
+        const double dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+        sum += std::atan2(length, dot) * (n[0] * c[0] + n[1] * c[1] + n[2] * c[2]) / length;
+    }
+    return std::fabs(sum) / 2;
+}
+
+double form(double x0, double x1, double y0, double y1, double z, double px, double py, std::array<double, 3> n) {
+    return form({{x0 - px, y0 - py, z}, {x1 - px, y0 - py, z}, {x1 - px, y1 - py, z}, {x0 - px, y1 - py, z}}, n);
+}
+
+/// Irradiance at (x, y, 0): ceiling + 2 × patch, minus what the plate hides of them: its shadow on the ceiling.
+double exact(double x, double y, std::array<double, 3> n = {0, 0, 1}) {
+    const auto rect = [&](const Rectangle& r) { return form(r.x0, r.x1, r.y0, r.y1, r.z, x, y, n); };
+    const Rectangle &patch = scene[1], &plate = scene[2];
+    // The plate, projected from (x, y, 0) onto the patch's plane, cut with the patch.
+    const double scale = double(patch.z) / plate.z;
+    const auto project = [&](double c, double p) { return p + (c - p) * scale; };
+    const double x0 = std::max<double>(patch.x0, project(plate.x0, x)), x1 = std::min<double>(patch.x1, project(plate.x1, x));
+    const double y0 = std::max<double>(patch.y0, project(plate.y0, y)), y1 = std::min<double>(patch.y1, project(plate.y1, y));
+    const double hidden_patch = x1 > x0 && y1 > y0 ? form(x0, x1, y0, y1, patch.z, x, y, n) : 0;
+    return rect(scene[0]) + 2 * rect(patch) - rect(plate) - 2 * hidden_patch;
+}
+
+HemisphereSamples gather(int rows, float x, float y) {
+    HemisphereSamples s;
+    s.rows = rows;
+    s.columns = columns_for(rows);
+    s.frame = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    Rng rng(7, static_cast<uint32_t>(rows));
+    for (int j = 0; j < s.rows; ++j)
+        for (int k = 0; k < s.columns; ++k) {
+            const float u1 = rng.next(), u2 = rng.next();
+            const Vec3 w = cell_direction(s.rows, s.columns, j, k, {u1, u2});
+            float best = infinity, radiance = 0;
+            for (const Rectangle& r : scene) {
+                const float t = r.z / w.z, hx = x + t * w.x, hy = y + t * w.y;
+                if (t < best && hx > r.x0 && hx < r.x1 && hy > r.y0 && hy < r.y1) best = t, radiance = r.radiance;
+            }
+            s.radiance.emplace_back(radiance);
+            s.distance.push_back(best);
+        }
+    return s;
+}
+
+}  // namespace
+
+TEST_CASE("uniform radiance gives exactly π") {
+    HemisphereSamples s = gather(16, 0, 0);
+    for (Color& L : s.radiance) L = Color(1);
+    CHECK(irradiance(s).r == doctest::Approx(pi).epsilon(1e-6));
+}
+
+TEST_CASE("irradiance under ceiling, patch and plate") {
+    CHECK(irradiance(gather(64, 0.3f, 0.2f)).g == doctest::Approx(exact(0.3, 0.2)).epsilon(0.005));
+}
+
+TEST_CASE("translation gradient against the closed form") {
+    const float x = 0.3f, y = 0.2f;
+    const double h = 1e-4;
+    const double dx = (exact(x + h, y) - exact(x - h, y)) / (2 * h), dy = (exact(x, y + h) - exact(x, y - h)) / (2 * h);
+    const TranslationGradient g = translation_gradient(gather(64, x, y));
+    const double scale = std::hypot(dx, dy);
+    CHECK(std::hypot(g.channel[0].x - dx, g.channel[0].y - dy) < 0.03 * scale);
+    CHECK(g.channel[0].z == 0);
+}
+
+TEST_CASE("rotation gradient against the closed form") {
+    // Turning the normal by α around y moves it by α towards x: dE/dα = (n × n')·gradient / α.
+    const float x = 0.3f, y = 0.2f;
+    const double a = 1e-3;
+    const auto turned = [&](double ax, double ay) {
+        // Around the axis (ax, ay, 0): n' = n + axis × n. All that is lit stays above the horizon but for the far
+        // ceiling, whose cosine is nearly zero there.
+        const std::array<double, 3> n{ay, -ax, 1};
+        return exact(x, y, n);
+    };
+    const double about_x = (turned(a, 0) - turned(-a, 0)) / (2 * a), about_y = (turned(0, a) - turned(0, -a)) / (2 * a);
+    const RotationGradient g = rotation_gradient(gather(64, x, y));
+    const double scale = std::hypot(about_x, about_y);
+    CHECK(std::hypot(g.channel[0].x - about_x, g.channel[0].y - about_y) < 0.05 * scale);
+}
+
+TEST_CASE("distances: a miss is infinitely far and grazing rays do not count for the minimum") {
+    HemisphereSamples s = gather(16, 0, 0);
+    for (float& r : s.distance) r = 2;
+    CHECK(harmonic_mean_distance(s) == doctest::Approx(2));
+    for (int k = 0; k < s.columns; ++k) s.distance[size_t(s.rows - 1) * s.columns + k] = 1e-3f;
+    CHECK(minimum_distance(s) == doctest::Approx(2));
+    for (float& r : s.distance) r = infinity;
+    CHECK(harmonic_mean_distance(s) == infinity);
+}
