@@ -131,13 +131,15 @@ def _lobe(nm: Floats, amplitude: float, centre: float, below: float, above: floa
 def _emission_weights() -> Floats:
     matching = color_matching(WAVELENGTHS)
     # Each function to its own integral: the equal-energy spectrum is then exactly X = Y = Z, as in the CIE's tables.
-    return XYZ_TO_RGB @ (matching / matching.sum(axis=1, keepdims=True))
+    weights: Floats = XYZ_TO_RGB @ (matching / matching.sum(axis=1, keepdims=True))
+    return weights
 
 
 def _reflectance_weights() -> Floats:
     illuminant = np.interp(WAVELENGTHS, np.arange(360.0, 831.0, 10.0), _D65)
-    weights = XYZ_TO_RGB @ (color_matching(WAVELENGTHS) * illuminant)
-    return weights / weights.sum(axis=1, keepdims=True)
+    weights: Floats = XYZ_TO_RGB @ (color_matching(WAVELENGTHS) * illuminant)
+    weights /= weights.sum(axis=1, keepdims=True)
+    return weights
 
 
 _EMISSION_WEIGHTS = _emission_weights()

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -88,7 +89,7 @@ def _axis(node: Node) -> Vector:
     return _unit(transform_directions(node.transform("to_world"), np.array([[0.0, 0.0, 1.0]]))[0], node)
 
 
-def _unit(direction: NDArray, node: Node) -> Vector:
+def _unit(direction: NDArray[Any], node: Node) -> Vector:
     x, y, z = (float(value) for value in normalize(np.asarray(direction, dtype=np.float64)))
     if (x, y, z) == (0.0, 0.0, 0.0):
         raise EclatError(f"{node.where}: expected a direction, got the zero vector")
@@ -133,7 +134,8 @@ def _rotation(node: Node) -> Matrix:
         raise EclatError(f"{node.where}, to_world: expected a rotation, got a matrix that flattens space")
     if not np.allclose(values, values.mean(), rtol=1e-3):
         warn(f"{node.where}, to_world: only the rotation of an environment's transform is used")
-    return u @ vt
+    rotation: Matrix = u @ vt
+    return rotation
 
 
 def _sky(node: Node, textures: Textures) -> Emission:
@@ -143,7 +145,7 @@ def _sky(node: Node, textures: Textures) -> Emission:
     if not np.any(local):
         raise EclatError(f"{node.where}, sun_direction: expected a direction, got the zero vector")
     scale = node.number("scale", default=1.0)
-    parts = {"sun": "sun", "sky": "sky"}.get(node.type, "sunsky")
+    parts: Literal["sun", "sky", "sunsky"] = "sun" if node.type == "sun" else "sky" if node.type == "sky" else "sunsky"
     albedo = textures.value(node, "albedo", default=0.15 if node.legacy else 0.3, kind="reflectance").constant
     try:
         sun, environment = sky.sun_sky(

@@ -61,10 +61,9 @@ def tag_of(kind: str, key: str, parent: str) -> str:
 
 
 SILENT_PROPERTIES = _words(
-    "near_clip far_clip shutter_open shutter_close sampling_weight specular_sampling_rate diffuse_sampling_rate "
-    "sample_visible focus_distance max_smooth_angle collapse strict cache filename to_world mip_map filter_type "
-    "max_anisotropy samples intensity_scale specular_sampling_weight srgb shutter_open_time main_specular_sampling_rate "
-    "clearcoat_sampling_rate diffuse_reflectance_sampling_rate "
-    "spec_trans_sampling_rate format accel"
+    "near_clip far_clip shutter_open shutter_close shutter_open_time focus_distance to_world sample_visible samples "
+    "sampling_weight specular_sampling_weight specular_sampling_rate diffuse_sampling_rate clearcoat_sampling_rate "
+    "main_specular_sampling_rate diffuse_reflectance_sampling_rate spec_trans_sampling_rate intensity_scale "
+    "max_smooth_angle collapse strict cache mip_map filter_type max_anisotropy srgb format accel"
 )
 """What changes no converged picture, or only how it is computed."""

@@ -52,7 +52,8 @@ def cube() -> Surface:
         tangents.append(_all(across, 4))
         triangles.append(np.array([[0, 1, 2], [0, 2, 3]]) + 4 * index)
     uvs = np.tile(corners, (6, 1))
-    return Surface(*(np.concatenate(part) for part in (positions, normals, tangents)), uvs, np.concatenate(triangles))
+    sides = [np.concatenate(part) for part in (positions, normals, tangents)]
+    return Surface(sides[0], sides[1], sides[2], uvs, np.concatenate(triangles))
 
 
 def disk() -> Surface:
@@ -116,7 +117,7 @@ def _all(vector: tuple[float, float, float], count: int) -> Floats:
     return np.tile(np.array(vector, dtype=np.float64), (count, 1))
 
 
-def _columns(u: float, v: Floats) -> Floats:
+def _columns(u: float, v: NDArray[np.floating]) -> Floats:
     return np.stack([np.full_like(v, u), v], axis=1)
 
 
@@ -129,4 +130,5 @@ def _grid(rows: int, columns: int) -> NDArray[np.int64]:
 
 def _areas(positions: Floats, triangles: NDArray[np.int64]) -> Floats:
     p, q, r = (positions[triangles[:, i]] for i in range(3))
-    return np.linalg.norm(np.cross(q - p, r - p), axis=1) / 2
+    double: Floats = np.linalg.norm(np.cross(q - p, r - p), axis=1)
+    return double / 2

@@ -124,7 +124,7 @@ def uses_vertex_colors(node: Node) -> bool:
     return any(child.type in ("mesh_attribute", "vertexcolors") for _, child in node.of_tag("texture"))
 
 
-def peak(value: Value) -> NDArray:
+def peak(value: Value) -> NDArray[Any]:
     """The largest of each of a value's three channels."""
     if value.texture is None:
         return np.array(value.constant)
@@ -132,7 +132,7 @@ def peak(value: Value) -> NDArray:
     return np.resize(texels.reshape(-1, texels.shape[2]).max(axis=0), 3) * value.constant
 
 
-def image_data(node: Node) -> tuple[NDArray, bool] | None:
+def image_data(node: Node) -> tuple[NDArray[Any], bool] | None:
     """The image that a dict gives in `bitmap` or `data`, (H, W, C), and whether it is linear; None without one.
 
     Raises
@@ -188,7 +188,7 @@ def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
     return Value((1.0, 1.0, 1.0), texture, channel=0, uv_transform=transform)
 
 
-def _linear(texture: Texture) -> NDArray:
+def _linear(texture: Texture) -> NDArray[Any]:
     """The texels in 0..1, decoded."""
     image = _unit(texture.image)
     if texture.srgb:
@@ -196,7 +196,7 @@ def _linear(texture: Texture) -> NDArray:
     return image
 
 
-def _unit(image: NDArray) -> NDArray:
+def _unit(image: NDArray[Any]) -> NDArray[Any]:
     """Float32 with the bytes' 255 at 1."""
     scale = np.float32(1 / 255 if image.dtype == np.uint8 else 1)
     return image.astype(np.float32) * scale

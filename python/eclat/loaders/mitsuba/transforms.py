@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -41,17 +42,17 @@ def check_matrix(matrix: Matrix, where: str) -> Matrix:
     return matrix
 
 
-def transform_points(matrix: Matrix, points: NDArray) -> Matrix:
+def transform_points(matrix: Matrix, points: NDArray[Any]) -> Matrix:
     """(N, 3) points."""
     return np.asarray(points, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
-def transform_directions(matrix: Matrix, directions: NDArray) -> Matrix:
+def transform_directions(matrix: Matrix, directions: NDArray[Any]) -> Matrix:
     """(N, 3) directions, of the length that comes out."""
     return np.asarray(directions, dtype=np.float64) @ matrix[:3, :3].T
 
 
-def transform_normals(matrix: Matrix, normals: NDArray) -> Matrix:
+def transform_normals(matrix: Matrix, normals: NDArray[Any]) -> Matrix:
     """(N, 3) normals by the inverse transpose, of unit length (zero where degenerate)."""
     # The cofactors are the inverse transpose times the determinant; they exist for singular matrices too.
     a, b, c = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
@@ -65,7 +66,8 @@ def normalize(vectors: Matrix) -> Matrix:
     """Unit vectors along the last axis; those without a length become 0."""
     scaled = vectors / np.maximum(np.abs(vectors).max(axis=-1, keepdims=True, initial=0.0), 1e-300)
     length = np.linalg.norm(scaled, axis=-1, keepdims=True)
-    return np.divide(scaled, length, out=np.zeros_like(scaled), where=length > 0)
+    unit: Matrix = np.divide(scaled, length, out=np.zeros_like(scaled), where=length > 0)
+    return unit
 
 
 def is_mirrored(matrix: Matrix) -> bool:
@@ -79,7 +81,7 @@ def is_singular(matrix: Matrix) -> bool:
     return bool(values[-1] <= 1e-12 * values[0])
 
 
-def look_at_mitsuba(origin: NDArray, target: NDArray, up: NDArray, where: str) -> Matrix:
+def look_at_mitsuba(origin: NDArray[Any], target: NDArray[Any], up: NDArray[Any], where: str) -> Matrix:
     """Mitsuba's camera frame at `origin`: +z to the target, +x to the left, +y up. Raises EclatError."""
     forward = np.asarray(target, dtype=np.float64) - origin
     if not np.any(forward):
