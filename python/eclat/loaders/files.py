@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import Literal, TypedDict, Unpack
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
 from eclat.loaders.images import decode_image, read_image_file
@@ -59,7 +60,9 @@ def resolve(folder: Path, name: str, *, where: str, allow_parent: bool = False) 
         if allow_parent:
             return _resolve_anywhere(folder, text, where)
         return _resolve_inside(folder, text, where, name)
-    except (OSError, RuntimeError) as error:  # RuntimeError: Python 3.11's Path.resolve on a loop of links
+    except EclatError:
+        raise
+    except (OSError, ValueError, RuntimeError) as error:  # RuntimeError: Path.resolve on a loop of links
         raise EclatError(f"{where}: cannot look up {_shown(name)}: {error}") from None
 
 
@@ -185,7 +188,7 @@ def _find(folder: Path, text: str) -> Path | None:
     return path if path.exists() else None
 
 
-def _checker() -> np.ndarray:
+def _checker() -> NDArray[np.uint8]:
     """8×8 fields of mauve and grey (sRGB bytes), two texels each so that bilinear filtering keeps the fields."""
     rows, columns = np.indices((16, 16)) // 2
     return np.array([[150, 144, 150], [196, 128, 178]], dtype=np.uint8)[(rows + columns) % 2]

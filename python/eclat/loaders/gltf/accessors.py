@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Accessors: typed, strided, normalised and sparse arrays inside buffers [glTF 2.0, 3.6.2]."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError
+from eclat.loaders.gltf.container import Document
+from eclat.loaders.gltf.element import Element
+
+Numbers = NDArray[Any]
+
+COMPONENT_TYPES: dict[int, np.dtype] = {
+    5120: np.dtype("i1"),
+    5121: np.dtype("u1"),
+    5122: np.dtype("<i2"),
+    5123: np.dtype("<u2"),
+    5125: np.dtype("<u4"),
+    5126: np.dtype("<f4"),
+}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+
+MAX_ZEROS = 1 << 22
+"""Elements of an accessor without data of its own (zeros): the file's size does not bound them, so this does."""
+
+
+class Accessors:
+    """The accessors of a document, each read once. The arrays are shared: they must not be written."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._arrays: dict[int, Numbers] = {}
+
+    def count(self, owner: Element, member: str) -> int:
+        """The number of elements of the accessor whose index `owner` holds as `member`; 0 where it holds none."""
+        accessor = self._document.element(owner, member, "accessors")
+        return 0 if accessor is None else accessor.integer("count")
+
+    def has_data(self, owner: Element, member: str) -> bool:
+        """Whether that accessor has data of its own, not only zeros."""
+        accessor = self._document.element(owner, member, "accessors")
+        return accessor is not None and ("bufferView" in accessor.data or "sparse" in accessor.data)
+
+    def floats(self, owner: Element, member: str, types: tuple[str, ...]) -> NDArray[np.float32] | None:
+        """(N, width) float32 of an accessor of one of `types`; normalised integers decoded. None where absent."""
+        found = self._read(owner, member, types)
+        if found is None:
+            return None
+        accessor, values = found
+        if values.dtype.kind == "f":
+            return values
+        decoded = values.astype(np.float32)
+        if not accessor.flag("normalized"):
+            return decoded
+        # Symmetric: the most negative integer means −1 as its neighbour does.
+        scaled: NDArray[np.float32] = decoded / np.float32(np.iinfo(values.dtype).max)
+        return np.maximum(scaled, np.float32(-1))
+
+    def integers(self, owner: Element, member: str) -> NDArray[np.unsignedinteger] | None:
+        """(N,) unsigned integers. None where absent."""
+        found = self._read(owner, member, ("SCALAR",))
+        if found is None:
+            return None
+        accessor, values = found
+        if values.dtype.kind != "u":
+            raise EclatError(f"{accessor.where}: expected unsigned integers for {owner.at(member)}, got {values.dtype}")
+        return values[:, 0]
+
+    def _read(self, owner: Element, member: str, types: tuple[str, ...]) -> tuple[Element, Numbers] | None:
+        accessors = self._document.elements("accessors")
+        index = owner.index(member, len(accessors), "accessors")
+        if index is None:
+            return None
+        accessor = accessors[index]
+        kind = accessor.text("type")
+        if kind not in types:
+            raise EclatError(
+                f"{accessor.where}: expected {' or '.join(types)} for {owner.at(member)}, got {kind[:20]!r}"
+            )
+        if index not in self._arrays:
+            self._arrays[index] = _read_accessor(self._document, accessor)
+        return accessor, self._arrays[index]
+
+
+def _read_accessor(document: Document, accessor: Element) -> Numbers:
+    """(count, width) in the accessor's own component type."""
+    dtype = _component_type(accessor)
+    width = WIDTHS[accessor.text("type")]
+    count = accessor.integer("count")
+    view = document.buffer_view(accessor)
+    if view is not None:
+        values = _elements(view, accessor, dtype, width, count)
+    elif count > MAX_ZEROS:
+        raise EclatError(f"{accessor.where}: expected a bufferView or at most {MAX_ZEROS} elements, got count {count}")
+    else:
+        values = np.zeros((count, width), dtype)
+    sparse = accessor.child("sparse")
+    return values if sparse is None else _substitute(document, sparse, values)
+
+
+def _component_type(owner: Element) -> np.dtype:
+    code = owner.integer("componentType")
+    if code not in COMPONENT_TYPES:
+        raise EclatError(f"{owner.at('componentType')}: expected one of {list(COMPONENT_TYPES)}, got {code}")
+    return COMPONENT_TYPES[code]
+
+
+def _elements(view: tuple[memoryview, int | None], owner: Element, dtype: np.dtype, width: int, count: int) -> Numbers:
+    """`count` elements of a buffer view as a packed array."""
+    data, stride = view
+    size = dtype.itemsize * width
+    stride = stride or size
+    start = owner.integer("byteOffset", 0)
+    if stride < size:
+        raise EclatError(f"{owner.where}: expected a byteStride of at least {size} bytes, got {stride}")
+    if count == 0:
+        return np.zeros((0, width), dtype)
+    end = start + stride * (count - 1) + size
+    if end > len(data):
+        raise EclatError(f"{owner.where}: expected {end} bytes in the bufferView for count {count}, got {len(data)}")
+    strided = np.ndarray((count, width), dtype, data, start, (stride, dtype.itemsize))
+    return np.ascontiguousarray(strided)
+
+
+def _substitute(document: Document, sparse: Element, values: Numbers) -> Numbers:
+    """`values` with the elements of a sparse accessor in place."""
+    count = sparse.integer("count")
+    where, new = sparse.child("indices"), sparse.child("values")
+    if where is None or new is None:
+        raise EclatError(f"{sparse.where}: expected 'indices' and 'values', got {sorted(sparse.data)[:5]}")
+    index_view, value_view = document.buffer_view(where), document.buffer_view(new)
+    if index_view is None or value_view is None:
+        raise EclatError(f"{sparse.where}: expected a bufferView for 'indices' and for 'values', got none")
+    indices = _elements(index_view, where, _component_type(where), 1, count)[:, 0]
+    if indices.dtype.kind != "u" or (count and int(indices.max()) >= len(values)):
+        raise EclatError(f"{where.where}: expected unsigned integers below the accessor's count, {len(values)}")
+    result = values.copy()
+    result[indices] = _elements(value_view, new, values.dtype, values.shape[1], count)
+    return result

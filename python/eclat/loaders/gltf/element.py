@@ -1,0 +1,162 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""A JSON object that knows its place in the file, read through typed questions whose errors say where."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+from eclat.errors import EclatError, warn
+
+
+def printable(text: str) -> str:
+    """`text` with lone surrogates, which JSON may spell but no file and no terminal takes, as question marks."""
+    return text.encode("utf-8", "replace").decode("utf-8")
+
+
+@dataclass(frozen=True)
+class Element:
+    """A JSON object and its place, e.g. ``"room.glb, meshes[2].primitives[0]"``. Each method raises EclatError."""
+
+    data: dict[str, Any]
+    where: str
+
+    def at(self, name: str) -> str:
+        """The place of the member `name`."""
+        return f"{self.where}.{name}" if "[" in self.where else f"{self.where}, {name}"
+
+    def child(self, name: str) -> Element | None:
+        """The object `name`, None where absent."""
+        value = self.data.get(name)
+        if value is None:
+            return None
+        if not isinstance(value, dict):
+            raise self._expected("an object", name, value)
+        return Element(value, self.at(name))
+
+    def children(self, name: str) -> list[Element]:
+        """The list of objects `name`, empty where absent."""
+        values = self._list(name)
+        for i, value in enumerate(values):
+            if not isinstance(value, dict):
+                raise self._expected("an object", f"{name}[{i}]", value)
+        return [Element(value, self.at(f"{name}[{i}]")) for i, value in enumerate(values)]
+
+    def extension(self, name: str) -> Element | None:
+        """The object of the extension `name`, None where absent."""
+        extensions = self.child("extensions")
+        return extensions.child(name) if extensions else None
+
+    def number(self, name: str, default: float | None = None) -> float:
+        """A finite number; it must be there unless `default` is given."""
+        value = self.data.get(name)
+        if value is None:
+            if default is None:
+                raise self._expected("a number", name, value)
+            return default
+        return self._finite(value, name)
+
+    def clamped(self, name: str, default: float, low: float = 0.0, high: float = 1.0) -> float:
+        """A number that is moved into [low, high], with a warning, where it lies outside."""
+        return self._clamp(self.number(name, default), name, low, high)
+
+    def numbers(self, name: str, size: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
+        """A list of `size` finite numbers; it must be there unless `default` is given."""
+        if self.data.get(name) is None and default is not None:
+            return tuple(default)
+        values = self._list(name)
+        if len(values) != size:
+            raise self._expected(f"{size} numbers", name, self.data.get(name))
+        return tuple(self._finite(value, f"{name}[{i}]") for i, value in enumerate(values))
+
+    def levels(self, name: str, default: Sequence[float], high: float = math.inf) -> tuple[float, ...]:
+        """As many numbers as `default` has, moved into [0, high], with a warning, where they lie outside."""
+        values = self.numbers(name, len(default), default)
+        return tuple(self._clamp(value, f"{name}[{i}]", 0.0, high) for i, value in enumerate(values))
+
+    def color(self, name: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
+        """Three numbers of at least 0."""
+        r, g, b = self.levels(name, default)
+        return r, g, b
+
+    def integer(self, name: str, default: int | None = None) -> int:
+        """An integer of at least 0; it must be there unless `default` is given."""
+        value = self.data.get(name)
+        if value is None and default is not None:
+            return default
+        return self._natural(value, name)
+
+    def index(self, name: str, count: int, what: str) -> int | None:
+        """An index into the file's `count` elements called `what`, None where absent."""
+        if self.data.get(name) is None:
+            return None
+        return self._in_range(self._natural(self.data[name], name), name, count, what)
+
+    def indices(self, name: str, count: int, what: str) -> list[int]:
+        """A list of indices into the file's `count` elements called `what`, empty where absent."""
+        places = [f"{name}[{i}]" for i in range(len(self._list(name)))]
+        return [
+            self._in_range(self._natural(value, place), place, count, what)
+            for place, value in zip(places, self._list(name), strict=True)
+        ]
+
+    def text(self, name: str, default: str = "") -> str:
+        """A string, `default` where absent."""
+        value = self.data.get(name, default)
+        if not isinstance(value, str):
+            raise self._expected("a string", name, value)
+        return printable(value)
+
+    def texts(self, name: str) -> list[str]:
+        """A list of strings, empty where absent."""
+        for i, value in enumerate(self._list(name)):
+            if not isinstance(value, str):
+                raise self._expected("a string", f"{name}[{i}]", value)
+        return [printable(value) for value in self._list(name)]
+
+    def flag(self, name: str, default: bool = False) -> bool:
+        """True or false, `default` where absent."""
+        value = self.data.get(name, default)
+        if not isinstance(value, bool):
+            raise self._expected("true or false", name, value)
+        return value
+
+    def _list(self, name: str) -> list[Any]:
+        value = self.data.get(name)
+        if value is None:
+            return []
+        if not isinstance(value, list):
+            raise self._expected("a list", name, value)
+        return value
+
+    def _finite(self, value: Any, name: str) -> float:
+        if isinstance(value, bool) or not isinstance(value, int | float):
+            raise self._expected("a number", name, value)
+        if not abs(value) <= 3.4e38:  # what a float of 32 bits holds
+            raise self._expected("a finite number", name, value)
+        return float(value)
+
+    def _natural(self, value: Any, name: str) -> int:
+        if isinstance(value, bool) or not isinstance(value, int | float) or value < 0 or value != value // 1:
+            raise self._expected("an integer of at least 0", name, value)
+        return int(value)
+
+    def _in_range(self, value: int, name: str, count: int, what: str) -> int:
+        if value >= count:
+            raise self._expected(f"an index below {count}, the number of {what}", name, value)
+        return value
+
+    def _clamp(self, value: float, name: str, low: float, high: float) -> float:
+        inside = min(max(value, low), high)
+        if inside != value:
+            warn(f"{self.at(name)}: expected {low:g} to {high:g}, got {value:g}; {inside:g} is used")
+        return inside
+
+    def _expected(self, what: str, name: str, got: Any) -> EclatError:
+        if got is None:
+            return EclatError(f"{self.where}: expected {what} as {name!r}, which is missing")
+        shown = repr(got)
+        return EclatError(f"{self.at(name)}: expected {what}, got {shown if len(shown) < 60 else shown[:57] + '...'}")

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Point, spot and directional lights [KHR_lights_punctual]."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.loaders.gltf.element import Element
+from eclat.scene import DirectionalLight, PointLight, SpotLight
+
+Light = PointLight | SpotLight | DirectionalLight
+
+
+def read_light(light: Element, to_world: NDArray[np.float64]) -> Light:
+    """The light of a node: candela or lux times colour, along the node's −z. Raises EclatError."""
+    if light.data.get("range") is not None:
+        warn(f"{light.at('range')}: cutting a light off at a distance is not supported; it follows the inverse square")
+    r, g, b = light.color("color", (1, 1, 1))
+    power = max(light.number("intensity", 1.0), 0.0)
+    color = (r * power, g * power, b * power)
+    x, y, z = (float(v) for v in to_world[:3, 3])
+    kind = light.text("type")
+    if kind == "point":
+        return PointLight((x, y, z), color)
+    if kind == "directional":
+        return DirectionalLight(_direction(light, to_world), color)
+    if kind == "spot":
+        inner, outer = _cone(light)
+        return SpotLight((x, y, z), _direction(light, to_world), color, inner, outer, "smooth")
+    raise EclatError(f"{light.at('type')}: expected point, spot or directional, got {kind[:20]!r}")
+
+
+def _direction(light: Element, to_world: NDArray[np.float64]) -> tuple[float, float, float]:
+    axis = -to_world[:3, 2]
+    length = float(np.linalg.norm(axis))
+    if not length > 0:
+        raise EclatError(f"{light.where}: expected a direction, but its node is scaled to nothing along z")
+    x, y, z = (float(v) for v in axis / length)
+    return x, y, z
+
+
+def _cone(light: Element) -> tuple[float, float]:
+    """The inner and outer angle in degrees."""
+    spot = light.child("spot") or Element({}, light.where)
+    outer = spot.clamped("outerConeAngle", math.pi / 4, 0.0, math.pi / 2)
+    inner = spot.clamped("innerConeAngle", 0.0, 0.0, outer)
+    if outer == 0:
+        raise EclatError(f"{spot.where}: expected an outerConeAngle above 0, got 0")
+    return math.degrees(inner), math.degrees(outer)

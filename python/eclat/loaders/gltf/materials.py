@@ -1,0 +1,166 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Materials: metallic-roughness and its extensions [glTF 2.0, 3.9]."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from eclat.errors import EclatError, warn
+from eclat.loaders.gltf.container import Document
+from eclat.loaders.gltf.element import Element
+from eclat.loaders.gltf.textures import Textures, uv_sets
+from eclat.scene import Material, NormalMap, Value, grey
+
+Rgba = tuple[float, float, float, float]
+
+MAX_INDEX = 100.0
+"""Stands for the infinite index that ior = 0 means (KHR_materials_ior): 96 % reflected head-on."""
+
+# An empty object gives every default of the specification.
+_NOTHING = Element({}, "the default material")
+
+
+class Materials:
+    """The materials of a document; one `Material` for each that is used, two if with and without vertex colours."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._textures = Textures(document)
+        self._made: dict[tuple[int | None, bool], Material] = {}
+
+    def of(self, primitive: Element, vertex_colors: bool) -> Material:
+        """The material of a primitive; the specification's default where it names none. Raises EclatError."""
+        elements = self._document.elements("materials")
+        index = primitive.index("material", len(elements), "materials")
+        key = (index, vertex_colors)
+        if key not in self._made:
+            element = _NOTHING if index is None else elements[index]
+            name = "default" if index is None else element.text("name") or f"materials[{index}]"
+            self._made[key] = self._make(element, name, vertex_colors)
+        return self._made[key]
+
+    def opaque(self, primitive: Element) -> bool:
+        """Whether the alpha of a primitive's textures, factors and vertex colours means nothing."""
+        element = self._document.element(primitive, "material", "materials")
+        return element is None or element.text("alphaMode", "OPAQUE") == "OPAQUE"
+
+    def _make(self, element: Element, name: str, vertex_colors: bool) -> Material:
+        pbr = element.child("pbrMetallicRoughness") or Element({}, element.where)
+        factor = _base_factor(pbr)
+        opacity, cutoff = self._opacity(element, pbr, factor[3])
+        both_sides = element.flag("doubleSided")
+        material = Material(name=name, two_sided=both_sides, opacity=opacity, alpha_cutoff=cutoff)
+        if element.extension("KHR_materials_unlit") is not None:
+            if vertex_colors:
+                warn(f"{element.where}: vertex colours of unlit materials are not supported and ignored")
+            return replace(
+                material,
+                kind="diffuse",
+                parameters={"reflectance": grey(0.0)},
+                emission=self._base_color(pbr, factor),
+                emission_two_sided=True,
+            )
+        return replace(
+            material,
+            kind="metallic_roughness",
+            parameters=self._surface(pbr, factor) | self._dielectric(element),
+            thin_walled=_is_thin(element),
+            vertex_colors=vertex_colors,
+            normal_map=self._normal_map(element),
+            emission=self._emission(element),
+            # Back faces are shaded as fronts are with the normal reversed, so they emit as well.
+            emission_two_sided=both_sides,
+        )
+
+    def _base_color(self, pbr: Element, factor: Rgba) -> Value:
+        return self._textures.value(pbr.child("baseColorTexture"), factor[:3], srgb=True)
+
+    def _surface(self, pbr: Element, factor: Rgba) -> dict[str, Value]:
+        texture = pbr.child("metallicRoughnessTexture")
+        metallic, roughness = pbr.clamped("metallicFactor", 1.0), pbr.clamped("roughnessFactor", 1.0)
+        return {
+            "base_color": self._base_color(pbr, factor),
+            "metallic": self._textures.value(texture, (metallic,) * 3, channel=2),
+            "roughness": self._textures.value(texture, (roughness,) * 3, channel=1, square=True),
+        }
+
+    def _dielectric(self, element: Element) -> dict[str, Value]:
+        """The parameters of KHR_materials_ior, _specular and _transmission that the material has."""
+        parameters: dict[str, Value] = {}
+        ior = element.extension("KHR_materials_ior")
+        if ior is not None:
+            parameters["ior"] = grey(_index_of_refraction(ior))
+        specular = element.extension("KHR_materials_specular")
+        if specular is not None:
+            factor = specular.clamped("specularFactor", 1.0)
+            color = specular.color("specularColorFactor", (1, 1, 1))
+            parameters["specular"] = self._textures.value(specular.child("specularTexture"), (factor,) * 3, channel=3)
+            parameters["specular_color"] = self._textures.value(
+                specular.child("specularColorTexture"), color, srgb=True
+            )
+        transmission = element.extension("KHR_materials_transmission")
+        if transmission is not None:
+            factor = transmission.clamped("transmissionFactor", 0.0)
+            parameters["transmission"] = self._textures.value(
+                transmission.child("transmissionTexture"), (factor,) * 3, channel=0
+            )
+        return parameters
+
+    def _opacity(self, element: Element, pbr: Element, alpha: float) -> tuple[Value, float | None]:
+        """The straight-through opacity, and the cutoff of alphaMode MASK."""
+        mode = element.text("alphaMode", "OPAQUE")
+        if mode not in ("OPAQUE", "MASK", "BLEND"):
+            raise EclatError(f"{element.at('alphaMode')}: expected OPAQUE, MASK or BLEND, got {mode[:20]!r}")
+        if mode == "OPAQUE":
+            return grey(1.0), None
+        opacity = self._textures.value(pbr.child("baseColorTexture"), (alpha,) * 3, srgb=True, channel=3)
+        return opacity, element.number("alphaCutoff", 0.5) if mode == "MASK" else None
+
+    def _normal_map(self, element: Element) -> NormalMap | None:
+        info = element.child("normalTexture")
+        if info is None:
+            return None
+        value = self._textures.value(info, (1.0, 1.0, 1.0), neutral=(0.5, 0.5, 1.0))
+        if value.texture is None:
+            return None
+        if value.texture.image.shape[2] < 3:
+            warn(f"{info.where}: expected an RGB image as normal map, got a grey one; it is ignored")
+            return None
+        return NormalMap(value, scale=info.number("scale", 1.0))
+
+    def _emission(self, element: Element) -> Value | None:
+        extension = element.extension("KHR_materials_emissive_strength")
+        strength = 1.0 if extension is None else max(extension.number("emissiveStrength", 1.0), 0.0)
+        r, g, b = (strength * v for v in element.color("emissiveFactor", (0, 0, 0)))
+        if not max(r, g, b) > 0:
+            return None
+        return self._textures.value(element.child("emissiveTexture"), (r, g, b), srgb=True)
+
+
+def used_uv_sets(material: Material) -> set[int]:
+    """The texture coordinate sets that a material reads."""
+    normal = material.normal_map.value if material.normal_map else None
+    return uv_sets(*material.parameters.values(), material.opacity, material.emission, normal)
+
+
+def _base_factor(pbr: Element) -> Rgba:
+    r, g, b, a = pbr.levels("baseColorFactor", (1, 1, 1, 1), high=1.0)
+    return r, g, b, a
+
+
+def _is_thin(element: Element) -> bool:
+    """Whether transmission does not refract: no KHR_materials_volume, or one without thickness."""
+    volume = element.extension("KHR_materials_volume")
+    if volume is None:
+        return True
+    if volume.color("attenuationColor", (1, 1, 1)) != (1, 1, 1) and volume.data.get("attenuationDistance") is not None:
+        warn(f"{volume.where}: attenuation inside a volume is not supported; the glass is clear")
+    return volume.number("thicknessFactor", 0.0) <= 0
+
+
+def _index_of_refraction(extension: Element) -> float:
+    ior = extension.number("ior", 1.5)
+    if ior == 0:
+        return MAX_INDEX
+    return extension.clamped("ior", 1.5, 1.0, MAX_INDEX)

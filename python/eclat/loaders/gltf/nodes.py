@@ -1,0 +1,122 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The node hierarchy: which nodes a scene has, and where they stand [glTF 2.0, 3.5]."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.loaders.gltf.accessors import Accessors
+from eclat.loaders.gltf.container import Document
+from eclat.loaders.gltf.element import Element
+
+Matrix = NDArray[np.float64]
+_INSTANCING = "EXT_mesh_gpu_instancing"
+
+
+def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
+    """The visible nodes of the default scene with their 4×4 `to_world`, parents before children, in the file's order.
+
+    Raises EclatError for cycles, nodes with two parents, and matrices that are not affine or not finite.
+    """
+    nodes = document.elements("nodes")
+    children = [node.indices("children", len(nodes), "nodes") for node in nodes]
+    parents = _parents(nodes, children)
+    seen = [False] * len(nodes)
+    stack = [(index, np.eye(4)) for index in reversed(_roots(document, parents))]
+    while stack:
+        index, outer = stack.pop()
+        node = nodes[index]
+        if seen[index]:
+            raise EclatError(f"{node.where}: expected a tree of nodes, but this one is its own ancestor or comes twice")
+        seen[index] = True
+        visibility = node.extension("KHR_node_visibility")
+        if visibility is not None and not visibility.flag("visible", True):
+            continue
+        with np.errstate(all="ignore"):
+            to_world = outer @ local_matrix(node)
+        if not np.isfinite(to_world).all():
+            raise EclatError(f"{node.where}: the scales of this node and its ancestors multiply beyond all bounds")
+        yield node, to_world
+        stack.extend((child, to_world) for child in reversed(children[index]))
+
+
+def local_matrix(node: Element) -> Matrix:
+    """The node's own 4×4 transform, from `matrix` or from translation, rotation and scale. Raises EclatError."""
+    if node.data.get("matrix") is not None:
+        matrix = np.array(node.numbers("matrix", 16)).reshape(4, 4).T
+        if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
+            raise EclatError(f"{node.at('matrix')}: expected an affine matrix, got a last row of {matrix[3].tolist()}")
+        matrix[3] = (0, 0, 0, 1)
+        return matrix
+    translation = np.array(node.numbers("translation", 3, (0, 0, 0)))
+    rotation = np.array(node.numbers("rotation", 4, (0, 0, 0, 1)))
+    scale = np.array(node.numbers("scale", 3, (1, 1, 1)))
+    return _trs(translation[None], rotation[None], scale[None], node)[0]
+
+
+def instances(node: Element, accessors: Accessors) -> Matrix:
+    """(N, 4, 4): where a node's mesh stands in the node's space; more than once with EXT_mesh_gpu_instancing."""
+    extension = node.extension(_INSTANCING)
+    attributes = extension.child("attributes") if extension is not None else None
+    if attributes is None:
+        return np.eye(4)[None]
+    found = {
+        name: accessors.floats(attributes, name, types)
+        for name, types in (("TRANSLATION", ("VEC3",)), ("ROTATION", ("VEC4",)), ("SCALE", ("VEC3",)))
+    }
+    counts = {len(values) for values in found.values() if values is not None}
+    if len(counts) != 1:
+        raise EclatError(f"{attributes.where}: expected attributes of one size, got {sorted(counts)}")
+    count = counts.pop()
+
+    def of(name: str, default: tuple[float, ...]) -> Matrix:
+        values = found[name]
+        return np.tile(np.array(default, np.float64), (count, 1)) if values is None else values.astype(np.float64)
+
+    return _trs(of("TRANSLATION", (0, 0, 0)), of("ROTATION", (0, 0, 0, 1)), of("SCALE", (1, 1, 1)), attributes)
+
+
+def _trs(translation: Matrix, rotation: Matrix, scale: Matrix, owner: Element) -> Matrix:
+    """(N, 4, 4) from N translations, quaternions (x, y, z, w) and scales."""
+    lengths = np.linalg.norm(rotation, axis=1, keepdims=True)
+    finite = all(np.isfinite(values).all() for values in (translation, rotation, scale))
+    if not finite or not (lengths > 0).all():
+        raise EclatError(f"{owner.where}: expected finite transforms and quaternions other than 0")
+    if np.abs(lengths - 1).max() > 0.01:
+        warn(f"{owner.where}: a rotation is a quaternion of length {float(lengths[0, 0]):.3g}; it is normalised")
+    x, y, z, w = (rotation / lengths).T
+    matrices = np.zeros((len(rotation), 4, 4))
+    matrices[:, 0, :3] = np.column_stack((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)))
+    matrices[:, 1, :3] = np.column_stack((2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)))
+    matrices[:, 2, :3] = np.column_stack((2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)))
+    matrices[:, :3, :3] *= scale[:, None, :]
+    matrices[:, :3, 3] = translation
+    matrices[:, 3, 3] = 1
+    return matrices
+
+
+def _parents(nodes: list[Element], children: list[list[int]]) -> list[int | None]:
+    parents: list[int | None] = [None] * len(nodes)
+    for parent, indices in enumerate(children):
+        for child in indices:
+            if parents[child] is not None:
+                raise EclatError(
+                    f"{nodes[child].where}: expected one parent, got nodes[{parents[child]}] and nodes[{parent}]"
+                )
+            parents[child] = parent
+    return parents
+
+
+def _roots(document: Document, parents: list[int | None]) -> list[int]:
+    scenes = document.elements("scenes")
+    if not scenes:
+        return [index for index, parent in enumerate(parents) if parent is None]
+    default = document.root.index("scene", len(scenes), "scenes") or 0
+    if len(scenes) > 1:
+        warn(f"{document.name}: has {len(scenes)} scenes, of which scenes[{default}] is loaded")
+    return scenes[default].indices("nodes", len(parents), "nodes")

@@ -1,0 +1,234 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Mesh primitives as triangles in their own space, and put into the world [glTF 2.0, 3.7.2]."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.loaders.gltf.accessors import Accessors
+from eclat.loaders.gltf.element import Element
+from eclat.loaders.gltf.topology import read_triangles
+from eclat.scene import Material, Mesh
+
+Floats = NDArray[np.float32]
+_DRACO = "KHR_draco_mesh_compression"
+
+
+@dataclass(frozen=True)
+class Primitive:
+    """Triangles in the mesh's space. Shapes as in `Mesh`; positions in float64."""
+
+    where: str
+    positions: NDArray[np.float64]
+    triangles: NDArray[np.int32]
+    normals: Floats | None
+    tangents: Floats | None
+    uvs: Floats | None
+    uvs2: Floats | None
+    colors: Floats | None
+
+
+def read_primitive(element: Element, accessors: Accessors, weights: Sequence[float]) -> Primitive | None:
+    """The triangles of a primitive with its morph targets weighted; None, with a warning, where there are none.
+
+    Raises
+    ------
+    EclatError : invalid accessors, sizes that differ, indices out of range, positions that are not finite.
+    """
+    attributes = element.child("attributes")
+    if attributes is None or accessors.count(attributes, "POSITION") == 0:
+        warn(f"{element.where}: has no positions and is skipped")
+        return None
+    _refuse_draco(element, attributes, accessors)
+    reader = _Attributes(element, attributes, accessors, weights)
+    triangles = read_triangles(element, accessors, reader.count)
+    if triangles is None:
+        return None
+    normals = reader.read("NORMAL", ("VEC3",))
+    return _compact(
+        Primitive(
+            where=element.where,
+            positions=reader.positions,
+            triangles=triangles,
+            normals=None if normals is None else _unit_normals(normals, reader.positions, triangles, element.where),
+            # Without normals the specification wants tangents ignored.
+            tangents=None if normals is None else reader.tangents(),
+            uvs=reader.read("TEXCOORD_0", ("VEC2",)),
+            uvs2=reader.read("TEXCOORD_1", ("VEC2",)),
+            colors=reader.colors(),
+        )
+    )
+
+
+def place(primitive: Primitive, to_world: NDArray[np.float64], material: Material, name: str) -> Mesh:
+    """The primitive in the world. `to_world` is 4×4, affine, and may mirror. Raises EclatError on overflow."""
+    linear = to_world[:3, :3]
+    with np.errstate(all="ignore"):
+        positions = primitive.positions @ linear.T + to_world[:3, 3]
+        if not np.isfinite(positions.astype(np.float32)).all():
+            raise EclatError(f"{primitive.where}: a node's transform takes positions beyond the range of a float")
+    shape = linear / np.abs(linear).max()
+    mirrored = bool(np.linalg.det(shape) < 0)
+    normals, tangents = primitive.normals, primitive.tangents
+    if normals is not None:
+        # Cofactors are the inverse transpose times the determinant, and exist for a flattening transform too.
+        cofactors = np.column_stack([np.cross(shape[:, (i + 1) % 3], shape[:, (i + 2) % 3]) for i in range(3)])
+        normals = _normalized(normals @ cofactors.T * (-1 if mirrored else 1))
+    if tangents is not None:
+        # The sign tells the bitangent's side of normal × tangent, which a mirror swaps.
+        turned = _normalized(tangents[:, :3] @ shape.T)
+        tangents = np.column_stack((turned, tangents[:, 3] * (-1 if mirrored else 1))).astype(np.float32)
+    return Mesh(
+        positions=positions,
+        triangles=primitive.triangles[:, [0, 2, 1]] if mirrored else primitive.triangles,
+        material=material,
+        normals=normals,
+        uvs=primitive.uvs,
+        uvs2=primitive.uvs2,
+        colors=primitive.colors,
+        tangents=tangents,
+        name=name,
+    )
+
+
+class _Attributes:
+    """The vertex attributes of one primitive, checked against its positions, morph targets added."""
+
+    def __init__(self, element: Element, attributes: Element, accessors: Accessors, weights: Sequence[float]) -> None:
+        self._element, self._attributes, self._accessors = element, attributes, accessors
+        targets = element.children("targets")
+        if len(weights) > len(targets):
+            warn(f"{element.where}: {len(weights)} weights for {len(targets)} morph targets; the rest are ignored")
+        self._targets = [(t, w) for t, w in zip(targets, weights, strict=False) if w != 0]
+        positions = accessors.floats(attributes, "POSITION", ("VEC3",))
+        assert positions is not None, "the caller has seen that there are positions"
+        self.count = len(positions)
+        self.positions = self._morphed(positions, "POSITION").astype(np.float64)
+        _check_finite(self.positions, element.where)
+
+    def read(self, name: str, types: tuple[str, ...]) -> Floats | None:
+        """An attribute as (V, width), finite; None where absent."""
+        values = self._accessors.floats(self._attributes, name, types)
+        if values is None:
+            return None
+        if len(values) != self.count:
+            raise EclatError(
+                f"{self._element.where}: expected {self.count} of {name}, as of POSITION, got {len(values)}"
+            )
+        values = self._morphed(values, name)
+        bad = ~np.isfinite(values)
+        if bad.any():
+            warn(f"{self._element.where}: {int(bad.any(axis=1).sum())} of {name} are not finite; 0 is used")
+            values = np.where(bad, np.float32(0), values)
+        return values
+
+    def tangents(self) -> Floats | None:
+        """(V, 4) with unit xyz and w = ±1; None where absent or unusable."""
+        values = self.read("TANGENT", ("VEC4",))
+        if values is None:
+            return None
+        if not (_lengths(values[:, :3]) > 0).all():
+            warn(f"{self._element.where}: tangents of length 0; they are computed from texture coordinates instead")
+            return None
+        return np.column_stack((_normalized(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
+
+    def colors(self) -> Floats | None:
+        """(V, 4), opaque where the file has no alpha."""
+        values = self.read("COLOR_0", ("VEC3", "VEC4"))
+        if values is None:
+            return None
+        if values.shape[1] == 3:
+            values = np.column_stack((values, np.ones(len(values), np.float32)))
+        return np.maximum(values, np.float32(0))
+
+    def _morphed(self, values: Floats, name: str) -> Floats:
+        for target, weight in self._targets:
+            delta = self._accessors.floats(target, name, ("VEC2", "VEC3", "VEC4"))
+            if delta is None:
+                continue
+            if len(delta) != len(values) or delta.shape[1] > values.shape[1]:
+                raise EclatError(f"{target.where}: expected {values.shape} numbers as {name}, got {delta.shape}")
+            values = values.copy()
+            with np.errstate(all="ignore"):
+                values[:, : delta.shape[1]] += np.float32(weight) * delta
+        return values
+
+
+def _refuse_draco(element: Element, attributes: Element, accessors: Accessors) -> None:
+    if element.extension(_DRACO) is None or accessors.has_data(attributes, "POSITION"):
+        return
+    raise EclatError(
+        f"{element.where}: the geometry is compressed by {_DRACO}, which is not supported; "
+        "decompress the file first (gltf-transform can)"
+    )
+
+
+def _check_finite(positions: NDArray[np.float64], where: str) -> None:
+    bad = ~np.isfinite(positions).all(axis=1)
+    if bad.any():
+        first = int(np.argmax(bad))
+        raise EclatError(
+            f"{where}: expected finite positions, got {positions[first].tolist()} as number {first} "
+            f"({int(bad.sum())} of {len(positions)} are not finite)"
+        )
+
+
+def _compact(primitive: Primitive) -> Primitive:
+    """Without its unused vertices where those are the most: many primitives may share one pool of vertices."""
+    used = np.zeros(len(primitive.positions), bool)
+    used[primitive.triangles] = True
+    count = int(used.sum())
+    if 2 * count > len(used):
+        return primitive
+    renumbered = np.cumsum(used, dtype=np.int32) - 1
+
+    def kept(values: Floats | None) -> Floats | None:
+        return None if values is None else values[used]
+
+    return replace(
+        primitive,
+        positions=primitive.positions[used],
+        triangles=renumbered[primitive.triangles],
+        normals=kept(primitive.normals),
+        tangents=kept(primitive.tangents),
+        uvs=kept(primitive.uvs),
+        uvs2=kept(primitive.uvs2),
+        colors=kept(primitive.colors),
+    )
+
+
+def _unit_normals(normals: Floats, positions: NDArray[np.float64], triangles: NDArray[np.int32], where: str) -> Floats:
+    """Unit normals; those of length 0 become the average of their triangles'."""
+    bad = ~(_lengths(normals) > 1e-12)
+    if not bad.any():
+        return _normalized(normals)
+    warn(f"{where}: {int(bad.sum())} normals have length 0; the average of their triangles' is used")
+    a, b, c = (positions[triangles[:, i]] for i in range(3))
+    with np.errstate(all="ignore"):
+        faces = np.nan_to_num(np.cross(b - a, c - a))
+    sums = np.zeros_like(positions)
+    for corner in range(3):
+        np.add.at(sums, triangles[:, corner], faces)
+    sums[~(_lengths(sums) > 0)] = (0, 0, 1)
+    return _normalized(np.where(bad[:, None], sums, normals))
+
+
+def _lengths(vectors: NDArray[np.floating]) -> NDArray[np.float64]:
+    with np.errstate(all="ignore"):
+        lengths: NDArray[np.float64] = np.linalg.norm(vectors.astype(np.float64), axis=1)
+    return lengths
+
+
+def _normalized(vectors: NDArray[np.floating]) -> Floats:
+    """Unit vectors in float32; those of length 0 become +z, so that all are unit."""
+    lengths = _lengths(vectors)
+    with np.errstate(all="ignore"):
+        result = vectors / lengths[:, None]
+    result[~(lengths > 0) | ~np.isfinite(result).all(axis=1)] = (0, 0, 1)
+    return result.astype(np.float32)

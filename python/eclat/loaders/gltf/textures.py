@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Textures, images, samplers, and parameters that they vary [glTF 2.0, 3.8; KHR_texture_transform]."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, Literal
+
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.loaders.files import TextureOptions, read_bytes, stand_in
+from eclat.loaders.gltf.container import Document
+from eclat.loaders.gltf.element import Element
+from eclat.loaders.images import decode_image
+from eclat.scene import Texture, Value
+
+Wrap = Literal["repeat", "mirror", "clamp"]
+Pixels = NDArray[Any]
+Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
+
+_WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
+_NEAREST = 9728
+# Extensions that name an image of another format, in the order of preference.
+_IMAGE_EXTENSIONS = ("EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds")
+_BASISU = "KHR_texture_basisu"
+
+
+class Textures:
+    """The textures of a document. Equal ones are one `Texture`; each image is decoded once."""
+
+    def __init__(self, document: Document) -> None:
+        self._document = document
+        self._images: dict[int, Pixels | str] = {}
+        self._textures: dict[tuple[object, ...], Texture] = {}
+
+    def value(
+        self,
+        info: Element | None,
+        constant: tuple[float, float, float],
+        *,
+        srgb: bool = False,
+        channel: int | None = None,
+        square: bool = False,
+        neutral: tuple[float, float, float] | None = None,
+    ) -> Value:
+        """`constant` times the texture that `info` (a textureInfo) names.
+
+        Grey images serve every colour channel; images without alpha are opaque, so then the constant acts alone.
+        `neutral` is the texel that stands in for a broken image (see `eclat.loaders.files.read_texture`).
+        """
+        found = self._find(info, srgb, neutral)
+        if info is None or found is None:
+            return Value(constant, square=square)
+        channels = found.image.shape[2]
+        if channel == 3 and channels < 4:
+            return Value(constant, square=square)
+        if channels == 1:
+            channel = 0
+        uv_set, matrix = _uv_mapping(info)
+        return Value(constant, found, channel, uv_set, matrix, square=square)
+
+    def _find(self, info: Element | None, srgb: bool, neutral: tuple[float, float, float] | None) -> Texture | None:
+        """The texture that a textureInfo names, None where it names none."""
+        if info is None:
+            return None
+        element = self._document.element(info, "index", "textures")
+        if element is None:
+            raise EclatError(f"{info.where}: expected an integer as 'index', which is missing")
+        image = self._image_index(element)
+        if image is None:
+            warn(f"{element.where}: names no image; the constants stand in")
+            return None
+        options = self._sampler(element)
+        key = (image, srgb, neutral, *options.values())
+        if key not in self._textures:
+            self._textures[key] = self._make(image, srgb, neutral, options)
+        return self._textures[key]
+
+    def _make(
+        self, index: int, srgb: bool, neutral: tuple[float, float, float] | None, options: TextureOptions
+    ) -> Texture:
+        image = self._document.elements("images")[index]
+        options["name"] = image.text("name") or f"images[{index}]"
+        pixels = self._pixels(index, image)
+        if isinstance(pixels, str):
+            return stand_in(pixels, srgb=srgb, where=image.where, neutral=neutral, **options)
+        return Texture(pixels, srgb=srgb, **options)
+
+    def _pixels(self, index: int, image: Element) -> Pixels | str:
+        """The decoded image, or why there is none."""
+        if index not in self._images:
+            data = self._encoded(image)
+            try:
+                self._images[index] = data if isinstance(data, str) else decode_image(data)
+            except EclatError as error:
+                self._images[index] = str(error)
+        return self._images[index]
+
+    def _encoded(self, image: Element) -> bytes | str:
+        """The bytes of an image file, or why there are none. A URI that leads out of the folder is an error."""
+        uri = image.text("uri")
+        if not uri:
+            view = self._document.buffer_view(image)
+            return "names neither a URI nor a bufferView" if view is None else bytes(view[0])
+        if uri[:5].lower() == "data:":
+            try:
+                return self._document.uri_bytes(uri, image.where)
+            except EclatError as error:
+                return str(error)
+        path = self._document.uri_path(uri, image.where)
+        try:
+            return read_bytes(path, where=image.where)
+        except EclatError as error:
+            return str(error)
+
+    def _image_index(self, texture: Element) -> int | None:
+        count = len(self._document.elements("images"))
+        source = texture.index("source", count, "images")
+        if source is not None:
+            return source
+        for name in _IMAGE_EXTENSIONS:
+            extension = texture.extension(name)
+            if extension is not None:
+                return extension.index("source", count, "images")
+        if texture.extension(_BASISU) is not None:
+            raise EclatError(
+                f"{texture.where}: the image is compressed by {_BASISU}, which is not supported; "
+                "convert it to PNG or JPEG first (gltf-transform can)"
+            )
+        return None
+
+    def _sampler(self, texture: Element) -> TextureOptions:
+        sampler = self._document.element(texture, "sampler", "samplers")
+        if sampler is None:
+            return {"wrap_u": "repeat", "wrap_v": "repeat", "filter": "bilinear"}
+        nearest = sampler.integer("magFilter", 0) == _NEAREST
+        return {
+            "wrap_u": _wrap(sampler, "wrapS"),
+            "wrap_v": _wrap(sampler, "wrapT"),
+            "filter": "nearest" if nearest else "bilinear",
+        }
+
+
+def uv_sets(*values: Value | None) -> set[int]:
+    """The texture coordinate sets that textured values read."""
+    return {value.uv_set for value in values if value is not None and value.texture is not None}
+
+
+def _wrap(sampler: Element, name: str) -> Wrap:
+    code = sampler.integer(name, 10497)
+    if code not in _WRAPS:
+        warn(f"{sampler.at(name)}: expected one of {list(_WRAPS)}, got {code}; the texture repeats")
+    return _WRAPS.get(code, "repeat")
+
+
+def _uv_mapping(info: Element) -> tuple[int, Affine]:
+    """The texture coordinate set and the affine map of a textureInfo."""
+    transform = info.extension("KHR_texture_transform")
+    uv_set = info.integer("texCoord", 0)
+    matrix: Affine = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
+    if transform is not None:
+        uv_set = transform.integer("texCoord", uv_set)
+        angle = transform.number("rotation", 0.0)
+        cos, sin = math.cos(angle), math.sin(angle)
+        (dx, dy), (sx, sy) = transform.numbers("offset", 2, (0, 0)), transform.numbers("scale", 2, (1, 1))
+        # Counter-clockwise as seen with v downwards, as every viewer has it; the GLSL in the extension's text turns
+        # the other way (github.com/KhronosGroup/glTF/issues/1563), against its own words and example.
+        matrix = ((cos * sx, sin * sy, dx), (-sin * sx, cos * sy, dy))
+    if uv_set > 1:
+        warn(f"{info.where}: TEXCOORD_{uv_set} is not supported (only 0 and 1 are); TEXCOORD_0 is used")
+        uv_set = 0
+    return uv_set, matrix
