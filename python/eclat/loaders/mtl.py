@@ -8,10 +8,12 @@ import math
 import re
 from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Literal
 
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.loaders.files import read_bytes, read_texture, resolve, stand_in
 from eclat.loaders.obj_text import decoded, logical_lines
+from eclat.loaders.triangles import LARGEST
 from eclat.scene import Texture
 
 UNDERSTOOD = (
@@ -23,6 +25,9 @@ _MEANINGLESS = ("ka", "map_ka", "map_aat")
 """Ambient light and antialiasing hints: nothing that a physical renderer could lose."""
 
 _LIBRARY_NAME = re.compile(r"\S.*?\.mtl(?=\s|$)", re.IGNORECASE)
+_LONGEST_LINE = 4096
+_MOST_LIBRARIES = 256
+_MOST_SUGGESTIONS = 8
 _OPTION = re.compile(r"-([A-Za-z]+)\s+")
 _WORD = re.compile(r"(\S+)\s*")
 _ARGUMENTS = {"blendu": 1, "blendv": 1, "boost": 1, "texres": 1, "clamp": 1, "bm": 1, "imfchan": 1}
@@ -48,6 +53,8 @@ class Library:
     """The materials of all MTL files of an OBJ file, and the textures read so far."""
 
     entries: dict[str, Entry] = field(default_factory=dict)
+    folded: dict[str, Entry] = field(default_factory=dict)
+    """The same by their names without capitals."""
     incomplete: bool = False
     """An MTL file is missing, which was said."""
     textures: dict[tuple[Path, bool, bool], Texture] = field(default_factory=dict)
@@ -83,6 +90,8 @@ def load_library(obj_path: Path, names: list[tuple[int, str]]) -> Library:
     entries: dict[str, Entry] = {}
     incomplete = False
     seen: set[Path] = set()
+    if len(names) > _MOST_LIBRARIES:
+        raise EclatError(f"{obj_path.name}: expected at most {_MOST_LIBRARIES} mtllib statements, got {len(names)}")
     for line, argument in names:
         for path in _library_paths(obj_path, line, argument):
             if path is None:
@@ -91,25 +100,33 @@ def load_library(obj_path: Path, names: list[tuple[int, str]]) -> Library:
                 seen.add(path)
                 for name, entry in _parse(path).items():
                     entries.setdefault(name, entry)
-    return Library(entries, incomplete)
+    folded = {name.casefold(): entry for name, entry in entries.items()}
+    return Library(entries, folded, incomplete)
 
 
 def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None]:
     """The files of one `mtllib`, None for each that is missing: the whole argument, or several names."""
     where = f"{obj_path.name}, line {line}"
     paths: list[Path | None] = []
-    try:
-        whole = resolve(obj_path.parent, argument, where=where, allow_parent=True)
-        names = [argument] if whole.is_file() else _LIBRARY_NAME.findall(argument) or argument.split()
-    except (EclatError, OSError) as error:
-        warn(f"{error}; materials that are not found are grey")
-        return [None]
-    for name in names:
-        path = resolve(obj_path.parent, name, where=where, allow_parent=True)
-        if not path.is_file():
-            warn(f"{where}: the material file {name!r} is missing; its materials are grey")
-        paths.append(path if path.is_file() else None)
+    whole = _library_path(obj_path, argument, where) if " " not in argument or len(argument) < 256 else None
+    if whole is not None:
+        return [whole]
+    names = _LIBRARY_NAME.findall(argument) if len(argument) < _LONGEST_LINE else argument.split()
+    for name in names or [argument]:
+        path = _library_path(obj_path, name, where)
+        if path is None:
+            warn(f"{where}: the material file {name[:200]!r} is missing; its materials are grey")
+        paths.append(path)
     return paths
+
+
+def _library_path(obj_path: Path, name: str, where: str) -> Path | None:
+    """The file called `name` where there is one."""
+    try:
+        path = resolve(obj_path.parent, name, where=where, allow_parent=True)
+        return path if path.is_file() else None
+    except (EclatError, OSError):
+        return None
 
 
 def _parse(path: Path) -> dict[str, Entry]:
@@ -122,6 +139,10 @@ def _parse(path: Path) -> dict[str, Entry]:
             continue
         key, rest = words[0].lower(), words[1].strip() if len(words) == 2 else ""
         key = _SAME.get(key, key)
+        if len(rest) > _LONGEST_LINE:
+            raise EclatError(
+                f"{path.name}, line {number}: expected at most {_LONGEST_LINE} characters, got {len(rest)}"
+            )
         if key == "newmtl":
             current = entries.setdefault(rest, Entry(rest, path))
         elif current is not None and key in UNDERSTOOD:
@@ -139,14 +160,18 @@ def find_entry(library: Library, name: str) -> Entry | None:
     """The material called `name`; one of the same name but for capitals will do; else None, with a warning."""
     entry = library.entries.get(name)
     if entry is None:
-        entry = next((e for e in library.entries.values() if e.name.casefold() == name.casefold()), None)
+        entry = library.folded.get(name.casefold())
     if entry is None and not library.incomplete and name not in library.unknown:
         library.unknown.add(name)
-        warn(f"material {name!r} is in no MTL file{did_you_mean(name, library.entries)}; it is grey")
+        if len(library.unknown) <= _MOST_SUGGESTIONS:
+            near = did_you_mean(name, library.entries) if len(name) < 100 else ""
+            warn(f"material {name[:100]!r} is in no MTL file{near}; it is grey")
+        elif len(library.unknown) == _MOST_SUGGESTIONS + 1:
+            warn("more materials are in no MTL file; they are grey")
     return entry
 
 
-def number(entry: Entry, key: str, least: float = 0.0, most: float = math.inf) -> float | None:
+def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) -> float | None:
     """The first number of a statement, None where it is absent; EclatError unless it is in `least`..`most`."""
     if key not in entry.statements:
         return None
@@ -162,7 +187,7 @@ def color(entry: Entry, key: str) -> tuple[float, float, float] | None:
     if words and words[0].lower() in ("spectral", "xyz"):
         warn(f"{entry.where(key)}: {words[0]} colours are not understood; the default is used")
         return None
-    values = _numbers(entry, key, words[:3] if len(words) >= 3 else words[:1], 0.0, math.inf)
+    values = _numbers(entry, key, words[:3] if len(words) >= 3 else words[:1], 0.0, LARGEST)
     return (values[0], values[1], values[2]) if len(values) == 3 else (values[0],) * 3
 
 
@@ -173,7 +198,7 @@ def _numbers(entry: Entry, key: str, words: list[str], least: float, most: float
             return values
     except ValueError:
         pass
-    bounds = f"of at least {least:g}" if most == math.inf else f"in {least:g}..{most:g}"
+    bounds = f"of at least {least:g}" if most == LARGEST else f"in {least:g}..{most:g}"
     got = entry.statements[key][1][:40]
     raise EclatError(f"{entry.where(key)}: expected finite numbers {bounds} after {key}, got {got!r}")
 
@@ -217,20 +242,20 @@ def _arguments(rest: str, option: str) -> tuple[list[str], str]:
 
 def _is_number(word: str) -> bool:
     try:
-        return math.isfinite(float(word))
+        return abs(float(word)) <= LARGEST
     except ValueError:
         return False
 
 
 def _pair(words: list[str] | None, default: float) -> tuple[float, float]:
-    values = [float(word) for word in words or [] if word]
-    return ((values + [default, default])[0], (values + [default, default])[1] if len(values) > 1 else default)
+    first, second, *_ = [*(float(word) for word in words or [] if word), default, default]
+    return first, second
 
 
 def read_map(library: Library, entry: Entry, key: str, found: Map, *, srgb: bool) -> Texture:
     """The image of a texture statement, read once per library; a stand-in with a warning where it is missing."""
     where = entry.where(key)
-    wrap = "clamp" if found.clamp else "repeat"
+    wrap: Literal["clamp", "repeat"] = "clamp" if found.clamp else "repeat"
     try:
         path = resolve(entry.path.parent, found.name, where=where, allow_parent=True)
     except EclatError as error:

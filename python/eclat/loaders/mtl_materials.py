@@ -188,7 +188,9 @@ def _opacity(library: Library, entry: Entry, *, solid: bool) -> Value:
     elif solid and "tr" in entry.statements:
         opacity = 1 - (number(entry, "tr", most=1.0) or 0.0)
         if opacity == 0:
-            warn(f"{entry.where('tr')}: Tr 1 alone would be invisible; taken for the opposite, as some exporters mean it")
+            warn(
+                f"{entry.where('tr')}: Tr 1 alone would be invisible; taken for the opposite, as some exporters mean it"
+            )
             opacity = 1.0
     if opacity == 0:
         warn(f"{entry.path.name}, material {entry.name!r}: d is 0, its surfaces are invisible")

@@ -15,6 +15,7 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.errors import warn
 from eclat.loaders import triangles as geometry
 from eclat.loaders.files import read_bytes
 from eclat.loaders.mtl import Library, load_library
@@ -23,6 +24,9 @@ from eclat.loaders.obj_text import ObjText, read_obj_text
 from eclat.scene import FloatArray, Material, Mesh, Scene, Value, grey
 
 IntArray = NDArray[np.int64]
+
+_FLAT_UV = 1e-12
+"""Texture's area over the surface's, below which a texture's width is taken for unknown: a million metres."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +91,7 @@ def _merge_corners(text: ObjText, where: str, *, face_normals: bool, flip_v: boo
     keep = geometry.drop_slivers(text.positions, text.corners[:, 0][cut], where, short_polygons=short)
     cut, polygons = cut[keep], polygons[keep]
     corners = text.corners[cut.ravel()]
-    normals = geometry.normalized(text.normals)
+    normals: FloatArray = geometry.normalized(text.normals)
     if face_normals:
         corners[:, 2] = -1
     else:
@@ -120,7 +124,7 @@ def _complete_normals(
     index = corners[:, 2].copy()
     index[index >= 0] = np.where(normals[index[index >= 0]].any(axis=1), index[index >= 0], -1)
     material = np.repeat(text.face_materials[polygons], 3)
-    wanted = np.bincount(material, index >= 0) > 0
+    wanted: NDArray[np.bool_] = np.bincount(material, index >= 0).astype(bool)
     missing = wanted[material] & (index < 0)
     if not missing.any():
         return index, normals
@@ -182,7 +186,15 @@ def _with_surface(mesh: Mesh, found: MtlMaterial, where: str) -> Mesh:
         material = replace(material, normal_map=replace(material.normal_map, scale=scale))
     if mesh.colors is not None:
         material = replace(material, vertex_colors=True)
+    if mesh.uvs is None and _is_textured(material):
+        warn(f"{where}, material {material.name!r}: its textures need texture coordinates (vt), got faces without")
     return replace(mesh, material=material)
+
+
+def _is_textured(material: Material) -> bool:
+    values = [*material.parameters.values(), material.opacity, material.emission]
+    values += [material.normal_map.value] if material.normal_map else []
+    return any(value and value.texture for value in values) or any(map(_is_textured, material.children))
 
 
 def _is_closed(mesh: Mesh) -> bool:
@@ -204,4 +216,5 @@ def _texture_width(mesh: Mesh, value: Value) -> float:
     flat = np.asarray(mesh.uvs, dtype=np.float64)[mesh.triangles]
     e, f = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
     uv_area = np.abs(e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]).sum() * abs(a * d - b * c)
-    return float(np.sqrt(area / uv_area)) if uv_area > 0 else 1.0
+    # Where the texture covers next to nothing, heights have no meaning.
+    return float(np.sqrt(area / uv_area)) if uv_area > _FLAT_UV * area else 1.0

@@ -238,7 +238,9 @@ def _corners(found: _Statements, where: str) -> tuple[IntArray, IntArray]:
     lines = np.repeat(np.array(found.face_lines, dtype=np.int64), counts)
     indices = _uniform_corners(words) if words else np.zeros((0, 3), dtype=np.int64)
     if indices is None:
-        indices = np.array([_corner(word, line, where) for word, line in zip(words, lines, strict=True)], dtype=np.int64)
+        indices = np.array(
+            [_corner(word, line, where) for word, line in zip(words, lines.tolist(), strict=True)], dtype=np.int64
+        )
     seen = np.repeat(np.array(found.face_seen, dtype=np.int64), counts, axis=0)
     totals = np.array([len(found.rows[kind.encode()]) for kind in _KINDS])
     given = indices != _ABSENT

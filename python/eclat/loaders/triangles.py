@@ -71,7 +71,9 @@ def finite_rows(values: FloatArray, what: str, where: str) -> FloatArray:
     return single
 
 
-def drop_slivers(positions: FloatArray, triangles: IntArray, where: str, *, short_polygons: int = 0) -> NDArray[np.bool_]:
+def drop_slivers(
+    positions: FloatArray, triangles: IntArray, where: str, *, short_polygons: int = 0
+) -> NDArray[np.bool_]:
     """Which of the (T, 3) `triangles` have an area; a warning counts the others and the polygons too short to be any.
 
     Raises
@@ -82,9 +84,11 @@ def drop_slivers(positions: FloatArray, triangles: IntArray, where: str, *, shor
     edges = p[:, (1, 2, 0)] - p
     twice_area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
     longest = (edges**2).sum(axis=2).max(axis=1, initial=0)
-    keep = (twice_area > _SLIVER * longest) & (twice_area > 0)
+    keep: NDArray[np.bool_] = (twice_area > _SLIVER * longest) & (twice_area > 0)
     if not keep.any():
-        raise EclatError(f"{where}: expected a mesh with at least one triangle of non-zero area, got {len(keep)} without")
+        raise EclatError(
+            f"{where}: expected a mesh with at least one triangle of non-zero area, got {len(keep)} triangles, all without"
+        )
     lost = len(keep) - int(keep.sum())
     if lost or short_polygons:
         short = f" and {short_polygons} faces of fewer than three corners" if short_polygons else ""

@@ -1,0 +1,184 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""PLY: one mesh with polygons or triangle strips, vertex normals, colours and texture coordinates.
+
+World space is the file's, lengths count as metres. Colours of integer type are sRGB, of floating type linear.
+`ply_header` and `ply_data` read the format; this file knows which names mean what.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.loaders import triangles as geometry
+from eclat.loaders.files import read_bytes
+from eclat.loaders.ply_data import Columns, Lists, read_elements
+from eclat.loaders.ply_header import read_header
+from eclat.scene import FloatArray, Material, Mesh, Scene, grey
+
+_UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"), ("s0", "t0"))
+_COLOR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
+_ALPHA_NAMES = ("alpha", "diffuse_alpha", "a")
+_INDEX_NAMES = ("vertex_indices", "vertex_index")
+
+
+def load_ply_scene(path: Path) -> Scene:
+    """The scene in a PLY file: one grey or vertex-coloured mesh, without camera and lights."""
+    return Scene(meshes=(load_ply(path, flip_v=True),), name=path.stem)
+
+
+def load_ply(path: Path, *, face_normals: bool = False, flip_v: bool = False) -> Mesh:
+    """The mesh of a PLY file, with a diffuse material: grey 0.5, or its vertex colours alone.
+
+    Parameters
+    ----------
+    face_normals : flat shading; else the file's normals, or where it has none smooth ones, weighted by angle.
+    flip_v : turn a v that grows upwards (as most programs write it) into ours; else the numbers are kept (as Mitsuba).
+
+    Raises
+    ------
+    EclatError : unreadable or truncated files, indices out of range, coordinates that are not finite, no triangle.
+    """
+    where = path.name
+    data = read_bytes(path, where=where)
+    elements = read_elements(data, read_header(data, where), where)
+    vertex = elements.get("vertex", {})
+    positions = _columns(vertex, ("x", "y", "z"))
+    if positions is None or not len(positions):
+        raise EclatError(f"{where}: expected vertices with coordinates x, y, z, got none")
+    geometry.check_positions(positions, where)
+    triangles = _triangles(elements, positions, where)
+    colors = _colors(vertex, where)
+    reflectance = grey(0.5 if colors is None else 1.0)
+    return Mesh(
+        positions=positions,
+        triangles=triangles.astype(np.int32),
+        material=Material(parameters={"reflectance": reflectance}, vertex_colors=colors is not None),
+        normals=None
+        if face_normals
+        else geometry.vertex_normals(positions, triangles, _columns(vertex, ("nx", "ny", "nz")), where),
+        uvs=_uvs(vertex, where, flip_v=flip_v),
+        colors=colors,
+        name=path.stem,
+    )
+
+
+def _columns(vertex: Columns, names: tuple[str, ...]) -> FloatArray | None:
+    """(V, len(names)) of the properties of these names, None unless all are there; float32 where the file has that."""
+    found = [vertex[name] for name in names if name in vertex]
+    arrays = [column for column in found if not isinstance(column, Lists)]
+    if len(arrays) < len(names):
+        return None
+    single = all(column.dtype == np.float32 for column in arrays)
+    return np.stack(arrays, axis=1).astype(np.float32 if single else np.float64)
+
+
+def _uvs(vertex: Columns, where: str, *, flip_v: bool) -> NDArray[np.float32] | None:
+    for names in _UV_NAMES:
+        found = _columns(vertex, names)
+        if found is not None:
+            uvs = geometry.finite_rows(found, "texture coordinates", where)
+            if flip_v:
+                uvs[:, 1] = 1 - uvs[:, 1]
+            return uvs
+    return None
+
+
+def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
+    """(V, 4) linear RGBA."""
+    for names in _COLOR_NAMES:
+        rgb = _columns(vertex, names)
+        if rgb is None:
+            continue
+        white = _white(vertex, names[0])
+        rgb = geometry.finite_rows(rgb, "vertex colours", where)
+        linear = rgb if white is None else geometry.linear_from_srgb(rgb / white)
+        alpha = np.ones(len(rgb), dtype=np.float32)
+        for name in _ALPHA_NAMES:
+            column = _columns(vertex, (name,))
+            if column is not None:
+                alpha = geometry.finite_rows(column, "alphas", where)[:, 0] / np.float32(_white(vertex, name) or 1)
+                break
+        return np.column_stack([np.maximum(linear, 0), np.clip(alpha, 0, 1)]).astype(np.float32)
+    return None
+
+
+def _white(vertex: Columns, name: str) -> float | None:
+    """The largest number of an integer property's type, None for a floating one."""
+    column = vertex[name]
+    if isinstance(column, Lists) or column.dtype.kind == "f":
+        return None
+    return float(np.iinfo(column.dtype).max)
+
+
+def _triangles(elements: dict[str, Columns], positions: FloatArray, where: str) -> NDArray[np.int64]:
+    """(T, 3) from faces and strips, those without area dropped."""
+    parts: list[NDArray[np.int64]] = []
+    short = 0
+    faces = _index_lists(elements.get("face", {}))
+    if faces is not None:
+        indices = _checked(faces, len(positions), "face", where)
+        short = int((faces.counts < 3).sum())
+        parts.append(indices[geometry.triangulate(positions, indices, faces.counts, where)[0]])
+    strips = _index_lists(elements.get("tristrips", {}))
+    if strips is not None:
+        parts.append(_from_strips(_checked(strips, len(positions), "tristrips", where), strips.counts))
+    ignored = sorted(elements.keys() - {"vertex", "face", "tristrips"})
+    if ignored:
+        warn(f"{where}: elements that are not understood are ignored: {', '.join(map(repr, ignored[:8]))}")
+    if not sum(map(len, parts)):
+        raise EclatError(f"{where}: expected a mesh with faces or triangle strips, got {len(positions)} vertices alone")
+    triangles = np.concatenate(parts)
+    return triangles[geometry.drop_slivers(positions, triangles, where, short_polygons=short)]
+
+
+def _index_lists(columns: Columns) -> Lists | None:
+    """The vertex indices of an element, whether it has polygons of any size or (rarely) one column per corner."""
+    for name in _INDEX_NAMES:
+        found = columns.get(name)
+        if isinstance(found, Lists) and found.items.dtype.kind in "iu":
+            return found
+    return None
+
+
+def _checked(lists: Lists, vertices: int, element: str, where: str) -> NDArray[np.int64]:
+    """The items as int64, which are vertices or, in strips, −1."""
+    # Unsigned 64-bit indices beyond int64 would turn negative.
+    items = (
+        np.minimum(lists.items, np.array(vertices, lists.items.dtype))
+        if lists.items.dtype == np.uint64
+        else lists.items
+    )
+    indices = items.astype(np.int64)
+    least = -1 if element == "tristrips" else 0
+    wrong = (indices < least) | (indices >= vertices)
+    if wrong.any():
+        place = int(np.argmax(wrong))
+        row = int(np.searchsorted(np.cumsum(lists.counts), place, side="right"))
+        raise EclatError(
+            f"{where}, {element} {row}: expected vertex indices in {least}..{vertices - 1}, got {lists.items[place]}"
+        )
+    return indices
+
+
+def _from_strips(indices: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
+    """Triangles of strips, each list a strip or several with −1 between; every second one is turned round."""
+    if len(indices) < 3:
+        return np.zeros((0, 3), dtype=np.int64)
+    # Each index's number in its strip, counted from the last separator or beginning of a list.
+    begins = np.zeros(len(indices), dtype=bool)
+    starts = np.cumsum(counts) - counts
+    begins[starts[counts > 0]] = True
+    breaks = indices < 0
+    begins[1:] |= breaks[:-1]
+    begins |= breaks
+    place = np.arange(len(indices))
+    number = place - np.maximum.accumulate(np.where(begins, place, 0))
+    last = np.flatnonzero((number >= 2) & ~breaks)
+    a, b, c = indices[last - 2], indices[last - 1], indices[last]
+    odd = number[last] % 2 == 1
+    return np.stack([np.where(odd, b, a), np.where(odd, a, b), c], axis=1)

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The header of a PLY file: which elements follow, how many, with which properties, in which encoding."""
+
+from __future__ import annotations
+
+import re
+from dataclasses import dataclass
+from typing import Literal
+
+from eclat.errors import EclatError
+from eclat.loaders.obj_text import decoded
+
+Encoding = Literal["ascii", "<", ">"]
+
+TYPES = {
+    # PLY's names: NumPy's, without byte order
+    **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
+    **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
+    **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8", "int64": "i8", "uint64": "u8"},
+}
+
+_END = re.compile(rb"(?:\A|[\r\n])[ \t]*end_header[ \t]*(\r\n|\r|\n|\Z)")
+_MOST = 1000
+"""Elements, and properties of one: real files have a dozen."""
+_LONGEST = 1 << 20
+"""Headers are some hundred bytes; a megabyte without `end_header` is something else."""
+_ENCODINGS: dict[str, Encoding] = {"ascii": "ascii", "binary_little_endian": "<", "binary_big_endian": ">"}
+
+
+@dataclass(frozen=True)
+class Property:
+    """A number, or with `count_type` a list of numbers; types as in NumPy, without byte order."""
+
+    name: str
+    type: str
+    count_type: str | None = None
+
+
+@dataclass(frozen=True)
+class Element:
+    """`count` rows of the same properties."""
+
+    name: str
+    count: int
+    properties: tuple[Property, ...]
+
+
+@dataclass(frozen=True)
+class Header:
+    """`encoding` is ascii, or the byte order as in NumPy; the data begin at byte `size`."""
+
+    encoding: Encoding
+    elements: tuple[Element, ...]
+    size: int
+
+
+def read_header(data: bytes, where: str) -> Header:
+    """Parse the header of the PLY file `data`. Raises EclatError with the line."""
+    if not re.match(rb"ply[ \t]*[\r\n]", data):
+        raise EclatError(f"{where}: expected a PLY file, which begins with 'ply', got {data[:16]!r}")
+    end = _END.search(data, 0, _LONGEST)
+    if end is None:
+        raise EclatError(f"{where}: expected a PLY header that ends with 'end_header', got none")
+    encoding: Encoding | None = None
+    elements: list[Element] = []
+    for number, line in enumerate(data[: end.start() + 1].splitlines()[1:], 2):
+        words = decoded(line).split()
+        place = f"{where}, line {number}"
+        match words:
+            case [] | ["comment" | "obj_info", *_]:
+                continue
+            case ["format", name, *_]:
+                if name not in _ENCODINGS:
+                    raise EclatError(f"{place}: expected format {', '.join(_ENCODINGS)}, got {name[:40]!r}")
+                encoding = _ENCODINGS[name]
+            case ["element", name, count]:
+                elements.append(Element(name, _count(count, place), ()))
+            case ["property", *rest] if elements:
+                last = elements[-1]
+                if any(p.name == rest[-1] for p in last.properties if rest):
+                    raise EclatError(f"{place}: expected property names to differ, got {rest[-1][:40]!r} twice")
+                elements[-1] = Element(last.name, last.count, (*last.properties, _property(rest, place)))
+            case _:
+                raise EclatError(f"{place}: expected a PLY header statement, got {' '.join(words)[:60]!r}")
+        if len(elements) > _MOST or (elements and len(elements[-1].properties) > _MOST):
+            raise EclatError(f"{place}: expected at most {_MOST} elements and properties of each, got more")
+    if encoding is None:
+        raise EclatError(f"{where}: expected a 'format' statement in the PLY header, got none")
+    return Header(encoding, tuple(elements), _data_start(data, end))
+
+
+def _data_start(data: bytes, end: re.Match[bytes]) -> int:
+    """A carriage return alone ends the header only where it ends the first line too: else it is followed by data."""
+    if end[1] == b"\r\n" and not re.match(rb"ply[ \t]*\r\n", data) and re.match(rb"ply[ \t]*\r", data):
+        return end.start(1) + 1
+    return end.end()
+
+
+def _count(word: str, place: str) -> int:
+    # Nineteen digits are more than any file could hold, and int() takes no longer than that for them.
+    if not re.fullmatch(r"[0-9]{1,19}", word):
+        raise EclatError(f"{place}: expected a number of rows, got {word[:40]!r}")
+    return int(word)
+
+
+def _property(words: list[str], place: str) -> Property:
+    match words:
+        case [kind, name] if kind in TYPES:
+            return Property(name, TYPES[kind])
+        case ["list", count, kind, name] if TYPES.get(count, "f")[0] in "iu" and kind in TYPES:
+            return Property(name, TYPES[kind], TYPES[count])
+    raise EclatError(f"{place}: expected a property's type and name, got {' '.join(words)[:60]!r}")
