@@ -125,7 +125,7 @@ def _complete_normals(
     index[index >= 0] = np.where(normals[index[index >= 0]].any(axis=1), index[index >= 0], -1)
     material = np.repeat(text.face_materials[polygons], 3)
     wanted: NDArray[np.bool_] = np.bincount(material, index >= 0).astype(bool)
-    missing = wanted[material] & (index < 0)
+    missing: NDArray[np.bool_] = wanted[material] & (index < 0)
     if not missing.any():
         return index, normals
     areas = np.zeros((len(text.counts), 3))

@@ -23,6 +23,7 @@ from eclat.scene import FloatArray, Material, Mesh, Scene, grey
 _UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"), ("s0", "t0"))
 _COLOR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
 _ALPHA_NAMES = ("alpha", "diffuse_alpha", "a")
+_FACE_ATTRIBUTES = {"texcoord", "texnumber", "red", "green", "blue", "alpha"}
 _INDEX_NAMES = ("vertex_indices", "vertex_index")
 
 
@@ -127,6 +128,9 @@ def _triangles(elements: dict[str, Columns], positions: FloatArray, where: str) 
     strips = _index_lists(elements.get("tristrips", {}))
     if strips is not None:
         parts.append(_from_strips(_checked(strips, len(positions), "tristrips", where), strips.counts))
+    unread = sorted(elements.get("face", {}).keys() & _FACE_ATTRIBUTES)
+    if unread:
+        warn(f"{where}: attributes of faces are ignored, only those of vertices are read: {', '.join(unread)}")
     ignored = sorted(elements.keys() - {"vertex", "face", "tristrips"})
     if ignored:
         warn(f"{where}: elements that are not understood are ignored: {', '.join(map(repr, ignored[:8]))}")

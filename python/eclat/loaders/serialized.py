@@ -64,7 +64,7 @@ def load_serialized(path: Path, shape_index: int = 0, *, face_normals: bool = Fa
     normals = stream.table(vertices, 3, real) if flags & _HAS_NORMALS else None
     uvs = stream.table(vertices, 2, real) if flags & _HAS_UVS else None
     colors = stream.table(vertices, 3, real) if flags & _HAS_COLORS else None
-    triangles = _checked(stream.table(count, 3, index, where), vertices)
+    triangles = _checked(stream.table(count, 3, index), vertices, where)
     stream.finish()
     geometry.check_positions(positions, where)
     triangles = triangles[geometry.drop_slivers(positions, triangles, where)]

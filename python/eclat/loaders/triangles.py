@@ -87,7 +87,7 @@ def drop_slivers(
     keep: NDArray[np.bool_] = (twice_area > _SLIVER * longest) & (twice_area > 0)
     if not keep.any():
         raise EclatError(
-            f"{where}: expected a mesh with at least one triangle of non-zero area, got {len(keep)} triangles, all without"
+            f"{where}: expected at least one triangle with an area, got {len(keep)} triangles, all without"
         )
     lost = len(keep) - int(keep.sum())
     if lost or short_polygons:
