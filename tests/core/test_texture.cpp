@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include <stdexcept>
+
 #include <initializer_list>
 #include <limits>
 #include <stdexcept>
