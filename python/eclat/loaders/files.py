@@ -9,7 +9,7 @@ import posixpath
 import re
 import stat
 from pathlib import Path
-from typing import Literal, TypedDict, Unpack
+from typing import Any, Literal, TypedDict, Unpack
 
 import numpy as np
 from numpy.typing import NDArray
@@ -109,7 +109,7 @@ def read_texture(
         image, linear = read_image_file(path, read_bytes(path, where=where))
     except EclatError as error:
         return stand_in(str(error), srgb=srgb, where=where, neutral=neutral, **options)
-    return Texture(image, srgb=srgb and not linear, **options)
+    return Texture(_finite(image, where), srgb=srgb and not linear, **options)
 
 
 def texture_from_bytes(
@@ -191,7 +191,18 @@ def _find(folder: Path, text: str) -> Path | None:
 def _checker() -> NDArray[np.uint8]:
     """8×8 fields of mauve and grey (sRGB bytes), two texels each so that bilinear filtering keeps the fields."""
     rows, columns = np.indices((16, 16)) // 2
-    return np.array([[150, 144, 150], [196, 128, 178]], dtype=np.uint8)[(rows + columns) % 2]
+    tones: NDArray[np.uint8] = np.array([[150, 144, 150], [196, 128, 178]], dtype=np.uint8)
+    return np.take(tones, (rows + columns) % 2, axis=0)
+
+
+def _finite(image: NDArray[Any], where: str) -> NDArray[Any]:
+    """The image with the largest finite texel for +∞ and 0 for what else is not finite, with a warning."""
+    good = np.isfinite(image)
+    if good.all():
+        return image
+    warn(f"{where}: {int((~good).any(axis=-1).sum())} texels are not finite; they are replaced")
+    largest = image[good].max(initial=0)
+    return np.where(good, image, np.where(image == np.inf, largest, 0)).astype(image.dtype)
 
 
 def _shown(name: str) -> str:

@@ -9,18 +9,18 @@ import struct
 import warnings
 import zlib
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
+from PIL.PngImagePlugin import PngImageFile
 
 from eclat.errors import EclatError
+from eclat.loaders.linear_images import DECODERS, MAX_PIXELS, check_size
 
 # Formats by name: Pillow would otherwise also try those that start other programs (EPS).
-FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "PPM", "DDS", "PCX")
-
-MAX_PIXELS = 1 << 27
-"""16384 × 8192: half a gigabyte of RGBA."""
+FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "AVIF", "PPM", "DDS", "PCX")
 
 _DEFLATE_LIMIT = 1032
 """No deflate stream grows by more than this (258 bytes for 2 bits), so a PNG that claims more is lying."""
@@ -32,7 +32,7 @@ _DECODER_ERRORS = (
 )
 
 
-def decode_image(data: bytes) -> NDArray:
+def decode_image(data: bytes) -> NDArray[Any]:
     """(H, W, C) with C = 1, 3 or 4: uint8, or float32 in 0..1 for images of 16 bits. Raises EclatError."""
     try:
         with warnings.catch_warnings():
@@ -49,29 +49,30 @@ def decode_image(data: bytes) -> NDArray:
     return pixels
 
 
-def read_image_file(path: Path, data: bytes) -> tuple[NDArray, bool]:
-    """The image `data` from `path`, and whether its format is linear by definition. Raises EclatError."""
-    return decode_image(data), False
+def read_image_file(path: Path, data: bytes) -> tuple[NDArray[Any], bool]:
+    """The image `data` of the file `path`, and whether its format is linear by definition. Raises EclatError.
+
+    Texels of linear formats may be infinite or NaN.
+    """
+    decode = DECODERS.get(path.suffix.lower())
+    return (decode_image(data), False) if decode is None else (decode(path, data), True)
 
 
 def _check_size(image: Image.Image, size: int) -> None:
-    width, height = image.size
-    if width < 1 or height < 1:
-        raise EclatError(f"the image has no texels ({width} × {height})")
-    if width * height > MAX_PIXELS:
-        raise EclatError(f"the image has {width} × {height} texels, more than the limit of {MAX_PIXELS}")
-    if image.format == "PNG" and width * height > 8 * _DEFLATE_LIMIT * size:
-        raise EclatError(f"the image claims {width} × {height} texels in a file of {size} bytes")
+    # A texel of a PNG takes a bit at least; other formats have no such bound.
+    check_size(*image.size, size, texels_per_byte=8 * _DEFLATE_LIMIT if image.format == "PNG" else MAX_PIXELS)
 
 
-def _pixels(image: Image.Image, data: bytes) -> NDArray:
+def _pixels(image: Image.Image, data: bytes) -> NDArray[Any]:
     mode = image.mode
-    raw = image.tile[0].args if image.format == "PNG" and image.tile else None
+    raw = image.tile[0][3] if isinstance(image, PngImageFile) and image.tile else None
     if raw in ("RGB;16B", "RGBA;16B"):
         # Pillow keeps the high bytes of 16-bit colours only; read as little-endian it keeps the low ones.
         high = np.asarray(image, dtype=np.float32)
-        with Image.open(io.BytesIO(data), formats=("PNG",)) as again:
-            again.tile = [again.tile[0]._replace(args=raw.replace("16B", "16L"))]
+        with PngImageFile(io.BytesIO(data)) as again:
+            codec, extents, offset, _ = again.tile[0]
+            # A plain tuple, since the named one is new in Pillow 11.
+            again.tile = [(codec, extents, offset, raw.replace("16B", "16L"))]  # type: ignore[list-item]
             low = np.asarray(again, dtype=np.float32)
         return (high * np.float32(256) + low) / np.float32(65535)
     if mode.startswith("I"):

@@ -48,7 +48,7 @@ def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
 def local_matrix(node: Element) -> Matrix:
     """The node's own 4×4 transform, from `matrix` or from translation, rotation and scale. Raises EclatError."""
     if node.data.get("matrix") is not None:
-        matrix = np.array(node.numbers("matrix", 16)).reshape(4, 4).T
+        matrix: Matrix = np.array(node.numbers("matrix", 16)).reshape(4, 4).T
         if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
             raise EclatError(f"{node.at('matrix')}: expected an affine matrix, got a last row of {matrix[3].tolist()}")
         matrix[3] = (0, 0, 0, 1)
@@ -56,7 +56,8 @@ def local_matrix(node: Element) -> Matrix:
     translation = np.array(node.numbers("translation", 3, (0, 0, 0)))
     rotation = np.array(node.numbers("rotation", 4, (0, 0, 0, 1)))
     scale = np.array(node.numbers("scale", 3, (1, 1, 1)))
-    return _trs(translation[None], rotation[None], scale[None], node)[0]
+    local: Matrix = _trs(translation[None], rotation[None], scale[None], node)[0]
+    return local
 
 
 def instances(node: Element, accessors: Accessors) -> Matrix:

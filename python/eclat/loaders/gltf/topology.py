@@ -37,9 +37,9 @@ def read_triangles(element: Element, accessors: Accessors, vertices: int) -> NDA
         )
     if mode == TRIANGLES and len(corners) % 3:
         warn(f"{element.where}: {len(corners)} corners make no whole number of triangles; the last are ignored")
-    triangles = _assemble(mode, corners.astype(np.int32))
-    a, b, c = triangles.T
-    triangles = triangles[(a != b) & (b != c) & (c != a)]
+    assembled = _assemble(mode, corners.astype(np.int32))
+    a, b, c = assembled.T
+    triangles: NDArray[np.int32] = assembled[(a != b) & (b != c) & (c != a)]
     if not len(triangles):
         warn(f"{element.where}: has no triangles and is skipped")
         return None

@@ -1,0 +1,163 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Image formats that are linear by definition: OpenEXR, Radiance HDR, PFM. All failures are EclatErrors."""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError
+
+MAX_PIXELS = 1 << 27
+"""16384 × 8192."""
+
+_HEADER_LIMIT = 1 << 16
+_HDR_SIZE = re.compile(rb"([-+])Y +(\d{1,7}) +\+X +(\d{1,7})\s*$")
+_PFM_HEADER = re.compile(rb"(PF|Pf)\s+(\d{1,7})\s+(\d{1,7})\s+([-+0-9.eE]{1,20})\s")
+
+
+def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
+    """(H, W, C) of an OpenEXR file: RGB, RGBA or one channel, of its unnamed or else its first layer."""
+    import OpenEXR
+
+    try:
+        with OpenEXR.File(str(path), header_only=True) as file:
+            low, high = (np.asarray(corner, dtype=np.int64) for corner in file.header()["dataWindow"])
+        width, height = (int(v) for v in high - low + 1)
+        # The best lossless packing of a constant picture still spends a byte on some thousand texels.
+        check_size(width, height, len(data), texels_per_byte=1 << 14)
+        with OpenEXR.File(str(path), separate_channels=True) as file:
+            channels = {name: channel.pixels for name, channel in file.channels().items()}
+            planes = [np.asarray(plane, dtype=np.float32) for plane in _color_channels(channels)]
+    except EclatError:
+        raise
+    except (RuntimeError, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:
+        raise EclatError(f"the image cannot be decoded: {error}") from None
+    if any(plane.shape != (height, width) for plane in planes):
+        raise EclatError(f"expected channels of {width} × {height} texels, got {sorted({p.shape for p in planes})}")
+    return np.stack(planes, axis=-1)
+
+
+def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
+    """(H, W, 3) of a Radiance picture, run-length encoded or flat."""
+    end = data.find(b"\n\n", 0, _HEADER_LIMIT)
+    line_end = data.find(b"\n", end + 2, _HEADER_LIMIT)
+    if end < 0 or line_end < 0:
+        raise EclatError("expected a Radiance header, got none")
+    header, size = data[:end], _HDR_SIZE.match(data[end + 2 : line_end])
+    if size is None:
+        raise EclatError(f"expected a Radiance size like '-Y 512 +X 1024', got {data[end + 2 : line_end][:40]!r}")
+    if b"xyze" in header:
+        raise EclatError("expected RGBE texels, got XYZE ones, which are not supported")
+    height, width = int(size[2]), int(size[3])
+    # A run of two bytes holds 127 values of one of four components.
+    check_size(width, height, len(data), texels_per_byte=64)
+    texels = np.empty((height, width, 4), np.uint8)
+    offset = line_end + 1
+    for row in texels if size[1] == b"-" else texels[::-1]:
+        offset = _read_hdr_row(data, offset, row)
+    scale = np.ldexp(np.float32(1), texels[..., 3].astype(np.int32) - 136)  # 128 bias + 8 bits of mantissa
+    exposure = np.prod(
+        [float(v) for v in re.findall(rb"^EXPOSURE=\s*([0-9.]{1,20}(?:e[-+]?\d\d?)?)\s*$", header, re.M)]
+    )
+    if not exposure > 0:
+        raise EclatError(f"expected an EXPOSURE above 0, got {exposure:g}")
+    colors = texels[..., :3].astype(np.float32) * (scale * (texels[..., 3] > 0))[..., None] / np.float32(exposure)
+    return np.asarray(colors, dtype=np.float32)
+
+
+def decode_pfm(path: Path, data: bytes) -> NDArray[np.float32]:
+    """(H, W, 1 or 3) of a portable float map; its rows go upwards."""
+    header = _PFM_HEADER.match(data)
+    if header is None:
+        raise EclatError("expected a PFM header, got none")
+    width, height, channels = int(header[2]), int(header[3]), 3 if header[1] == b"PF" else 1
+    try:
+        little = float(header[4]) < 0
+    except ValueError:
+        raise EclatError(f"expected a number as the PFM's scale, got {header[4]!r}") from None
+    check_size(width, height, len(data), texels_per_byte=1)
+    count = width * height * channels
+    if len(data) - header.end() < 4 * count:
+        raise EclatError(f"expected {4 * count} bytes of texels, got {len(data) - header.end()}")
+    values = np.frombuffer(data, "<f4" if little else ">f4", count, header.end())
+    return np.ascontiguousarray(values.reshape(height, width, channels)[::-1], dtype=np.float32)
+
+
+DECODERS: dict[str, Callable[[Path, bytes], NDArray[np.float32]]] = {
+    ".exr": decode_exr,
+    ".hdr": decode_hdr,
+    ".rgbe": decode_hdr,
+    ".pic": decode_hdr,
+    ".pfm": decode_pfm,
+}
+"""By suffix, in lower case."""
+
+
+def check_size(width: int, height: int, file_size: int, texels_per_byte: int) -> None:
+    """Refuse pictures without texels, with too many, or with more than a file of that size can hold."""
+    if width < 1 or height < 1:
+        raise EclatError(f"the image has no texels ({width} × {height})")
+    if width * height > MAX_PIXELS:
+        raise EclatError(f"the image has {width} × {height} texels, more than the limit of {MAX_PIXELS}")
+    if width * height > texels_per_byte * file_size:
+        raise EclatError(f"the image claims {width} × {height} texels in a file of {file_size} bytes")
+
+
+def _color_channels(channels: dict[str, Any]) -> list[Any]:
+    prefixes = sorted({name.rpartition(".")[0] for name in channels})
+    for prefix in prefixes:
+        start = f"{prefix}." if prefix else ""
+        if all(f"{start}{c}" in channels for c in "RGB"):
+            names = "RGBA" if f"{start}A" in channels else "RGB"
+            return [channels[f"{start}{c}"] for c in names]
+    for name in ("Y", *sorted(channels)):
+        if name in channels:
+            return [channels[name]]
+    raise EclatError("the image has no channels")
+
+
+def _read_hdr_row(data: bytes, offset: int, row: NDArray[np.uint8]) -> int:
+    """Fill one (W, 4) row; return where the next begins."""
+    width = len(row)
+    start = data[offset : offset + 4]
+    if len(start) < 4:
+        raise EclatError("the image is cut off")
+    if not 8 <= width < 1 << 15 or start[:2] != b"\x02\x02" or (start[2] << 8 | start[3]) != width:
+        flat = np.frombuffer(data[offset : offset + 4 * width], np.uint8)
+        if len(flat) < 4 * width:
+            raise EclatError("the image is cut off")
+        row[:] = flat.reshape(width, 4)
+        return offset + 4 * width
+    offset += 4
+    for component in range(4):
+        column, offset = _read_run_lengths(data, offset, width)
+        row[:, component] = np.frombuffer(column, np.uint8)
+    return offset
+
+
+def _read_run_lengths(data: bytes, offset: int, width: int) -> tuple[bytes, int]:
+    """`width` bytes, from runs (count above 128, then one byte) and literals (count, then as many bytes)."""
+    column = bytearray()
+    while len(column) < width:
+        head = data[offset : offset + 2]
+        if len(head) < 2 or head[0] == 0:
+            raise EclatError("the image is cut off or not run-length encoded as it should be")
+        count = head[0]
+        if count > 128:
+            column += head[1:] * (count - 128)
+            offset += 2
+        else:
+            column += data[offset + 1 : offset + 1 + count]
+            offset += 1 + count
+            if offset > len(data):
+                raise EclatError("the image is cut off")
+    if len(column) != width:
+        raise EclatError("a run of the image goes past its row")
+    return bytes(column), offset
