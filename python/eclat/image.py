@@ -1,119 +1,154 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures: linear radiance with layers and metadata, written whole or not at all."""
+"""A picture: linear radiance, layers beside it, and how it was made."""
 
 from __future__ import annotations
 
-import io
-import json
 import os
-import tempfile
-from collections.abc import Callable
 from dataclasses import dataclass, field
-from pathlib import Path
 from typing import Any
 
 import numpy as np
-from PIL import Image as PillowImage
+from numpy.typing import NDArray
 
+from eclat import image_files
+from eclat.atomic_file import check_writable, write_file
 from eclat.errors import EclatError, warn
+from eclat.tone import check_display
 
-SUFFIXES = (".exr", ".png", ".npy", ".pfm")
+LAYERS: dict[str, str] = {
+    "direct": "RGB",
+    "indirect": "RGB",
+    "albedo": "RGB",
+    "normal": "XYZ",
+    "depth": "Z",
+    "record_density": "Y",
+}
+"""The layers that `render` makes, with the letters of their channels in an EXR file (`indirect.R`, `depth.Z`)."""
 
-
-def to_srgb(linear: np.ndarray) -> np.ndarray:
-    """The sRGB transfer function (IEC 61966-2-1), clipped to 0..1."""
-    x = np.clip(linear, 0, 1)
-    return np.where(x <= 0.0031308, 12.92 * x, 1.055 * np.power(np.maximum(x, 1e-9), 1 / 2.4) - 0.055)
-
-
-def filmic(linear: np.ndarray) -> np.ndarray:
-    """A film-like shoulder: x (1 + x / w²) / (1 + x) per channel with white at w = 4 (Reinhard 2002, eq. 4)."""
-    x = np.maximum(linear, 0)
-    return x * (1 + x / 16) / (1 + x)
-
-
-TONE_MAPPINGS: dict[str, Callable[[np.ndarray], np.ndarray]] = {"none": lambda x: x, "filmic": filmic}
+MAX_SIDE = 1 << 16
+MAX_PIXELS = 1 << 27
+"""16384 × 8192: 1.6 GB for radiance alone, as much again for each colour layer."""
 
 
-def write_whole(path: Path, write: Callable[[Path], None]) -> None:
-    """Let `write` fill a temporary file beside `path`, then move it there. Raises EclatError naming the file."""
-    try:
-        descriptor, name = tempfile.mkstemp(dir=path.parent, prefix=f".{path.stem}.", suffix=path.suffix)
-        os.close(descriptor)
-    except OSError as error:
-        raise EclatError(f"{path}: cannot write here ({error.strerror})") from error
-    temporary = Path(name)
-    try:
-        write(temporary)
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except OSError as error:
-        raise EclatError(f"{path}: writing failed ({error.strerror or error}); nothing was changed") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+def check_size(width: int, height: int, what: str = "size") -> None:
+    """Raise EclatError unless a picture of that size can sensibly be made; call it before allocating anything.
+
+    Raises
+    ------
+    EclatError : a side below 1 or above `MAX_SIDE`, or more than `MAX_PIXELS` pixels.
+    """
+    got = f"got {width}x{height}"
+    if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
+        raise EclatError(f"{what}: expected a width and a height between 1 and {MAX_SIDE:,} pixels, {got}")
+    if width * height > MAX_PIXELS:
+        raise EclatError(f"{what}: expected at most {MAX_PIXELS:,} pixels in all, {got}")
 
 
-@dataclass(eq=False)
+@dataclass(frozen=True, eq=False)
 class Image:
-    """`pixels` (H, W, 3) float32 linear radiance, named `layers` of the same height and width, JSON-able `metadata`."""
+    """Radiance per pixel with what else is known about it. Shows itself in a notebook.
 
-    pixels: np.ndarray
-    layers: dict[str, np.ndarray] = field(default_factory=dict)
+    Parameters
+    ----------
+    pixels : (H, W, 3) float32 scene-linear radiance in W·sr⁻¹·m⁻² (cd·m⁻² of a photometric scene), Rec. 709
+        primaries; row 0 is the top.
+    layers : by name (those of `LAYERS`, or others), each (H, W, 3) or (H, W) float32. `normal` is in world space,
+        `depth` in metres along the ray (infinite where it meets nothing), `record_density` records per pixel.
+    metadata : what JSON can hold: scene, options, seed, version, time, statistics.
+
+    Examples
+    --------
+    >>> grey = Image(np.full((2, 3, 3), 0.18, dtype=np.float32), metadata={"seed": 7})
+    >>> grey.width, grey.height
+    (3, 2)
+
+    Raises
+    ------
+    EclatError : shapes that do not agree, sizes beyond `check_size`.
+    """
+
+    pixels: NDArray[np.float32]
+    layers: dict[str, NDArray[np.float32]] = field(default_factory=dict)
     metadata: dict[str, Any] = field(default_factory=dict)
 
-    def save(self, path: str | os.PathLike[str], exposure: float = 0.0, tone_mapping: str = "none") -> None:
-        """Write by suffix: .exr (all layers, linear), .png (sRGB), .npy, .pfm. Raises EclatError."""
-        target = Path(path)
-        writers: dict[str, Callable[[Path], None]] = {
-            ".exr": self._write_exr,
-            ".png": lambda p: p.write_bytes(self.to_png(exposure, tone_mapping)),
-            ".npy": self._write_npy,
-            ".pfm": self._write_pfm,
-        }
-        suffix = target.suffix.lower()
-        if suffix not in writers:
-            raise EclatError(f"{target}: unknown picture format {suffix!r}, expected one of {', '.join(SUFFIXES)}")
-        if not np.isfinite(self.pixels).all():
-            warn(f"{target}: {int((~np.isfinite(self.pixels)).any(axis=-1).sum())} pixels are not finite")
-        write_whole(target, writers[suffix])
+    def __post_init__(self) -> None:
+        pixels = np.asarray(self.pixels)
+        if pixels.ndim != 3 or pixels.shape[2] != 3:
+            raise EclatError(f"image: expected pixels of shape (height, width, 3), got {pixels.shape}")
+        check_size(pixels.shape[1], pixels.shape[0], "image")
+        layers = {name: np.asarray(layer) for name, layer in self.layers.items()}
+        for name, layer in layers.items():
+            if layer.shape[:2] != pixels.shape[:2] or layer.shape[2:] not in ((), (3,)):
+                size = f"({pixels.shape[0]}, {pixels.shape[1]})"
+                raise EclatError(f"image, layer {name!r}: expected {size} or {size[:-1]}, 3), got {layer.shape}")
+        object.__setattr__(self, "pixels", np.ascontiguousarray(pixels, dtype=np.float32))
+        object.__setattr__(self, "layers", {n: np.ascontiguousarray(v, dtype=np.float32) for n, v in layers.items()})
 
-    def to_png(self, exposure: float = 0.0, tone_mapping: str = "none") -> bytes:
-        """The picture as PNG bytes, `exposure` in stops."""
-        if tone_mapping not in TONE_MAPPINGS:
-            raise EclatError(f"tone mapping must be one of {', '.join(TONE_MAPPINGS)}, got {tone_mapping!r}")
-        display = to_srgb(TONE_MAPPINGS[tone_mapping](np.nan_to_num(self.pixels) * 2.0**exposure))
-        buffer = io.BytesIO()
-        PillowImage.fromarray(np.round(display * 255).astype(np.uint8)).save(buffer, "PNG")
-        return buffer.getvalue()
+    @property
+    def width(self) -> int:
+        """Pixels in a row."""
+        return int(self.pixels.shape[1])
+
+    @property
+    def height(self) -> int:
+        """Number of rows."""
+        return int(self.pixels.shape[0])
+
+    def save(self, path: str | os.PathLike[str], exposure: float = 0.0, tone_mapping: str = "none") -> None:
+        """Write the picture in the format that `path` ends in.
+
+        ======  ===========================================================================================
+        .exr    float32 radiance with all layers and the metadata (string attributes `eclat.<key>`, JSON)
+        .png    8-bit sRGB for the screen, with exposure and tone mapping; metadata in the text field `eclat`
+        .pfm    float32 radiance only
+        .npy    float32 radiance only, for NumPy
+        ======  ===========================================================================================
+
+        The file is either whole or untouched, whatever fails or interrupts. Pixels that are not finite are warned
+        about; radiance formats keep them as they are, PNG shows them in magenta.
+
+        Parameters
+        ----------
+        exposure : stops, of PNG only: radiance times 2^exposure.
+        tone_mapping : "none" or "filmic", of PNG only.
+
+        Raises
+        ------
+        EclatError : unknown suffix, bad exposure or tone mapping, or the file cannot be written.
+        """
+        file_format = check_output(path)
+        check_display(exposure, tone_mapping)
+        self._warn_if_not_finite(os.fspath(path), file_format.not_finite)
+        content = image_files.Content(self.pixels, self.layers, self.metadata)
+        write_file(path, file_format.encode(content, LAYERS, exposure, tone_mapping))
+
+    @staticmethod
+    def load(path: str | os.PathLike[str]) -> Image:
+        """The picture in an .exr, .pfm or .npy file.
+
+        Raises
+        ------
+        EclatError : the file is absent or broken, or its format holds no radiance (.png).
+        """
+        content = image_files.read(path, check_size)
+        return Image(content.pixels, content.layers, content.metadata)
 
     def _repr_png_(self) -> bytes:
-        return self.to_png()
+        """The picture as PNG, for notebooks."""
+        return image_files.encode_png(image_files.Content(self.pixels, {}, {}), LAYERS, 0.0, "none")
 
-    def _write_npy(self, path: Path) -> None:
-        with path.open("wb") as file:
-            np.save(file, self.pixels)
+    def _warn_if_not_finite(self, name: str, treatment: str) -> None:
+        bad = ~np.isfinite(self.pixels).all(axis=2)
+        count = int(np.count_nonzero(bad))
+        if count:
+            row, column = divmod(int(np.argmax(bad)), self.width)
+            which = f"{count:,} of {bad.size:,} pixels {'is' if count == 1 else 'are'} not finite"
+            warn(f"{name}: {which}, the first at ({column}, {row}); {treatment}")
 
-    def _write_pfm(self, path: Path) -> None:
-        height, width = self.pixels.shape[:2]
-        rows = np.ascontiguousarray(self.pixels[::-1], "<f4")
-        path.write_bytes(f"PF\n{width} {height}\n-1.0\n".encode() + rows.tobytes())
 
-    def _write_exr(self, path: Path) -> None:
-        import OpenEXR
-
-        channels: dict[str, np.ndarray] = {n: self.pixels[..., i] for i, n in enumerate("RGB")}
-        for name, layer in self.layers.items():
-            if layer.ndim == 2:
-                channels["Z" if name == "depth" else f"{name}.Y"] = layer
-            else:
-                for i, n in enumerate("XYZ" if name == "normal" else "RGB"):
-                    channels[f"{name}.{n}"] = layer[..., i]
-        channels = {k: np.ascontiguousarray(v, np.float32) for k, v in channels.items()}
-        header = {
-            "compression": OpenEXR.ZIP_COMPRESSION,
-            "type": OpenEXR.scanlineimage,
-            "eclat": json.dumps(self.metadata, default=str),
-        }
-        with OpenEXR.File(header, channels) as file:
-            file.write(str(path))
+def check_output(path: str | os.PathLike[str]) -> image_files.Format:
+    """The format to write `path` in. Raises EclatError for an unknown suffix or a place that cannot be written."""
+    file_format = image_files.format_of(path)
+    check_writable(path)
+    return file_format
