@@ -11,14 +11,13 @@ from __future__ import annotations
 from dataclasses import replace
 
 import numpy as np
-from eclat.loaders.ply import load_ply
-from eclat.loaders.serialized import load_serialized
 
 from eclat.errors import did_you_mean, warn
-from eclat.loaders.gltf import load_gltf
 from eclat.loaders.mitsuba.materials import Materials, default_material
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.obj import load_obj
+from eclat.loaders.ply import load_ply
+from eclat.loaders.serialized import load_serialized
 from eclat.scene import Mesh
 
 MESH_FILES = ("obj", "ply", "serialized", "gltf")
@@ -71,6 +70,8 @@ def _with_file_materials(node: Node) -> list[Mesh]:
     if node.type == "obj":
         flip = node.boolean("flip_tex_coords", default=True)
         return load_obj(node.file("filename"), face_normals=face_normals, flip_v=flip)
+    from eclat.loaders.gltf import load_gltf  # the largest loader, seldom needed here
+
     scene = load_gltf(node.file("filename"))
     if scene.lights or scene.environment:
         warn(f"{node.where}: only the meshes of the glTF file are used, not its lights")

@@ -77,6 +77,9 @@ class Textures:
         if node.type == "scale":
             return self._scaled(node, kind)
         if node.type in ("mesh_attribute", "vertexcolors"):
+            name = node.string("name", default="vertex_color")
+            if name != "vertex_color":
+                warn(f"{node.where}: the attribute {name[:60]!r} is not supported; the colours of vertices are used")
             return grey(node.number("scale", default=1.0))
         warn(f"{node.where}: a texture of a type that is not supported; the constant 0.5 stands in")
         return grey(0.5)
