@@ -25,12 +25,12 @@
 namespace eclat {
 
 struct LightInputs {
-    std::span<const EmitterTriangle> triangles;  // "emitter i" is triangles[i]
-    std::vector<PointLight> points;
-    std::vector<SpotLight> spots;
-    std::vector<DirectionalLight> directionals;
-    std::optional<EnvironmentImage> environment;
-    Vec3 scene_center;  // of the sphere around the geometry
+    std::span<const EmitterTriangle> triangles{};  // "emitter i" is triangles[i]
+    std::vector<PointLight> points{};
+    std::vector<SpotLight> spots{};
+    std::vector<DirectionalLight> directionals{};
+    std::optional<EnvironmentImage> environment{};
+    Vec3 scene_center{};  // of the sphere around the geometry
     float scene_radius = 0;
 };
 

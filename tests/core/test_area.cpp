@@ -4,12 +4,11 @@
 // Emissive triangles: irradiance against Lambert's closed form, solid angles against Van Oosterom and Strackee's,
 // densities against the sampler, textured emission against quadrature.
 
-#include "lights/area.h"
-
 #include <doctest/doctest.h>
 
 #include <initializer_list>
 
+#include "lights/area.h"
 #include "lights/mean_emission.h"
 #include "running_mean.h"
 #include "sampling/rng.h"
@@ -57,9 +56,12 @@ struct Sight {
 // From far to almost touching; the triangle below spans z = 1 and faces down.
 const EmitterTriangle ceiling = emitter({-1, -1, 1}, {-1, 1, 1}, {2, -1, 1});
 const Sight sights[] = {
-    {{0, 0, -30}, {0, 0, 1}},         {{0.3f, 0.2f, -4}, normalize({0.3f, -0.1f, 1})},
-    {{0.1f, -0.2f, 0}, {0, 0, 1}},    {{0, 0, 0.9f}, {0, 0, 1}},
-    {{-0.2f, -0.3f, 0.999f}, {0, 0, 1}}, {{-5, 3, 0.5f}, normalize({1, -0.5f, 0.2f})},
+    {{0, 0, -30}, {0, 0, 1}},
+    {{0.3f, 0.2f, -4}, normalize({0.3f, -0.1f, 1})},
+    {{0.1f, -0.2f, 0}, {0, 0, 1}},
+    {{0, 0, 0.9f}, {0, 0, 1}},
+    {{-0.2f, -0.3f, 0.999f}, {0, 0, 1}},
+    {{-5, 3, 0.5f}, normalize({1, -0.5f, 0.2f})},
     {{1, 0.5f, 0.7f}, {0, 0, 1}},
 };
 
@@ -176,14 +178,15 @@ TEST_CASE("mean emission over a footprint: near the texture's mean, zero only wh
     for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
         const Texture texture(ImageView{size, size, 1, image.data(), nullptr}, {.wrap_u = wrap, .wrap_v = wrap});
         const MeanEmission mean(Value{.constant = Color(2.0f), .texture = &texture});
-        CHECK(mean.over({1020 / s, 1020 / s}, {1180 / s, 1020 / s}, {1020 / s, 1180 / s}).mean.g == doctest::Approx(0.4));
+        CHECK(mean.over({1020 / s, 1020 / s}, {1180 / s, 1020 / s}, {1020 / s, 1180 / s}).mean.g ==
+              doctest::Approx(0.4));
         // A triangle that only the filter of the lone texel reaches.
         CHECK(mean.over({290 / s, 690 / s}, {300 / s, 690 / s}, {300 / s, 700 / s}).weight > 0);
         // All of the picture, in which point samples miss the lone texel; dark far away.
         CHECK(mean.over({0.1f, 0.1f}, {0.9f, 0.1f}, {0.1f, 0.9f}).weight > 0);
         CHECK(mean.over({0.02f, 0.02f}, {0.1f, 0.02f}, {0.02f, 0.1f}).weight == 0);
         // Beyond the picture, and where coordinates are useless.
-        CHECK((mean.over({2.02f, 2.02f}, {2.1f, 2.02f}, {2.02f, 2.1f}).weight == 0) );
+        CHECK((mean.over({2.02f, 2.02f}, {2.1f, 2.02f}, {2.02f, 2.1f}).weight == 0));
         CHECK(mean.over({1e9f, 0}, {1e9f, 1}, {0, 1e9f}).weight > 0);
         CHECK(mean.over({NAN, 0}, {0, 1}, {1, 0}).weight > 0);
         if (wrap == Wrap::repeat) CHECK(mean.over({-0.2f, 2.7f}, {-0.21f, 2.7f}, {-0.2f, 2.71f}).mean.r > 0);

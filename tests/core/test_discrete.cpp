@@ -3,12 +3,11 @@
 
 // Discrete choices: probabilities are exactly the frequencies over all random numbers.
 
-#include "sampling/discrete.h"
-
 #include <doctest/doctest.h>
 
 #include <numeric>
 
+#include "sampling/discrete.h"
 #include "sampling/rng.h"
 
 using namespace eclat;

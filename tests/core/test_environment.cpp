@@ -3,13 +3,12 @@
 
 // The environment's image: orientation, the bilinear interpolant, and a density that is exactly its luminance.
 
-#include "lights/environment.h"
-
 #include <doctest/doctest.h>
 
 #include <initializer_list>
 #include <stdexcept>
 
+#include "lights/environment.h"
 #include "running_mean.h"
 #include "sampling/rng.h"
 
@@ -104,7 +103,8 @@ TEST_CASE("samples have the density and radiance of their direction and integrat
         CHECK(luminance_mean.agrees(luminance(e.integral())));
         CHECK(red.agrees(e.integral().r));
         const double expected = integrate([&](Vec3 w) { return e.radiance(w).g * std::max(0.0f, dot(w, n)); });
-        CHECK(irradiance.mean() == doctest::Approx(expected).epsilon(5 * irradiance.standard_error() / expected + 2e-3));
+        CHECK(irradiance.mean() ==
+              doctest::Approx(expected).epsilon(5 * irradiance.standard_error() / expected + 2e-3));
         // Only the variation of sin θ in a row is left as noise, and that is small in high images.
         if (height == 32) CHECK(luminance_mean.standard_error() * std::sqrt(200000) < 0.1 * luminance_mean.mean());
     }

@@ -3,12 +3,12 @@
 
 // Weights of techniques: shares that sum to one, at the ends of the range too.
 
-#include "sampling/mis.h"
-
 #include <doctest/doctest.h>
 
 #include <cmath>
 #include <initializer_list>
+
+#include "sampling/mis.h"
 
 using namespace eclat;
 

@@ -3,11 +3,10 @@
 
 // Solid angles and uniform directions of triangles, against closed forms and the map's Jacobian.
 
-#include "sampling/spherical_triangle.h"
-
 #include <doctest/doctest.h>
 
 #include "sampling/rng.h"
+#include "sampling/spherical_triangle.h"
 
 using namespace eclat;
 

@@ -3,17 +3,14 @@
 
 // Textures: decoding, filtering, wrapping, and the values that read them.
 
-#include "scene/texture.h"
-
 #include <doctest/doctest.h>
-
-#include <stdexcept>
 
 #include <initializer_list>
 #include <limits>
 #include <stdexcept>
 
 #include "sampling/rng.h"
+#include "scene/texture.h"
 
 using namespace eclat;
 
@@ -113,8 +110,8 @@ TEST_CASE("no coordinate, however large or broken, leaves the image") {
     for (const bool nearest : {false, true}) {
         for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
             const Texture t = ramp(wrap, nearest);
-            for (const float u : {inf, -inf, nan, most, -most, 1e9f, -1e9f, 1e-20f, -1e-20f, denormal, -denormal,
-                                  -0.0f, 8388607.5f, -8388607.5f, 2147483648.0f, std::nextafter(1.0f, 0.0f)}) {
+            for (const float u : {inf, -inf, nan, most, -most, 1e9f, -1e9f, 1e-20f, -1e-20f, denormal, -denormal, -0.0f,
+                                  8388607.5f, -8388607.5f, 2147483648.0f, std::nextafter(1.0f, 0.0f)}) {
                 CHECK(at(t, u, u) >= 0);
                 CHECK(at(t, u, u) <= 3);
                 CHECK(at(t, u) >= 0);

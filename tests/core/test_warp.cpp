@@ -3,11 +3,10 @@
 
 // Each map of the unit square against its density: by the Jacobian, taken with finite differences.
 
-#include "sampling/warp.h"
-
 #include <doctest/doctest.h>
 
 #include "base/vec.h"
+#include "sampling/warp.h"
 
 using namespace eclat;
 
@@ -48,7 +47,8 @@ void at_interior_points(F&& f) {
 
 TEST_CASE("the concentric disc is uniform in area and inside the circle") {
     at_interior_points([](Vec2 u) {
-        CHECK(stretch_2d(square_to_concentric_disk, u) * concentric_disk_pdf_area() == doctest::Approx(1).epsilon(2e-3));
+        CHECK(stretch_2d(square_to_concentric_disk, u) * concentric_disk_pdf_area() ==
+              doctest::Approx(1).epsilon(2e-3));
     });
     for (const Vec2 u : {Vec2{0, 0}, Vec2{0, below_one}, Vec2{below_one, 0}, Vec2{0.5f, 0}, Vec2{0.25f, 0.75f}}) {
         const Vec2 d = square_to_concentric_disk(u);
@@ -80,7 +80,8 @@ TEST_CASE("cones of any width are uniform, the sun's too") {
         });
     }
     CHECK(uniform_cone_pdf_solid_angle(2) == doctest::Approx(uniform_sphere_pdf_solid_angle()));
-    CHECK(uniform_hemisphere_pdf_solid_angle(square_to_uniform_hemisphere({0.3f, 0.1f})) == uniform_cone_pdf_solid_angle(1));
+    CHECK(uniform_hemisphere_pdf_solid_angle(square_to_uniform_hemisphere({0.3f, 0.1f})) ==
+          uniform_cone_pdf_solid_angle(1));
     CHECK(square_to_uniform_sphere({0.5f, 0.01f}).z < -0.8f);
 }
 
@@ -95,7 +96,8 @@ TEST_CASE("the triangle's map is uniform and its weights are barycentric") {
 }
 
 TEST_CASE("a linear density is inverted, also where an end is 0 and where squares would overflow") {
-    for (const Vec2 ends : {Vec2{1, 1}, Vec2{0, 1}, Vec2{1, 0}, Vec2{0.2f, 3}, Vec2{1e30f, 2e30f}, Vec2{1e-30f, 4e-30f}}) {
+    for (const Vec2 ends :
+         {Vec2{1, 1}, Vec2{0, 1}, Vec2{1, 0}, Vec2{0.2f, 3}, Vec2{1e30f, 2e30f}, Vec2{1e-30f, 4e-30f}}) {
         CAPTURE(ends.x);
         CAPTURE(ends.y);
         for (float u = 0.05f; u < 1; u += 0.1f) {
