@@ -48,7 +48,7 @@ def filmic(linear: FloatArray) -> FloatArray:
     semi_saturation = MID_GREY**exponent * (1.0 - MID_GREY) / MID_GREY
     # As 1 / (1 + sⁿ/xⁿ) nothing overflows: the largest float32 to the power n is still a float64.
     power = np.maximum(np.asarray(linear, dtype=np.float64), 0.0) ** exponent
-    return power / (power + semi_saturation)
+    return np.asarray(power / (power + semi_saturation))
 
 
 def _clip(linear: FloatArray) -> FloatArray:
@@ -86,9 +86,9 @@ def to_display(pixels: FloatArray, exposure: float = 0.0, tone_mapping: str = "n
     EclatError : exposure not finite or beyond ±`MAX_EXPOSURE`, unknown tone mapping.
     """
     check_display(exposure, tone_mapping)
-    finite = np.isfinite(pixels).all(axis=-1)
+    finite = np.asarray(np.isfinite(pixels).all(axis=-1))
     radiance = np.where(finite[..., None], pixels, 0.0).astype(np.float64) * 2.0**exposure
     encoded = srgb_encode(TONE_MAPPINGS[tone_mapping](radiance))
-    display = np.rint(encoded * 255.0).astype(np.uint8)
+    display: NDArray[np.uint8] = np.rint(encoded * 255.0).astype(np.uint8)
     display[~finite] = NOT_FINITE
     return display
