@@ -18,7 +18,8 @@ RADIANCE = rgb(18.387, 13.9873, 6.75357)
 
 # Column by column where a unit square or cube goes; the digits, rounding included, are Mitsuba's.
 A, B = 0.99999994, -4.37113883e-08
-LIGHT: Matrix = ((0.229999989, 0, 0, 0), (0, -8.30516367e-09, -0.189999998, 0.99), (0, 0.189999998, -8.30516367e-09, 0.01))
+C, D = 0.189999998, -8.30516367e-09
+LIGHT: Matrix = ((0.229999989, 0, 0, 0), (0, D, -C, 0.99), (0, C, D, 0.01))
 FLOOR: Matrix = ((A, 0, 0, 0), (0, B, 1, -1), (0, -1, B, 0))
 CEILING: Matrix = ((A, 0, 0, 0), (0, B, -1, 1), (0, 1, B, 0))
 BACK: Matrix = ((1, 0, 0, 0), (0, 1, 0, 0), (0, 0, 1, -1))

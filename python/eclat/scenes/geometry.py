@@ -119,8 +119,8 @@ def loft(stations: ArrayLike, closed: bool = False) -> Solid:
 
 def extrude(outline: Sequence[Point2], depth: float) -> Solid:
     """A simple polygon in x and y, given thickness: from z = −depth/2 to +depth/2."""
-    flat = np.column_stack([np.asarray(outline, dtype=np.float64), np.zeros(len(outline))])
-    return loft([flat - (0, 0, depth / 2), flat + (0, 0, depth / 2)])
+    points = np.asarray(outline, dtype=np.float64)
+    return loft([np.column_stack([points, np.full(len(points), z)]) for z in (-depth / 2, depth / 2)])
 
 
 def box(low: Point3, high: Point3) -> Solid:
@@ -157,7 +157,7 @@ def ring(profile: Sequence[Point2]) -> Solid:
 
 
 def arch(profile: Sequence[Point2], foot: float, segments: int) -> Solid:
-    """A profile of (radius, z) swept over a half circle in x and y about the origin, with straight feet down to −foot."""
+    """A profile of (radius, z) swept over a half circle in x and y, with straight feet from the springing to −foot."""
     r, z = np.asarray(profile, dtype=np.float64).T
     loops = [np.column_stack([r, np.full(len(r), -foot), z])]
     for angle in np.linspace(0.0, math.pi, segments + 1):
@@ -246,24 +246,30 @@ def _flat_triangles(loop: FloatArray) -> IntArray:
     drop = int(np.argmax(np.abs(normal)))
     points = loop[:, [(drop + 1) % 3, (drop + 2) % 3]] * (1.0, np.sign(normal[drop]))
     left = list(range(len(points)))
+    quality = [_ear_quality(points, left, k) for k in range(len(left))]
     ears = []
     while len(left) > 3:
         # The fattest ear first: an arch's outline would otherwise end in needles.
-        at = max(range(len(left)), key=lambda k: _ear_quality(points, left, k))
+        at = max(range(len(left)), key=quality.__getitem__)
         ears.append((left[at - 1], left[at], left[(at + 1) % len(left)]))
-        del left[at]
+        del left[at], quality[at]
+        for k in (at - 1, at % len(left)):
+            quality[k] = _ear_quality(points, left, k)
+        if max(quality) < 0:
+            quality = [_ear_quality(points, left, k) for k in range(len(left))]
     ears.append((left[0], left[1], left[2]))
     return np.array(ears, dtype=np.int64)
 
 
 def _ear_quality(points: FloatArray, left: list[int], at: int) -> float:
     """Twice the area over the longest side squared of the triangle at `left[at]`; −1 where it is no ear."""
-    a, b, c = points[left[at - 1]], points[left[at]], points[left[(at + 1) % len(left)]]
+    ear = (left[at - 1], left[at], left[(at + 1) % len(left)])
+    a, b, c = points[list(ear)]
     area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])
     longest = max(float(np.sum((p - q) ** 2)) for p, q in ((a, b), (b, c), (c, a)))
     if area <= 1e-9 * longest:
         return -1.0
-    others = points[[k for k in left if not any(np.array_equal(points[k], p) for p in (a, b, c))]]
+    others = points[[k for k in left if k not in ear]]
     inside = np.ones(len(others), dtype=bool)
     for p, q in ((a, b), (b, c), (c, a)):
         side = (q[0] - p[0]) * (others[:, 1] - p[1]) - (q[1] - p[1]) * (others[:, 0] - p[0])
