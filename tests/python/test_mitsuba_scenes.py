@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import functools
 import os
 import warnings
 from pathlib import Path
@@ -32,6 +33,7 @@ SCENES = {
 }
 
 
+@functools.cache
 def load(name: str) -> tuple[Scene, list[str]]:
     path = FOLDER / name
     if not path.exists():

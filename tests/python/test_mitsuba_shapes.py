@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import json
 import math
+from base64 import b64encode
 from dataclasses import dataclass
 
 import numpy as np
@@ -211,3 +213,42 @@ def test_shapes_that_cannot_be_are_refused() -> None:
         load_dict({"type": "scene", "s": {"type": "cube", "to_world": np.diag([1.0, 1, 0, 1])}})
     with pytest.raises(EclatError, match=r"missing\.obj"):
         load_dict({"type": "scene", "s": {"type": "obj", "filename": "missing.obj", "bsdf": {"type": "diffuse"}}})
+    far = np.diag([1e25, 1e25, 1e25, 1.0])
+    with pytest.raises(EclatError, match=r"dict\['s'\].*expected coordinates up to 1e\+18"):
+        load_dict({"type": "scene", "s": {"type": "cube", "to_world": far}})
+
+
+def test_a_million_copies_are_refused_before_they_fill_the_memory() -> None:
+    group = {"type": "shapegroup", "ball": {"type": "sphere"}}
+    copy = {"type": "instance", "group": {"type": "ref", "id": "group"}}
+    copies = {f"copy_{i}": copy for i in range(20)}
+    with (
+        pytest.MonkeyPatch.context() as patch,
+        pytest.raises(EclatError, match=r"copy_\d+.*more than 1e\+05 triangles"),
+    ):
+        patch.setattr("eclat.loaders.mitsuba.shapes._MAX_TRIANGLES", 10**5)
+        load_dict({"type": "scene", "group": group, **copies})
+
+
+def test_gltf_is_a_shape_with_its_own_materials(tmp_path) -> None:
+    points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0]], dtype="<f4")
+    document = {
+        "asset": {"version": "2.0"},
+        "scenes": [{"nodes": [0]}],
+        "nodes": [{"mesh": 0}],
+        "meshes": [{"primitives": [{"attributes": {"POSITION": 0}, "material": 0}]}],
+        "materials": [{"name": "paint", "pbrMetallicRoughness": {"baseColorFactor": [1, 0, 0, 1]}}],
+        "buffers": [
+            {"byteLength": 36, "uri": "data:application/octet-stream;base64," + b64encode(points.tobytes()).decode()}
+        ],
+        "bufferViews": [{"buffer": 0, "byteLength": 36}],
+        "accessors": [
+            {"bufferView": 0, "componentType": 5126, "count": 3, "type": "VEC3", "min": [0, 0, 0], "max": [1, 1, 0]}
+        ],
+    }
+    (tmp_path / "one.gltf").write_text(json.dumps(document))
+    shape = {"type": "gltf", "filename": "one.gltf", "to_world": np.diag([2.0, 2, 2, 1])}
+    (mesh,) = load_dict({"type": "scene", "shape": shape}, tmp_path).meshes
+    assert mesh.material.kind == "metallic_roughness" and np.asarray(mesh.positions).max() == 2
+    (mesh,) = load_dict({"type": "scene", "shape": shape | {"paint": {"type": "plastic"}}}, tmp_path).meshes
+    assert mesh.material.kind == "plastic"

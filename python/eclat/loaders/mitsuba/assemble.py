@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 
-from eclat.errors import warn
+from eclat.errors import did_you_mean, warn
 from eclat.loaders.mitsuba.emitters import Light, make_emitter, merge_environments
 from eclat.loaders.mitsuba.kinds import IGNORED_TAGS, PLUGINS, SILENT_PROPERTIES
 from eclat.loaders.mitsuba.node import Node
@@ -44,7 +44,9 @@ def _report_object(node: Node) -> None:
     if node.tag in ("bsdf", "texture", "spectrum", "scene"):
         return
     if node.tag not in IGNORED_TAGS:
-        warn(f"{node.where}: an object of this kind is not supported, ignored")
+        known = [plugin for plugins in PLUGINS.values() for plugin in plugins]
+        near = did_you_mean(node.type, known) if node.tag == "unknown" else ""
+        warn(f"{node.where}: an object of this kind is not supported{near}; ignored")
     elif node.type not in PLUGINS[node.tag]:
         warn(f"{node.where}: an unknown {node.tag}, ignored (the picture does not depend on it)")
 

@@ -35,6 +35,8 @@ def make_emitter(node: Node, textures: Textures) -> Emission:
     ------
     EclatError : numbers that make no sense, directions without a length.
     """
+    if node.type == "area" and node.id:
+        return [], None  # defined here for shapes to refer to
     if node.type not in _MAKERS:
         near = did_you_mean(node.type, PLUGINS["emitter"]) if node.type not in PLUGINS["emitter"] else ""
         reason = "needs a shape" if node.type == "area" else f"is not supported{near}"

@@ -21,6 +21,9 @@ from eclat.scene import Material, Mesh, grey
 _MAX_TRIANGLES = 10**8
 """In all; instances are copied, and a few lines can ask for more than any memory holds."""
 
+_MAX_COORDINATE = 1e18
+"""The square of a distance must fit into float32."""
+
 
 @dataclass
 class Shapes:
@@ -48,7 +51,7 @@ class Shapes:
             near = did_you_mean(node.type, PLUGINS["shape"] | {"gltf"})
             warn(f"{node.where}: a shape of a type that is not supported{near}; left out")
             return []
-        self._count(sum(len(mesh.triangles) for mesh in meshes), node)
+        self._check(meshes, node)
         return [replace(mesh, material=self._lit(mesh.material, node)) for mesh in meshes]
 
     def _instance(self, node: Node) -> list[Mesh]:
@@ -59,12 +62,17 @@ class Shapes:
         if id(group) not in self.groups:
             self.groups[id(group)] = [mesh for _, child in group.of_tag("shape") for mesh in self.of(child)]
         meshes = self.groups[id(group)]
-        self._count(sum(len(mesh.triangles) for mesh in meshes), node)
         matrix = self._to_world(node)
-        return [placed(mesh, matrix) for mesh in meshes]
+        copies = [placed(mesh, matrix) for mesh in meshes]
+        self._check(copies, node)
+        return copies
 
-    def _count(self, triangles: int, node: Node) -> None:
-        self.triangles += triangles
+    def _check(self, meshes: list[Mesh], node: Node) -> None:
+        """Count the triangles; EclatError where they are too many or lie too far out."""
+        for mesh in meshes:
+            if np.abs(mesh.positions).max(initial=0.0) > _MAX_COORDINATE:
+                raise EclatError(f"{node.where}: expected coordinates up to {_MAX_COORDINATE:g}, got larger ones")
+        self.triangles += sum(len(mesh.triangles) for mesh in meshes)
         if self.triangles > _MAX_TRIANGLES:
             raise EclatError(f"{node.where}: the scene has more than {_MAX_TRIANGLES:.0e} triangles with its instances")
 
