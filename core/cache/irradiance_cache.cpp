@@ -14,6 +14,8 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
     spheres.reserve(records_.size());
     for (const auto& r : records_) spheres.push_back({r.position, r.radius * options_.relaxation});
     tree_ = SphereTree(std::move(spheres));
+    footings_.clear();
+    for (uint32_t i : tree_.order()) footings_.push_back({records_[i].position, records_[i].radius, records_[i].normal});
 }
 
 // Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
@@ -27,12 +29,13 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
         if (r.distance < infinity) largest = std::max(largest, r.distance);
     }
     const SphereTree tree(std::move(points));
+    const auto& order = tree.order();
     const auto clamped = parallel_map<float>(records_.size(), threads, [&](size_t i) {
         const IrradianceRecord& record = records_[i];
         float distance = record.distance;
         // A neighbour at distance d can only matter if d < R_i − R_j < R_i.
-        tree.for_each_near(record.position, std::min(distance, largest), [&](uint32_t j, float d2) {
-            distance = std::min(distance, records_[j].distance + std::sqrt(d2));
+        tree.for_each_near(record.position, std::min(distance, largest), [&](uint32_t slot, float d2) {
+            distance = std::min(distance, records_[order[slot]].distance + std::sqrt(d2));
         });
         return distance;
     });
@@ -44,15 +47,15 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
 
 bool RecordCache::serves(Vec3 p, Vec3 n) const {
     bool served = false;
-    tree_.for_each_around(p, [&](uint32_t i, float) {
-        served = served || weight(records_[i], p, n, options_.weight, 1) > 0;
+    tree_.for_each_around(p, [&](uint32_t slot, float) {
+        served = served || weight(footings_[slot], p, n, options_.weight, 1) > 0;
     });
     return served;
 }
 
 float RecordCache::density(Vec3 p, Vec3 n) const {
     float sum = 0;
-    tree_.for_each_around(p, [&](uint32_t i, float) { sum += weight(records_[i], p, n, options_.weight, 1); });
+    tree_.for_each_around(p, [&](uint32_t slot, float) { sum += weight(footings_[slot], p, n, options_.weight, 1); });
     return sum;
 }
 
@@ -72,12 +75,12 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) c
 std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 n, float* mean_radius) const {
     Color sum;
     float weights = 0, radii = 0;
-    tree_.for_each_around(p, [&](uint32_t i, float) {
-        const float w = weight(records_[i], p, n, options_.weight, options_.relaxation);
+    tree_.for_each_around(p, [&](uint32_t slot, float) {
+        const float w = weight(footings_[slot], p, n, options_.weight, options_.relaxation);
         if (w <= 0) return;
-        sum += extrapolate(records_[i], p, n) * w;
+        sum += extrapolate(records_[tree_.order()[slot]], p, n) * w;
         weights += w;
-        radii += w * records_[i].radius;
+        radii += w * footings_[slot].radius;
     });
     if (weights == 0) return std::nullopt;  // a miss, not darkness
     if (mean_radius) *mean_radius = radii / weights;

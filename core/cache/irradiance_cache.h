@@ -47,6 +47,7 @@ class RecordCache {
     CacheOptions options_;
     std::vector<IrradianceRecord> records_;
     SphereTree tree_;
+    std::vector<Footing> footings_;  // of the records, in the tree's slots
 };
 
 }  // namespace eclat

@@ -29,23 +29,27 @@ class SphereTree {
         std::iota(order_.begin(), order_.end(), 0u);
         nodes_.reserve(spheres_.size());
         if (!spheres_.empty()) build(0, static_cast<uint32_t>(spheres_.size()));
+        // Spheres that are visited together shall lie together.
+        const std::vector<Sphere> unsorted = spheres_;
+        for (size_t slot = 0; slot < order_.size(); ++slot) spheres_[slot] = unsorted[order_[slot]];
     }
 
-    size_t size() const { return spheres_.size(); }
+    /// The index of the sphere in each slot: what lookups name is the slot.
+    const std::vector<uint32_t>& order() const { return order_; }
 
-    /// Calls `f(index, squared distance)` for each sphere that holds `p`.
+    /// Calls `f(slot, squared distance)` for each sphere that holds `p`.
     template <class F>
     void for_each_around(Vec3 p, F&& f) const {
-        visit(p, 0, [&](uint32_t i, float d2) {
-            if (d2 < sqr(spheres_[i].radius)) f(i, d2);
+        visit(p, 0, [&](uint32_t slot, float d2) {
+            if (d2 < sqr(spheres_[slot].radius)) f(slot, d2);
         });
     }
 
-    /// Calls `f(index, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`.
+    /// Calls `f(slot, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`.
     template <class F>
     void for_each_near(Vec3 p, float reach, F&& f) const {
-        visit(p, reach, [&](uint32_t i, float d2) {
-            if (d2 < sqr(spheres_[i].radius + reach)) f(i, d2);
+        visit(p, reach, [&](uint32_t slot, float d2) {
+            if (d2 < sqr(spheres_[slot].radius + reach)) f(slot, d2);
         });
     }
 
@@ -106,7 +110,7 @@ class SphereTree {
                 continue;
             }
             for (uint32_t i = node.begin; i < node.begin + node.count; ++i)
-                f(order_[i], length_squared(p - spheres_[order_[i]].center));
+                f(i, length_squared(p - spheres_[i].center));
         }
     }
 

@@ -19,10 +19,18 @@ constexpr float sqrt_one_minus_cos_10 = 0.12326f;
 constexpr float plane_tolerance = 0.25f;
 }  // namespace detail
 
+/// Where a record lies and how far it reaches: all that its weight depends on.
+struct Footing {
+    Vec3 position;
+    float radius;
+    Vec3 normal;
+};
+
 /// 0 where the record does not serve the point.
-inline float weight(const IrradianceRecord& record, Vec3 p, Vec3 n, Weight kind, float relaxation) {
+inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float relaxation) {
+    // Normals that differ by more than the tolerance end the validity under both weights; most misses end here.
     const float cosine = dot(n, record.normal);
-    if (cosine <= 0) return 0;
+    if (1 - cosine >= sqr(detail::sqrt_one_minus_cos_10 * relaxation)) return 0;
     const Vec3 d = p - record.position;
     const float reach = record.radius * relaxation;
     const float distance2 = length_squared(d);

@@ -137,7 +137,7 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
 RecordCache solve_far(const World& world, std::span<const Candidate> seen, const IrradianceCacheOptions& options,
                       Progress& progress) {
     CacheOptions reading = options.cache;
-    reading.relaxation = 2;
+    reading.relaxation = 1.4f;
     reading.rotation_gradient = false;
     RecordCache far(reading);
     if (seen.empty() || options.far_records == 0) return far;
