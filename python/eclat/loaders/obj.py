@@ -67,6 +67,8 @@ def load_obj(
     EclatError : unreadable files, malformed lines, indices out of range, coordinates that are not finite, no triangle.
     """
     text = read_obj_text(read_bytes(path, where=path.name), path.name)
+    if not materials:
+        text = replace(text, face_materials=np.zeros_like(text.face_materials), material_names=[""])
     vertices = _merge_corners(text, path.name, face_normals=face_normals, flip_v=flip_v)
     if smooth and not face_normals and not vertices.normals.any():
         vertices = replace(vertices, normals=geometry.smooth_normals(vertices.positions, vertices.triangles))
@@ -124,8 +126,9 @@ def _complete_normals(
     index = corners[:, 2].copy()
     index[index >= 0] = np.where(normals[index[index >= 0]].any(axis=1), index[index >= 0], -1)
     material = np.repeat(text.face_materials[polygons], 3)
-    wanted: NDArray[np.bool_] = np.bincount(material, index >= 0).astype(bool)
-    missing: NDArray[np.bool_] = wanted[material] & (index < 0)
+    wanted = np.zeros(len(text.material_names), dtype=bool)
+    wanted[material[index >= 0]] = True
+    missing = wanted[material] & (index < 0)
     if not missing.any():
         return index, normals
     areas = np.zeros((len(text.counts), 3))

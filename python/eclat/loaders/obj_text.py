@@ -173,14 +173,10 @@ def _table(found: _Statements, kind: bytes, widths: tuple[int, ...], least: int,
     if not rows:
         return np.zeros((0, max(least, 2)))
     width = len(rows[0].split())
-    table = _uniform_table(rows, width) if width else None
+    table = _uniform_table(rows, width) if width >= least else None
     if table is None:
         table = _uneven_table(rows, found.lines[kind], max(widths), least, decoded(kind), where)
-    usable = max((w for w in widths if w <= table.shape[1]), default=0)
-    if usable < least:
-        raise EclatError(
-            f"{where}, line {found.lines[kind][0]}: expected {least} numbers after {decoded(kind)}, got {width}"
-        )
+    usable = max(w for w in widths if w <= table.shape[1])
     table = table[:, :usable]
     return table if usable > 1 else np.column_stack([table, np.zeros(len(table))])
 

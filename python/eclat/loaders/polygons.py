@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from eclat.errors import warn
 from eclat.scene import FloatArray
 
-_LARGEST_EARED = 256
-"""Ear clipping takes cubic time at worst; beyond this many corners a fan must do."""
+EAR_WORK = 500_000_000
+"""Cubed corners of concave polygons that a mesh may have: measured, up to 10 s. Hostile files ask for hours."""
 
 _FLAT = 1e-9
 """Twice a triangle's area over the polygon's, below which three corners count as collinear."""
@@ -19,38 +19,42 @@ _FLAT = 1e-9
 Point = tuple[float, float]
 
 
-def polygon_triangles(positions: FloatArray, polygons: NDArray[np.integer], where: str) -> NDArray[np.int64]:
+def polygon_triangles(
+    positions: FloatArray, polygons: NDArray[np.integer], where: str, work: int = EAR_WORK
+) -> tuple[NDArray[np.int64], int]:
     """Cut P polygons of n corners each.
 
     Parameters
     ----------
     positions : (V, 3).
     polygons : (P, n) vertices, n ≥ 3; need not be convex or quite planar, should be simple.
-    where : file, for the warning that a concave polygon is too large to be cut well.
+    where : file, for the warning that some concave polygons were cut as if convex.
+    work : how much may be spent on concave polygons, n³ for each.
 
     Returns
     -------
-    (P, n − 2, 3) corner numbers 0 … n − 1, in the polygon's sense of rotation.
+    (P, n − 2, 3) corner numbers 0 … n − 1 in the polygon's sense of rotation, and what is left of `work`.
     """
     n = polygons.shape[1]
     fan = np.stack([np.zeros(n - 2, np.int64), np.arange(1, n - 1), np.arange(2, n)], axis=1)
     result = np.tile(fan, (len(polygons), 1, 1))
     if n == 3:
-        return result
+        return result, work
     p = np.asarray(positions, dtype=np.float64)[polygons]
     p -= p[:, :1]
     # Of all vectors the sum of the fan's cross products is the polygon's area vector, convex or not.
     crosses = np.cross(p[:, 1:-1], p[:, 2:])
     normal = crosses.sum(axis=1)
     areas = (crosses * normal[:, None]).sum(axis=2)
-    bad = areas.min(axis=1) <= _FLAT * np.abs(areas).sum(axis=1)
-    bad &= (normal != 0).any(axis=1)
-    if n > _LARGEST_EARED and bad.any():
-        warn(f"{where}: {int(bad.sum())} concave polygons of {n} corners are cut as if convex (limit {_LARGEST_EARED})")
-        return result
-    for row in np.flatnonzero(bad):
+    misfit = areas.min(axis=1) <= _FLAT * np.abs(areas).sum(axis=1)
+    concave = np.flatnonzero(misfit & (normal != 0).any(axis=1))
+    affordable = concave[: work // n**3]
+    for row in affordable:
         result[row] = _ears(_flattened(p[row], normal[row]))
-    return result
+    if len(affordable) < len(concave):
+        skipped = len(concave) - len(affordable)
+        warn(f"{where}: {skipped} concave polygons of {n} corners are cut as if convex, they are too many or too large")
+    return result, work - len(affordable) * n**3
 
 
 def _flattened(points: FloatArray, normal: FloatArray) -> list[Point]:

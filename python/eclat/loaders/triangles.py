@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
-from eclat.loaders.polygons import polygon_triangles
+from eclat.loaders.polygons import EAR_WORK, polygon_triangles
 from eclat.scene import FloatArray
 
 IntArray = NDArray[np.integer]
@@ -40,10 +40,11 @@ def triangulate(
     pieces = np.maximum(counts - 2, 0)
     first = np.cumsum(pieces) - pieces
     triangles = np.empty((int(pieces.sum()), 3), dtype=np.int64)
+    work = EAR_WORK
     for size in np.unique(counts[counts >= 3]).tolist():
         which = np.flatnonzero(counts == size)
         places = starts[which, None] + np.arange(size)
-        local = polygon_triangles(positions, corners[places], where)
+        local, work = polygon_triangles(positions, corners[places], where, work)
         rows = first[which, None] + np.arange(size - 2)
         triangles[rows] = np.take_along_axis(places[:, None, :], local, axis=2)
     return triangles, np.repeat(np.arange(len(counts)), pieces)
