@@ -11,11 +11,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from PIL import Image
-from support.mutations import mutated, survives
 
 from eclat.errors import EclatError, EclatWarning
 from eclat.loaders.obj import load_obj
 from eclat.scene import Material, Mesh
+from support.mutations import mutated, survives
 
 PANE = "v 0 0 0\nv 2 0 0\nv 0 2 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
 TETRAHEDRON = "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nusemtl m\nf 1 3 2\nf 1 2 4\nf 1 4 3\nf 2 3 4\n"

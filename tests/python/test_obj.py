@@ -10,11 +10,11 @@ from pathlib import Path
 import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
-from support.mutations import check_mesh, mutated, survives
 
 from eclat.errors import EclatError, EclatWarning
 from eclat.loaders.obj import load_obj, load_obj_scene
 from eclat.scene import Mesh
+from support.mutations import check_mesh, mutated, survives
 
 SQUARE = "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
 
@@ -84,6 +84,11 @@ def test_corners_without_normal_and_normals_of_length_zero_take_the_face_s(tmp_p
     slanted = np.cross((1, 1, 0), (0, 1, 1)) / np.sqrt(3)
     expected = [[(0, 0.6, 0.8), (0, 0, 1), (0, 0.6, 0.8)], [slanted] * 3]
     np.testing.assert_allclose(mesh.normals[mesh.triangles], expected, atol=1e-6)
+
+
+def test_a_folded_face_among_smooth_ones_has_a_normal_too(tmp_path: Path) -> None:
+    text = SQUARE + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 3 2\nf 1 2 4 3\n"
+    only(tmp_path, text)
 
 
 def test_a_material_without_normals_stays_flat_beside_one_with(tmp_path: Path) -> None:

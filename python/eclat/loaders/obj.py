@@ -131,17 +131,20 @@ def _complete_normals(
     missing = wanted[material] & (index < 0)
     if not missing.any():
         return index, normals
-    areas = np.zeros((len(text.counts), 3))
     p = text.positions[corners[:, 0].reshape(-1, 3)]
-    # The sum over a polygon's triangles, so that all of a polygon is shaded as one.
-    np.add.at(areas, polygons, np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
+    crosses = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
+    # The sum over a polygon's triangles, so that all of a polygon is shaded as one; of a folded one any triangle's.
+    areas, fallback = np.zeros((len(text.counts), 3)), np.zeros((len(text.counts), 3))
+    np.add.at(areas, polygons, crosses)
+    fallback[polygons] = crosses
+    areas = np.where(areas.any(axis=1, keepdims=True), areas, fallback)
     index[missing] = len(normals) + np.repeat(polygons, 3)[missing]
     return index, np.vstack([normals, geometry.normalized(areas)])
 
 
 def _linear_colors(colors: FloatArray) -> NDArray[np.float32]:
     """(V, 4) linear RGBA; the files' numbers are sRGB, white where a vertex has none."""
-    known = np.isfinite(colors).all(axis=1)
+    known = np.isfinite(colors.sum(axis=1))
     return np.column_stack(
         [geometry.linear_from_srgb(np.where(known[:, None], colors, 1)), np.ones(len(colors), np.float32)]
     )
