@@ -20,7 +20,7 @@ namespace eclat {
 struct EmitterTriangle {
     Vec3 p0, p1, p2;
     Vec2 uv0{}, uv1{}, uv2{};  // of the set that `emission.uv_set` names
-    Value emission;      // radiance on the side of the counter-clockwise normal
+    Value emission;            // radiance on the side of the counter-clockwise normal
     bool two_sided = false;
     uint32_t triangle_id = no_triangle;  // in the scene
 };

@@ -3,6 +3,7 @@
 
 #include "lights/environment.h"
 
+#include <algorithm>
 #include <string>
 
 #include "base/error.h"
@@ -45,10 +46,11 @@ EnvironmentImage::EnvironmentImage(std::span<const float> rgb, uint32_t width, u
     require(width > 0 && height > 0 && rgb.size() == size_t(width) * height * 3,
             "environment: expected an image of height x width x 3 floats, got " + std::to_string(rgb.size()) +
                 " floats for " + std::to_string(height) + " x " + std::to_string(width));
-    for (size_t i = 0; i < texels_.size(); ++i) {
-        require(texels_[i] >= 0 && std::isfinite(texels_[i]),
-                "environment: radiance must be finite and not negative, got " + std::to_string(texels_[i]) +
-                    " at row " + std::to_string(i / 3 / width) + ", column " + std::to_string(i / 3 % width));
+    const auto bad = std::find_if(texels_.begin(), texels_.end(), [](float x) { return !(x >= 0 && x < infinity); });
+    if (bad != texels_.end()) {
+        const size_t pixel = static_cast<size_t>(bad - texels_.begin()) / 3;
+        require(false, "environment: radiance must be finite and not negative, got " + std::to_string(*bad) +
+                           " at row " + std::to_string(pixel / width) + ", column " + std::to_string(pixel % width));
     }
     // A hundredth of a degree of skew is the loaders' rounding, not an intention.
     const auto off = [](float x) { return !(std::abs(x) < 2e-4f); };
@@ -123,13 +125,16 @@ EnvironmentImage::Cell EnvironmentImage::locate(Vec2 uv) const {
 
 EnvironmentImage::Lookup EnvironmentImage::lookup(Vec3 w) const {
     if (constant_) return {texel(0, 0), uniform_sphere_pdf_solid_angle()};
-    const Cell cell = locate(to_uv(w));
+    return between(locate(to_uv(w)), std::sqrt(sqr(dot(w, x_)) + sqr(dot(w, z_))));
+}
+
+EnvironmentImage::Lookup EnvironmentImage::between(const Cell& cell, float sine) const {
     const float sx = 1 - cell.tx, sy = 1 - cell.ty;
     const Color radiance = texel(cell.x0, cell.y0) * (sx * sy) + texel(cell.x1, cell.y0) * (cell.tx * sy) +
                            texel(cell.x0, cell.y1) * (sx * cell.ty) + texel(cell.x1, cell.y1) * (cell.tx * cell.ty);
-    const float sine = std::max(least_sine, std::sqrt(sqr(dot(w, x_)) + sqr(dot(w, z_))));
     // The image has 2π × π radians: dω = 2π² sin θ du dv.
-    return {radiance, luminance(radiance) * row_factor_[cell.row] / (2 * pi * pi * sine)};
+    const float density = luminance(radiance) * row_factor_[cell.row];
+    return {radiance, density / (2 * pi * pi * std::max(least_sine, sine))};
 }
 
 Color EnvironmentImage::radiance(Vec3 w) const { return constant_ ? texel(0, 0) : lookup(w).radiance; }
@@ -156,7 +161,7 @@ LightSample EnvironmentImage::sample(Vec2 u) const {
     const float theta = pi * ((from + (to - from) * ty) / h);
     const float sine = std::sin(theta);
     const Vec3 w = x_ * (std::sin(phi) * sine) + y_ * std::cos(theta) - z_ * (std::cos(phi) * sine);
-    const Lookup at = lookup(w);
+    const Lookup at = between(Cell{x0, x1, y0, y1, chosen.row, tx, ty}, sine);
     return {w, infinity, at.radiance, at.pdf_solid_angle, false};
 }
 

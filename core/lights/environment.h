@@ -46,6 +46,7 @@ class EnvironmentImage {
   private:
     struct Cell;
     Cell locate(Vec2 uv) const;
+    Lookup between(const Cell& cell, float sine) const;
     Color texel(uint32_t x, uint32_t y) const;
     Vec2 to_uv(Vec3 w) const;
     void build_distribution();

@@ -111,31 +111,42 @@ LightSample Lights::sample(Vec3 position, float u_light, Vec2 u, LightSet set) c
             break;
     }
     if (s.pdf_solid_angle == 0) return {};
-    if (!s.delta && std::isinf(s.distance)) {
-        // Sky and discs overlap: one direction has one radiance and one density, whoever chose it.
-        const Infinite all = infinite(s.wi, set);
-        s.radiance = all.radiance;
-        s.pdf_solid_angle = all.pdf_solid_angle;
+    s.pdf_solid_angle *= choice.pdf_discrete;
+    if (s.delta || std::isfinite(s.distance)) return s;
+    // Image and discs overlap: one direction has one radiance and one density, whoever chose it.
+    Infinite all;
+    if (choice.kind == LightKind::environment) {
+        all = {s.radiance, s.pdf_solid_angle};
     } else {
-        s.pdf_solid_angle *= choice.pdf_discrete;
+        add_image(s.wi, set, all);
     }
+    add_discs(s.wi, set, all);
+    s.radiance = all.radiance;
+    s.pdf_solid_angle = all.pdf_solid_angle;
     return s;
 }
 
 Lights::Infinite Lights::infinite(Vec3 direction, LightSet set) const {
     Infinite out;
-    if (environment_ && set == LightSet::all) {
-        const EnvironmentImage::Lookup at = environment_->lookup(direction);
-        out.radiance = at.radiance;
-        out.pdf_solid_angle = at.pdf_solid_angle * sampler_.pdf_discrete(set, LightKind::environment, 0);
-    }
+    add_image(direction, set, out);
+    add_discs(direction, set, out);
+    return out;
+}
+
+void Lights::add_image(Vec3 direction, LightSet set, Infinite& out) const {
+    if (!environment_ || set != LightSet::all) return;
+    const EnvironmentImage::Lookup at = environment_->lookup(direction);
+    out.radiance += at.radiance;
+    out.pdf_solid_angle += at.pdf_solid_angle * sampler_.pdf_discrete(set, LightKind::environment, 0);
+}
+
+void Lights::add_discs(Vec3 direction, LightSet set, Infinite& out) const {
     for (const uint32_t i : discs_) {
         const DirectionalLight& disc = directionals_[i];
         if (!disc.covers(direction)) continue;
         out.radiance += disc.radiance();
         out.pdf_solid_angle += disc.pdf_solid_angle() * sampler_.pdf_discrete(set, LightKind::directional, i);
     }
-    return out;
 }
 
 PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) const {

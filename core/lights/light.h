@@ -76,6 +76,8 @@ class Lights {
     bool dark() const { return is_black(total_power_); }
 
   private:
+    void add_image(Vec3 direction, LightSet set, Infinite& out) const;
+    void add_discs(Vec3 direction, LightSet set, Infinite& out) const;
     std::vector<double> add_triangles(std::span<const EmitterTriangle> triangles);
 
     std::vector<AreaLight> areas_;

@@ -3,6 +3,7 @@
 
 #include "scene/texture.h"
 
+#include <algorithm>
 #include <string>
 
 #include "base/error.h"
@@ -88,13 +89,16 @@ Texture::Texture(const ImageView& image, const TextureOptions& options)
         return;
     }
     floats_.assign(image.floats, image.floats + count * channels_);
+    const auto bad = std::find_if(floats_.begin(), floats_.end(), [](float x) { return !std::isfinite(x); });
+    if (bad != floats_.end()) {
+        const size_t texel = static_cast<size_t>(bad - floats_.begin()) / channels_;
+        require(false, "texture: texels must be finite, got " + std::to_string(*bad) + " at row " +
+                           std::to_string(texel / width_) + ", column " + std::to_string(texel % width_));
+    }
+    if (!options_.srgb) return;
     for (size_t i = 0; i < floats_.size(); ++i) {
-        require(std::isfinite(floats_[i]), "texture: texels must be finite, got " + std::to_string(floats_[i]) +
-                                               " at row " + std::to_string(i / channels_ / width_) + ", column " +
-                                               std::to_string(i / channels_ % width_));
-        if (options_.srgb && !is_alpha(static_cast<uint32_t>(i % channels_), channels_)) {
-            floats_[i] = static_cast<float>(srgb_to_linear(floats_[i]));
-        }
+        if (is_alpha(static_cast<uint32_t>(i % channels_), channels_)) continue;
+        floats_[i] = static_cast<float>(srgb_to_linear(floats_[i]));
     }
 }
 

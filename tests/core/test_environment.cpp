@@ -92,14 +92,20 @@ TEST_CASE("samples have the density and radiance of their direction and integrat
         const EnvironmentImage e(night(width, height), width, height, turned);
         const Vec3 n = normalize({0.3f, -0.5f, 0.8f});
         RunningMean luminance_mean, red, irradiance;
+        int differing = 0;
         Rng rng(5, width);
         for (int i = 0; i < 200000; ++i) {
             const LightSample s = e.sample({rng.next(), rng.next()});
             REQUIRE(s.pdf_solid_angle > 0);
+            const EnvironmentImage::Lookup seen = e.lookup(s.wi);
+            differing += std::abs(seen.pdf_solid_angle / s.pdf_solid_angle - 1) > 1e-3f ||
+                         std::abs(seen.radiance.g - s.radiance.g) > 1e-3f * s.radiance.g;
             luminance_mean.add(luminance(s.radiance) / s.pdf_solid_angle);
             red.add(s.radiance.r / s.pdf_solid_angle);
             irradiance.add(s.radiance.g * std::max(0.0f, dot(s.wi, n)) / s.pdf_solid_angle);
         }
+        // Rounding may carry a direction over a row's border or into the flank of the star.
+        CHECK(differing < 200);
         CHECK(luminance_mean.agrees(luminance(e.integral())));
         CHECK(red.agrees(e.integral().r));
         const double expected = integrate([&](Vec3 w) { return e.radiance(w).g * std::max(0.0f, dot(w, n)); });
