@@ -59,9 +59,11 @@ ZENITH_Y = np.array(
 # Ozone absorption in cm⁻¹ every 10 nm from 440 nm, the Chappuis band [Preetham99 table 2].
 OZONE_WAVELENGTHS = np.arange(440.0, 761.0, 10.0)
 OZONE_ABSORPTION = np.array(
-    [0.000, 0.003, 0.006, 0.009, 0.014, 0.021, 0.030, 0.040, 0.048, 0.063, 0.075, 0.085, 0.103, 0.120, 0.120, 0.115]
-    + [0.125, 0.120, 0.105, 0.090, 0.079, 0.067, 0.057, 0.048, 0.036, 0.028, 0.023, 0.018, 0.014, 0.011, 0.010, 0.009]
-    + [0.007]
+    [
+        *(0.000, 0.003, 0.006, 0.009, 0.014, 0.021, 0.030, 0.040, 0.048, 0.063, 0.075, 0.085, 0.103, 0.120, 0.120),
+        *(0.115, 0.125, 0.120, 0.105, 0.090, 0.079, 0.067, 0.057, 0.048, 0.036, 0.028, 0.023, 0.018, 0.014, 0.011),
+        *(0.010, 0.009, 0.007),
+    ]
 )
 
 
@@ -84,7 +86,9 @@ def sun_direction(azimuth_deg: float, elevation_deg: float, up: Direction = (0.0
         For angles that are not finite, an elevation beyond ±90°, an `up` of no length.
     """
     if not math.isfinite(azimuth_deg) or not math.isfinite(elevation_deg) or abs(elevation_deg) > 90:
-        raise EclatError(f"sun: expected azimuth and elevation in degrees (−90 to 90), got {azimuth_deg},{elevation_deg}")
+        raise EclatError(
+            f"sun: expected azimuth and elevation in degrees (−90 to 90), got {azimuth_deg},{elevation_deg}"
+        )
     azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
     local = (
         math.sin(azimuth) * math.cos(elevation),

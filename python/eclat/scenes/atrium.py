@@ -51,7 +51,7 @@ def build(sun_azimuth: float = 287.0, sun_elevation: float = 52.0, turbidity: fl
     to_sun = sun_direction(sun_azimuth, sun_elevation)
     sun, sky = sun_sky(to_sun, turbidity, sun_scale=LIGHT_SCALE, sky_scale=LIGHT_SCALE)
     assert sun is not None
-    camera = Camera(look_at((-4.1, 1.6, 10.7), (-0.3, 2.75, -1.4)), fov=58, size=(1280, 720), name="walk")
+    camera = Camera(look_at((-4.5, 1.6, 10.65), (1.6, 2.85, 2.4)), fov=59, size=(1280, 720), name="walk")
     above = Camera(look_at((-9.6, 7.1, 9.9), (3.0, 3.6, -3.0)), fov=55, size=(1280, 720), name="gallery")
     return Scene(meshes=_meshes(), lights=(sun,), environment=sky, cameras=(camera, above), name="atrium")
 
@@ -212,7 +212,7 @@ def _plants(terracotta: Material, wood: Material) -> Iterator[Mesh]:
     places = [(6.75 * a, 1.6 * b) for a in (-1, 1) for b in (-3, -1, 1, 3)]
     places = [p for p in places if abs(p[1]) < 2] + [(x, z) for z, x in places if abs(x) < 2]
     pots = [parts.pot().moved(x=x, y=PAVEMENT - 0.01, z=z) for x, z in places]
-    jars = [parts.jar().moved(x=x, y=-0.01, z=z) for x, z in ((-3.2, 10.4), (10.4, -3.2), (3.2, -10.45))]
+    jars = [parts.jar().moved(x=x, y=-0.01, z=z) for x, z in ((1.6, 10.42), (10.4, -4.8), (4.8, -10.4))]
     yield mesh(pots + jars, terracotta, "pots")
     earth = [parts.earth().moved(x=x, y=PAVEMENT, z=z) for x, z in places]
     yield mesh(earth, _paint("earth", 0.07, 0.045, 0.03), "earth")
