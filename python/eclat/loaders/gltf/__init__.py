@@ -119,7 +119,8 @@ class _Builder:
 
     def _read(self, element: Element, weights: tuple[float, ...]) -> tuple[Primitive, Material] | None:
         attributes = element.child("attributes")
-        self._spend(0 if attributes is None else self._accessors.count(attributes, "POSITION"), element)
+        positions = self._accessors.floats(attributes, "POSITION", ("VEC3",)) if attributes is not None else None
+        self._spend(0 if positions is None else len(positions), element)
         primitive = read_primitive(element, self._accessors, weights)
         if primitive is None:
             return None

@@ -17,6 +17,8 @@ Rgba = tuple[float, float, float, float]
 MAX_INDEX = 100.0
 """Stands for the infinite index that ior = 0 means (KHR_materials_ior): 96 % reflected head-on."""
 
+_GLOSSY = "KHR_materials_pbrSpecularGlossiness"
+
 # An empty object gives every default of the specification.
 _NOTHING = Element({}, "the default material")
 
@@ -46,7 +48,8 @@ class Materials:
         return element is None or element.text("alphaMode", "OPAQUE") == "OPAQUE"
 
     def _make(self, element: Element, name: str, vertex_colors: bool) -> Material:
-        pbr = element.child("pbrMetallicRoughness") or Element({}, element.where)
+        glossy = element.extension(_GLOSSY) if element.child("pbrMetallicRoughness") is None else None
+        pbr = _metallic_roughness(element, glossy)
         factor = _base_factor(pbr)
         opacity, cutoff = self._opacity(element, pbr, factor[3])
         both_sides = element.flag("doubleSided")
@@ -64,7 +67,7 @@ class Materials:
         return replace(
             material,
             kind="metallic_roughness",
-            parameters=self._surface(pbr, factor) | self._dielectric(element),
+            parameters=self._surface(pbr, factor) | self._dielectric(element) | self._glossy(glossy),
             thin_walled=_is_thin(element),
             vertex_colors=vertex_colors,
             normal_map=self._normal_map(element),
@@ -107,6 +110,25 @@ class Materials:
             )
         return parameters
 
+    def _glossy(self, glossy: Element | None) -> dict[str, Value]:
+        """Specular-glossiness: no metal, and an index so high that the specular colour is the reflectance head-on."""
+        if glossy is None:
+            return {}
+        warn(f"{glossy.where}: is approximated by metallic-roughness")
+        texture, gloss = glossy.child("specularGlossinessTexture"), glossy.clamped("glossinessFactor", 1.0)
+        specular = self._textures.value(texture, glossy.color("specularFactor", (1, 1, 1)), srgb=True)
+        roughness = self._textures.value(texture, (1.0, 1.0, 1.0), srgb=True, channel=3, square=True)
+        if roughness.texture is None:
+            roughness = replace(roughness, constant=(1 - gloss,) * 3)
+        elif gloss != 1:
+            warn(f"{glossy.at('glossinessFactor')}: is not supported beside a texture; 1 is used")
+        return {
+            "metallic": grey(0.0),
+            "roughness": replace(roughness, invert=roughness.texture is not None),
+            "ior": grey(MAX_INDEX),
+            "specular_color": specular,
+        }
+
     def _opacity(self, element: Element, pbr: Element, alpha: float) -> tuple[Value, float | None]:
         """The straight-through opacity, and the cutoff of alphaMode MASK."""
         mode = element.text("alphaMode", "OPAQUE")
@@ -142,6 +164,14 @@ def used_uv_sets(material: Material) -> set[int]:
     """The texture coordinate sets that a material reads."""
     normal = material.normal_map.value if material.normal_map else None
     return uv_sets(*material.parameters.values(), material.opacity, material.emission, normal)
+
+
+def _metallic_roughness(element: Element, glossy: Element | None) -> Element:
+    """The object with base colour, metal and roughness; of `glossy` the diffuse colour, under the other's names."""
+    if glossy is None:
+        return element.child("pbrMetallicRoughness") or Element({}, element.where)
+    names = {"baseColorFactor": "diffuseFactor", "baseColorTexture": "diffuseTexture"}
+    return Element({ours: glossy.data.get(theirs) for ours, theirs in names.items()}, glossy.where)
 
 
 def _base_factor(pbr: Element) -> Rgba:

@@ -73,7 +73,8 @@ class Textures:
             warn(f"{element.where}: names no image; the constants stand in")
             return None
         options = self._sampler(element)
-        key = (image, srgb, neutral, *options.values())
+        usable = not isinstance(self._pixels(image), str)
+        key = (image, srgb, None if usable else neutral, *options.values())
         if key not in self._textures:
             self._textures[key] = self._make(image, srgb, neutral, options)
         return self._textures[key]
@@ -83,15 +84,15 @@ class Textures:
     ) -> Texture:
         image = self._document.elements("images")[index]
         options["name"] = image.text("name") or f"images[{index}]"
-        pixels = self._pixels(index, image)
+        pixels = self._pixels(index)
         if isinstance(pixels, str):
             return stand_in(pixels, srgb=srgb, where=image.where, neutral=neutral, **options)
         return Texture(pixels, srgb=srgb, **options)
 
-    def _pixels(self, index: int, image: Element) -> Pixels | str:
+    def _pixels(self, index: int) -> Pixels | str:
         """The decoded image, or why there is none."""
         if index not in self._images:
-            data = self._encoded(image)
+            data = self._encoded(self._document.elements("images")[index])
             try:
                 self._images[index] = data if isinstance(data, str) else decode_image(data)
             except EclatError as error:
