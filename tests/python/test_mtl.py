@@ -227,9 +227,19 @@ def test_libraries_are_found_whatever_they_are_called(tmp_path: Path) -> None:
         assert [mesh.material.parameters["reflectance"].constant for mesh in load_obj(path)] == [(1, 0, 0), (0, 1, 0)]
 
 
+def test_absurd_numbers_of_libraries_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "test.obj"
+    path.write_text(f"mtllib {' '.join(f'{i}' for i in range(5000))}\n{PANE}f 1 2 3\n")
+    with pytest.raises(EclatError, match="line 1: expected at most 256 material files, got 5000"):
+        load_obj(path)
+    path.write_text("".join(f"mtllib {i}.mtl\n" for i in range(5000)) + f"{PANE}f 1 2 3\n")
+    with pytest.raises(EclatError, match="expected at most 256 mtllib statements, got 5000"):
+        load_obj(path)
+
+
 def test_a_missing_library_is_said_once(tmp_path: Path) -> None:
     path = tmp_path / "test.obj"
-    path.write_text(f"mtllib none.mtl\n{PANE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n")
+    path.write_text(f"mtllib none.mtl\nmtllib none.mtl\n{PANE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n")
     with pytest.warns(EclatWarning, match=r"test\.obj, line 1: the material file 'none\.mtl' is missing") as caught:
         meshes = load_obj(path)
     assert len(caught) == 1

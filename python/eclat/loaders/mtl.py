@@ -90,9 +90,10 @@ def load_library(obj_path: Path, names: list[tuple[int, str]]) -> Library:
     entries: dict[str, Entry] = {}
     incomplete = False
     seen: set[Path] = set()
-    if len(names) > _MOST_LIBRARIES:
-        raise EclatError(f"{obj_path.name}: expected at most {_MOST_LIBRARIES} mtllib statements, got {len(names)}")
-    for line, argument in names:
+    arguments = {argument: line for line, argument in reversed(names)}
+    if len(arguments) > _MOST_LIBRARIES:
+        raise EclatError(f"{obj_path.name}: expected at most {_MOST_LIBRARIES} mtllib statements, got {len(arguments)}")
+    for argument, line in reversed(arguments.items()):
         for path in _library_paths(obj_path, line, argument):
             if path is None:
                 incomplete = True
@@ -112,7 +113,10 @@ def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None
     if whole is not None:
         return [whole]
     names = _LIBRARY_NAME.findall(argument) if len(argument) < _LONGEST_LINE else argument.split()
-    for name in names or [argument]:
+    names = list(dict.fromkeys(names)) or [argument]
+    if len(names) > _MOST_LIBRARIES:
+        raise EclatError(f"{where}: expected at most {_MOST_LIBRARIES} material files, got {len(names)}")
+    for name in names:
         path = _library_path(obj_path, name, where)
         if path is None:
             warn(f"{where}: the material file {name[:200]!r} is missing; its materials are grey")
