@@ -23,18 +23,16 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
 // inequality a chain of clamps is never shorter than the direct one.
 void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     std::vector<SphereTree::Sphere> points;
-    float largest = 0;
-    for (const auto& r : records_) {
-        points.push_back({r.position, 0});
-        if (r.distance < infinity) largest = std::max(largest, r.distance);
-    }
+    for (const auto& r : records_) points.push_back({r.position, 0});
     const SphereTree tree(std::move(points));
     const auto& order = tree.order();
     const auto clamped = parallel_map<float>(records_.size(), threads, [&](size_t i) {
         const IrradianceRecord& record = records_[i];
         float distance = record.distance;
-        // A neighbour at distance d can only matter if d < R_i − R_j < R_i.
-        tree.for_each_near(record.position, std::min(distance, largest), [&](uint32_t slot, float d2) {
+        // A neighbour at distance d can only matter if d < R_i − R_j < R_i, and no farther than the upper bound lets
+        // the radius reach.
+        const float reach = std::min(distance, record.largest_radius / spacing);
+        tree.for_each_near(record.position, reach, [&](uint32_t slot, float d2) {
             distance = std::min(distance, records_[order[slot]].distance + std::sqrt(d2));
         });
         return distance;
