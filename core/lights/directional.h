@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "base/error.h"
 #include "base/frame.h"
 #include "lights/light_sample.h"
 #include "sampling/warp.h"
@@ -17,7 +18,10 @@ class DirectionalLight {
     /// degrees, 0 ≤ angular_radius < 90.
     DirectionalLight(Vec3 direction, Color irradiance, float angular_radius)
         : frame_(Frame::around(-normalize(direction))), irradiance_(irradiance) {
-        if (!(angular_radius > 0)) return;
+        require(is_finite(frame_.n), "directional light: expected a direction of positive, finite length");
+        require(0 <= angular_radius && angular_radius < 90,
+                "directional light: angular radius must be in [0, 90) degrees, got " + std::to_string(angular_radius));
+        if (angular_radius == 0) return;
         const double angle = angular_radius * (M_PI / 180), sine = std::sin(angle / 2);
         drop_ = static_cast<float>(2 * sine * sine);
         // ∫ cos θ dω over the cap is π sin².

@@ -18,11 +18,20 @@ auto key_of(const Value& v) {
                       v.uv_transform);
 }
 
+/// Refuses what no light can emit.
+void check_power(Color power, const char* kind, size_t index) {
+    if (is_finite(power) && power.r >= 0 && power.g >= 0 && power.b >= 0) return;
+    require(false, "lights: " + std::string(kind) + " " + std::to_string(index) +
+                       ": power must be finite and not negative, got " + std::to_string(power.r) + ", " +
+                       std::to_string(power.g) + ", " + std::to_string(power.b));
+}
+
 template <class Light, class F>
-std::vector<double> powers_of(const std::vector<Light>& lights, Color& total, F&& power) {
+std::vector<double> powers_of(const char* kind, const std::vector<Light>& lights, Color& total, F&& power) {
     std::vector<double> out;
     for (const Light& light : lights) {
         const Color p = power(light);
+        check_power(p, kind, out.size());
         total += p;
         out.push_back(luminance(p));
     }
@@ -41,11 +50,11 @@ Lights::Lights(LightInputs inputs)
     std::array<std::vector<double>, light_kinds> powers;
     powers[static_cast<size_t>(LightKind::triangle)] = add_triangles(inputs.triangles);
     powers[static_cast<size_t>(LightKind::point)] =
-        powers_of(points_, total_power_, [](const PointLight& l) { return l.power(); });
+        powers_of("point light", points_, total_power_, [](const PointLight& l) { return l.power(); });
     powers[static_cast<size_t>(LightKind::spot)] =
-        powers_of(spots_, total_power_, [](const SpotLight& l) { return l.power(); });
-    powers[static_cast<size_t>(LightKind::directional)] =
-        powers_of(directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(radius_); });
+        powers_of("spot light", spots_, total_power_, [](const SpotLight& l) { return l.power(); });
+    powers[static_cast<size_t>(LightKind::directional)] = powers_of(
+        "directional light", directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(radius_); });
     if (environment_) {
         const Color power = environment_->integral() * (pi * radius_ * radius_);
         total_power_ += power;
@@ -68,7 +77,7 @@ std::vector<double> Lights::add_triangles(std::span<const EmitterTriangle> trian
         MeanEmission::Estimate estimate;
         uint32_t emission = 0;
         if (t.emission.is_constant()) {
-            estimate.mean = max(t.emission.color(Vec2()), Color(0.0f));
+            estimate.mean = t.emission.color(Vec2());
             estimate.weight = luminance(estimate.mean);
         } else {
             const auto key = key_of(t.emission);
@@ -82,6 +91,7 @@ std::vector<double> Lights::add_triangles(std::span<const EmitterTriangle> trian
         }
         areas_.emplace_back(t, emission);
         const double flux_of_one = M_PI * areas_.back().area() * (t.two_sided ? 2 : 1);
+        check_power(estimate.mean * static_cast<float>(flux_of_one), "emissive triangle", weights.size());
         weights.push_back(flux_of_one * estimate.weight);
         for (int c = 0; c < 3; ++c) power[c] += flux_of_one * estimate.mean[c];
     }

@@ -73,7 +73,7 @@ class Lights {
     const AreaLight& emitter(uint32_t i) const { return areas_[i]; }
     bool has_environment_image() const { return environment_.has_value(); }
     /// No light at all, or only black ones.
-    bool dark() const { return is_black(total_power_); }
+    bool dark() const { return sampler_.empty(); }
 
   private:
     void add_image(Vec3 direction, LightSet set, Infinite& out) const;

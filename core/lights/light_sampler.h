@@ -40,6 +40,8 @@ class LightSampler {
         return tables_[static_cast<size_t>(set)].pdf_discrete(first_[static_cast<size_t>(kind)] + index);
     }
 
+    bool empty() const { return emission_.empty(); }
+
     /// For photons: by power alone, so that all carry nearly the same.
     Choice choose_emission(float u) const { return choice(emission_.sample(u)); }
 

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "base/error.h"
 #include "base/frame.h"
 #include "lights/light_sample.h"
 #include "sampling/warp.h"
@@ -25,7 +26,12 @@ class SpotLight {
           outer_(ramp_end(outer_angle, falloff)),
           outer_drop_(ramp_end(outer_angle, Falloff::smooth)),
           falloff_(falloff),
-          power_(intensity * static_cast<float>(2 * M_PI * mean_ramp(inner_angle, outer_angle, falloff))) {}
+          power_(intensity * static_cast<float>(2 * M_PI * mean_ramp(inner_angle, outer_angle, falloff))) {
+        require(is_finite(frame_.n) && is_finite(position), "spot light: expected a finite position and a direction");
+        require(0 <= inner_angle && inner_angle <= outer_angle && outer_angle <= 180,
+                "spot light: expected 0 <= inner angle <= outer angle <= 180 degrees, got " +
+                    std::to_string(inner_angle) + " and " + std::to_string(outer_angle));
+    }
 
     LightSample sample(Vec3 from) const {
         const Vec3 to = position_ - from;

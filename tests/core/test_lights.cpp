@@ -7,6 +7,7 @@
 
 #include <cstring>
 #include <initializer_list>
+#include <stdexcept>
 
 #include "lights/light.h"
 #include "running_mean.h"
@@ -206,6 +207,24 @@ TEST_CASE("no light at all, and lights that are black") {
         CHECK(is_black(lights.environment({0, 0, 1})));
     }
     CHECK(Lights({.triangles = black}).pdf_solid_angle(0, {0, 0, 1}, {0.2f, 0.2f, 0}) == 0);
+}
+
+TEST_CASE("lights that cannot be are refused") {
+    using Falloff = SpotLight::Falloff;
+    CHECK_THROWS_WITH_AS(SpotLight({}, {0, 0, 1}, Color(1.0f), 30, 20, Falloff::smooth),
+                         "spot light: expected 0 <= inner angle <= outer angle <= 180 degrees, got 30.000000 and "
+                         "20.000000",
+                         std::invalid_argument);
+    CHECK_THROWS_AS(SpotLight({}, {0, 0, 0}, Color(1.0f), 10, 20, Falloff::smooth), std::invalid_argument);
+    CHECK_THROWS_AS(DirectionalLight({0, 0, 0}, Color(1.0f), 0), std::invalid_argument);
+    CHECK_THROWS_AS(DirectionalLight({0, 0, 1}, Color(1.0f), 90), std::invalid_argument);
+    CHECK_THROWS_WITH_AS(Lights({.points = {{{}, Color(1.0f)}, {{}, Color(-1, 0, 0)}}}),
+                         "lights: point light 1: power must be finite and not negative, got -12.566371, 0.000000, "
+                         "0.000000",
+                         std::invalid_argument);
+    std::vector<EmitterTriangle> triangles = lamp();
+    triangles[1].emission.constant = Color(NAN);
+    CHECK_THROWS_AS(Lights({.triangles = triangles}), std::invalid_argument);
 }
 
 TEST_CASE("photons carry the total power, and each light's irradiance to a disc around the centre") {
