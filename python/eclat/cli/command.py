@@ -1,0 +1,110 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Commands whose help teaches: options in sections, examples, and the nearest name for whatever is misspelt."""
+
+from __future__ import annotations
+
+import importlib
+from collections.abc import Callable, Iterable, Mapping
+from typing import Any, TypeVar
+
+import click
+
+from eclat.errors import did_you_mean
+
+F = TypeVar("F", bound=Callable[..., Any])
+
+
+class Option(click.Option):
+    """An option that belongs to a section of the help."""
+
+    def __init__(self, *arguments: Any, section: str = "Other", **keywords: Any) -> None:
+        super().__init__(*arguments, **keywords)
+        self.section = section
+
+
+def option(*names: str, section: str, **keywords: Any) -> Callable[[F], F]:
+    """`click.option`, under the headline `section` of the help."""
+    return click.option(*names, cls=Option, section=section, **keywords)
+
+
+class Command(click.Command):
+    """A command with `examples` (command line → what it does) and `notes` (more sections of the help)."""
+
+    def __init__(
+        self,
+        *arguments: Any,
+        examples: Mapping[str, str] | None = None,
+        notes: Callable[[], Mapping[str, list[tuple[str, str]]]] | None = None,
+        **keywords: Any,
+    ) -> None:
+        super().__init__(*arguments, **keywords)
+        self.examples = dict(examples or {})
+        self.notes = notes
+
+    def format_options(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        sections: dict[str, list[tuple[str, str]]] = {}
+        for parameter in self.get_params(ctx):
+            record = parameter.get_help_record(ctx)
+            # The scene is explained by the text above.
+            if record is not None and not isinstance(parameter, click.Argument):
+                section = parameter.section if isinstance(parameter, Option) else "Other"
+                sections.setdefault(section, []).append(record)
+        # The help flag and the like come last, wherever they were declared.
+        sections["Other"] = sections.pop("Other", [])
+        if self.examples:
+            with formatter.section("Examples"):
+                for line, meaning in self.examples.items():
+                    formatter.write_text(meaning)
+                    formatter.write(f"{'':{formatter.current_indent + 4}}{line}\n")
+        for name, records in {**sections, **(self.notes() if self.notes else {})}.items():
+            if records:
+                with formatter.section(name):
+                    formatter.write_dl(records)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            known = [name for parameter in self.get_params(ctx) for name in parameter.opts]
+            hint = flag_hint(error.option_name, known)
+            raise click.UsageError(f"unknown option {error.option_name} for {self.name}{hint}", ctx) from None
+
+
+def flag_hint(flag: str, known: Iterable[str]) -> str:
+    """`did_you_mean` for flags; the dashes, which all share, do not count."""
+    hint = did_you_mean(flag.lstrip("-"), [name.removeprefix("--") for name in known if name.startswith("--")])
+    return hint.replace("'", "'--", 1)
+
+
+class Group(click.Group):
+    """The table of commands, each imported only when it is used or listed."""
+
+    def __init__(self, *arguments: Any, table: Mapping[str, str], **keywords: Any) -> None:
+        super().__init__(*arguments, **keywords)
+        self.table = dict(table)
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        return list(self.table)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        if cmd_name not in self.table:
+            return None
+        found = getattr(importlib.import_module(self.table[cmd_name]), "command", None)
+        assert isinstance(found, click.Command)
+        return found
+
+    def resolve_command(
+        self, ctx: click.Context, args: list[str]
+    ) -> tuple[str | None, click.Command | None, list[str]]:
+        name = args[0]
+        if name.startswith("-"):
+            hint = flag_hint(name, ("--help", "--version"))
+            raise click.UsageError(f"unknown option {name}{hint}", ctx)
+        found = self.get_command(ctx, name)
+        if found is None:
+            known = ", ".join(self.table)
+            raise click.UsageError(
+                f"unknown command {name!r}, expected one of {known}{did_you_mean(name, self.table)}", ctx
+            )
+        return name, found, args[1:]

@@ -1,0 +1,118 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""`eclat compare`: all methods on one scene, on one page."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+
+from eclat.atomic_file import check_writable, write_file
+from eclat.cli.command import Command, option
+from eclat.cli.parameters import Number
+from eclat.cli.reporting import Reporter, reporting_options
+from eclat.cli.scene_options import (
+    MAX_DEPTH,
+    MAX_ERROR,
+    SAMPLES,
+    camera_index,
+    camera_options,
+    light_options,
+    load_scene,
+    scene_argument,
+    scene_stem,
+    work_options,
+)
+from eclat.errors import EclatError
+
+if TYPE_CHECKING:
+    from eclat.compare import Comparison, Reference
+
+EXAMPLES = {
+    "eclat compare cornell-box": "All methods, as cornell-box.html in this folder:",
+    "eclat compare room.glb --methods path,irradiance-cache --time 20": "Two methods at equal times up to 20 s:",
+    "eclat compare room.glb --reference a.exr --reference b.exr": "Against pictures of `eclat render --method path`:",
+}
+
+
+@click.command(
+    "compare",
+    cls=Command,
+    short_help="All methods on one scene, measured, on one page.",
+    examples=EXAMPLES,
+    help="""Render SCENE by several methods and write one self-contained HTML page.
+
+    It shows pictures, signed error maps and FLIP, and measures error, time, rays and records at several levels of
+    effort: at each level four times the samples (or seconds) of the one before, and half the wanted error. The truth
+    is two independent path-traced pictures.""",
+)
+@scene_argument
+@option("-o", "--output", metavar="FILE", section="Output", help="A file ending in .html [SCENE.html].")
+@option("--exposure", type=Number(float, -64, 64), section="Output", help="Stops [found from the reference].")
+@option("--methods", metavar="A,B,…", section="Method", help="Some methods [all of them].")
+@option("--levels", type=Number(int, 1, 10), default=4, section="Quality", help="Levels of effort [4].")
+@option("--samples", type=SAMPLES, default=64, section="Quality", help="Paths per pixel at the last level [64].")
+@option("--max-error", type=MAX_ERROR, default=0.01, section="Quality", help="Of caches at the last level [0.01].")
+@option("--time", type=Number(float, 0, 1e7, above=True), section="Quality", help="Seconds at the last level instead.")
+@option("--max-depth", type=MAX_DEPTH, default=-1, section="Quality", help="As for render; -1 no limit [-1].")
+@option(
+    "--reference-samples", type=SAMPLES, default=256, section="Reference", help="Paths per pixel of each of two [256]."
+)
+@option("--reference", metavar="FILE", multiple=True, section="Reference", help="An .exr instead; better two.")
+@camera_options
+@light_options
+@work_options
+@reporting_options
+def command(**flags: Any) -> None:
+    """Compare and write the page."""
+    from eclat.compare_page import compare_page, page_facts, percent
+
+    with Reporter(flags["quiet"], flags["as_json"]) as reporter:
+        output = flags["output"] or f"{scene_stem(flags['scene'])}.html"
+        if Path(output).suffix.lower() not in (".html", ".htm"):
+            raise EclatError(f"{output}: expected a name that ends in .html")
+        check_writable(output)
+        comparison = _compare(flags, reporter)
+        write_file(output, compare_page(comparison).encode())
+        lines = [output]
+        width = max(len(result.method) for result in comparison.results)
+        for result in comparison.results:
+            last = result.measurements[-1]
+            lines.append(f"  {result.method:<{width}}  {percent(last.error):>8} in {last.seconds:.2f} s")
+        reporter.result("\n".join(lines), file=output, **page_facts(comparison))
+
+
+def _compare(flags: dict[str, Any], reporter: Reporter) -> Comparison:
+    from eclat.compare import Effort, compare
+
+    effort = Effort(flags["levels"], flags["samples"], flags["max_error"], flags["time"])
+    methods = [name.strip() for name in flags["methods"].split(",")] if flags["methods"] else None
+    reference = _reference(flags)
+    scene = load_scene(flags)
+    return compare(
+        scene,
+        methods,
+        effort=effort,
+        reference=reference,
+        camera=camera_index(scene, flags["camera"]),
+        progress=reporter.progress,
+        **{name: flags[name] for name in ("reference_samples", "exposure", "size", "max_depth", "seed", "threads")},
+    )
+
+
+def _reference(flags: dict[str, Any]) -> Reference | None:
+    from eclat.compare import Reference
+    from eclat.image import Image
+
+    names = flags["reference"]
+    if not names:
+        return None
+    if len(names) > 2:
+        raise EclatError(f"--reference: expected one file or two, got {len(names)}")
+    images = [Image.load(name) for name in names]
+    sizes = {(image.width, image.height) for image in images}
+    if len(sizes) > 1 or (flags["size"] and flags["size"] not in sizes):
+        raise EclatError("--reference: expected pictures of one size, which --size must not contradict")
+    return Reference(images[0], images[-1])

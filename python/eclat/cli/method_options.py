@@ -1,0 +1,144 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The method and its settings on the command line, derived from the options classes."""
+
+from __future__ import annotations
+
+import ast
+import inspect
+import itertools
+import typing
+from collections.abc import Sequence
+from dataclasses import fields
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+
+from eclat.cli.command import F, option
+from eclat.errors import EclatError, did_you_mean
+
+if TYPE_CHECKING:
+    from eclat.options import Options
+
+METHOD = "Method"
+DEFAULT_METHOD = "irradiance-cache"
+
+
+def set_option(function: F) -> F:
+    """`--set name=value`."""
+    return option(
+        "--set",
+        "settings",
+        metavar="NAME=VALUE",
+        multiple=True,
+        section=METHOD,
+        help="An option of the method, see below; repeatable. The defaults need no touching.",
+    )(function)
+
+
+def method_option(function: F) -> F:
+    """`--method`."""
+    return option(
+        "--method",
+        metavar="NAME",
+        default=DEFAULT_METHOD,
+        section=METHOD,
+        help=f"How light is computed, see below [{DEFAULT_METHOD}].",
+    )(function)
+
+
+def options_of(method: str, settings: Sequence[str] = (), **defaults: object) -> Options:
+    """The options object of `method`.
+
+    Parameters
+    ----------
+    settings : `name=value` each, the name of a field in kebab-case (or snake_case).
+    defaults : values of fields that `settings` do not name; those that the method lacks or that are None are left out.
+
+    Raises
+    ------
+    EclatError : unknown method or name, a value of another type or out of range, the same name twice.
+    """
+    from eclat.options import METHODS, make_options
+
+    if method not in METHODS:
+        raise EclatError(
+            f"--method: expected one of {', '.join(METHODS)}, got {method!r}{did_you_mean(method, METHODS)}"
+        )
+    types = typing.get_type_hints(METHODS[method])
+    known = {field.name: types[field.name] for field in fields(METHODS[method])}
+    values = {name: value for name, value in defaults.items() if name in known and value is not None}
+    seen: set[str] = set()
+    for setting in settings:
+        name, equals, text = setting.partition("=")
+        name = name.strip().replace("-", "_")
+        if not equals:
+            raise EclatError(f"--set: expected NAME=VALUE, got {setting!r}")
+        if name not in known:
+            hint = did_you_mean(name, known)
+            raise EclatError(f"--set: unknown option {name.replace('_', '-')} for {method}{hint.replace('_', '-')}")
+        if name in seen:
+            raise EclatError(f"--set: expected {name.replace('_', '-')} once, got it twice")
+        seen.add(name)
+        values[name] = _value(name, text.strip(), known[name])
+    return make_options(method, **values)
+
+
+def method_notes(*methods: str) -> dict[str, list[tuple[str, str]]]:
+    """Help on methods (all by default) and their options."""
+    from eclat.options import METHODS
+
+    chosen = {name: METHODS[name] for name in methods or METHODS}
+    notes = {"Methods": [(name, _first_sentence(cls)) for name, cls in chosen.items()]} if not methods else {}
+    for name, cls in chosen.items():
+        types, explained = typing.get_type_hints(cls), field_explanations(cls)
+        records = [
+            (
+                f"{field.name.replace('_', '-')}={type_text(types[field.name])}",
+                f"{explained.get(field.name, '')} [{value_text(field.default)}]".strip(),
+            )
+            for field in fields(cls)
+        ]
+        if records:
+            notes[f"Options of {name} for --set"] = records
+    return notes
+
+
+def field_explanations(cls: type) -> dict[str, str]:
+    """Field → the text that stands below it in the source of its class, which Python itself does not keep."""
+    body = typing.cast(ast.ClassDef, ast.parse(inspect.getsource(cls)).body[0]).body
+    explained: dict[str, str] = {}
+    for statement, following in itertools.pairwise(body):
+        match statement, following:
+            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
+                explained[name] = " ".join(text.split())
+    return explained
+
+
+def type_text(kind: Any) -> str:
+    """How values of a field's type are written."""
+    if typing.get_origin(kind) is typing.Literal:
+        return " | ".join(typing.get_args(kind))
+    if isinstance(kind, type) and kind is not type(None):
+        return {int: "integer", float: "number", bool: "true | false", str: "text"}.get(kind, kind.__name__)
+    alternatives = [type_text(part) if part is not type(None) else "none" for part in typing.get_args(kind)]
+    return " | ".join(alternatives) or str(kind)
+
+
+def value_text(value: object) -> str:
+    """A field's value as one would write it."""
+    return str(value).lower() if value is None or isinstance(value, bool) else str(value)
+
+
+def _value(name: str, text: str, kind: Any) -> object:
+    word = {"none": None, "on": "true", "yes": "true", "off": "false", "no": "false"}.get(text.lower(), text)
+    # Only "none" is a word of all types; the others would be taken from the names of a Literal.
+    candidate = word if kind is bool or word is None else text
+    try:
+        return msgspec.convert(candidate, kind, strict=False)
+    except msgspec.ValidationError:
+        raise EclatError(f"--set: {name.replace('_', '-')}: expected {type_text(kind)}, got {text!r}") from None
+
+
+def _first_sentence(cls: type) -> str:
+    return " ".join((cls.__doc__ or "").split("\n\n")[0].split())

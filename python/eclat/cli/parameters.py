@@ -1,0 +1,152 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""What the values of flags look like, and what is said about those that do not."""
+
+from __future__ import annotations
+
+import math
+from typing import Any, NoReturn
+
+import click
+
+from eclat.errors import did_you_mean
+
+
+class _Type(click.ParamType[Any]):
+    """A type whose messages say what was expected and what was got."""
+
+    expected = ""
+
+    def refuse(self, value: object, parameter: click.Parameter | None, context: click.Context | None) -> NoReturn:
+        self.fail(f"expected {self.expected}, got {str(value)!r}", parameter, context)
+
+
+class Number(_Type):
+    """An integer or a finite number within limits, both included unless `above` is given."""
+
+    def __init__(
+        self,
+        kind: type[int] | type[float],
+        low: float = -math.inf,
+        high: float = math.inf,
+        *,
+        above: bool = False,
+        unit: str = "",
+    ) -> None:
+        self.kind, self.low, self.high, self.above = kind, low, high, above
+        self.name = "integer" if kind is int else "number"
+        number = "an integer" if kind is int else "a number"
+        bounds = ""
+        if low > -math.inf and high < math.inf:
+            bounds = f" {'above' if above else 'from'} {low:,.10g} {'and at most' if above else 'to'} {high:,.10g}"
+        elif low > -math.inf:
+            bounds = f" above {low:,.10g}" if above else f" of at least {low:,.10g}"
+        self.expected = f"{number}{bounds}{unit and ' ' + unit}"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        number = _number(value, self.kind)
+        if number is None or not self.low <= number <= self.high or (self.above and number == self.low):
+            self.refuse(value, param, ctx)
+        return number
+
+
+class Numbers(_Type):
+    """A fixed count of numbers with commas between them."""
+
+    def __init__(self, name: str, expected: str, count: int, kind: type[int] | type[float] = float) -> None:
+        self.name, self.expected, self.count, self.kind = name, expected, count, kind
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[float, ...]:
+        numbers = tuple(_number(part, self.kind) for part in _spelled(value, ",").split(","))
+        given = tuple(number for number in numbers if number is not None)
+        if len(given) != len(numbers) or len(given) != self.count or not self.accepts(given):
+            self.refuse(value, param, ctx)
+        return given
+
+    def accepts(self, numbers: tuple[float, ...]) -> bool:
+        """Whether that many numbers also make sense."""
+        return True
+
+
+class _Crop(Numbers):
+    def accepts(self, numbers: tuple[float, ...]) -> bool:
+        x0, y0, x1, y1 = numbers
+        return 0 <= x0 < x1 and 0 <= y0 < y1
+
+
+class _Sun(Numbers):
+    def accepts(self, numbers: tuple[float, ...]) -> bool:
+        return -90 <= numbers[1] <= 90
+
+
+class _Replay(Numbers):
+    def accepts(self, numbers: tuple[float, ...]) -> bool:
+        return min(numbers) >= 0
+
+
+class _Size(_Type):
+    name = "WxH"
+    expected = "WIDTHxHEIGHT in pixels, such as 1280x720"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> tuple[int, int]:
+        width, _, height = _spelled(value, "x").lower().replace("×", "x").partition("x")
+        if not (_number(width, int) is not None and _number(height, int) is not None):
+            self.refuse(value, param, ctx)
+        from eclat.image import check_size
+
+        check_size(int(width), int(height), "--size")
+        return int(width), int(height)
+
+
+class _Environment(_Type):
+    name = "FILE|r,g,b"
+    expected = "an image file or a radiance r,g,b of numbers from 0"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str | tuple[float, ...]:
+        text = _spelled(value, ",")
+        numbers = [_number(part, float) for part in text.split(",")]
+        given = tuple(number for number in numbers if number is not None)
+        if not given:
+            return text
+        if len(given) != 3 or len(numbers) != 3 or min(given) < 0:
+            self.refuse(value, param, ctx)
+        return given
+
+
+class Name(_Type):
+    """One of some names, with the nearest one when it is misspelt."""
+
+    def __init__(self, name: str, *names: str) -> None:
+        self.name, self.names = name, names
+        self.expected = f"one of {', '.join(names)}"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        text = str(value)
+        if text not in self.names:
+            self.fail(f"expected {self.expected}, got {text!r}{did_you_mean(text, self.names)}", param, ctx)
+        return text
+
+
+def _spelled(value: Any, separator: str) -> str:
+    """The value as one would type it, also where it comes as a list from a file."""
+    return separator.join(map(str, value)) if isinstance(value, list | tuple) else str(value)
+
+
+def _number(text: Any, kind: type[int] | type[float]) -> float | None:
+    """The finite number that `text` spells, else None."""
+    try:
+        # Underscores and the like are Python's, not the user's; a huge integer is no size, seed or count.
+        if "_" in str(text) or len(str(text)) > 40:
+            return None
+        number = kind(str(text))
+    except ValueError:
+        return None
+    return number if math.isfinite(number) else None
+
+
+SIZE = _Size()
+CROP = _Crop("x0,y0,x1,y1", "x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,300,200", 4, int)
+POINT = Numbers("x,y,z", "three numbers x,y,z", 3)
+SUN = _Sun("AZIMUTH,ELEVATION", "azimuth,elevation in degrees with an elevation from -90 to 90, such as 135,40", 2)
+REPLAY = _Replay("x,y,SAMPLE", "a pixel and the number of its sample, x,y,sample, such as 412,77,19", 3, int)
+ENVIRONMENT = _Environment()

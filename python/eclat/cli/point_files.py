@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Points with normals from text or NumPy files, and their irradiance as CSV or NumPy files."""
+
+from __future__ import annotations
+
+import io
+import sys
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError
+
+EXPECTED = "six numbers x y z nx ny nz"
+HEADING = "irradiance_r,irradiance_g,irradiance_b,lux"
+
+Float64 = NDArray[np.float64]
+
+
+def read_points(name: str) -> tuple[Float64, Float64]:
+    """Points and normals, (N, 3) each, from the file `name` or, for `-`, from standard input.
+
+    Raises
+    ------
+    EclatError : no such file, a line that is not six finite numbers, a zero normal, no points at all.
+    """
+    data = _read(name)
+    label = "standard input" if name == "-" else name
+    if data.startswith(b"\x93NUMPY"):
+        table, places = _from_npy(data, label), "row"
+        lines = list(range(len(table)))
+    else:
+        lines, table = _from_text(data, label)
+        places = "line"
+    if len(table) == 0:
+        raise EclatError(f"{label}: expected points, one a line, got none")
+    lengths = np.linalg.norm(table[:, 3:], axis=1)
+    bad = ~np.isfinite(table).all(axis=1) | ~(lengths > 0) | ~np.isfinite(lengths)
+    if bad.any():
+        row = int(np.argmax(bad))
+        got = " ".join(f"{value:g}" for value in table[row])
+        raise EclatError(
+            f"{label}, {places} {lines[row]}: expected a finite point and a normal that is not zero, got {got}"
+        )
+    return table[:, :3], table[:, 3:]
+
+
+def encode_irradiance(table: NDArray[np.float32], suffix: str) -> bytes:
+    """(N, 4) RGB irradiance and lux as a .npy file, or else as CSV with as many digits as float32 needs."""
+    file = io.BytesIO()
+    if suffix == ".npy":
+        np.save(file, table, allow_pickle=False)
+    else:
+        np.savetxt(file, table, fmt="%.9g", delimiter=",", header=HEADING, comments="")
+    return file.getvalue()
+
+
+def _read(name: str) -> bytes:
+    try:
+        return sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
+    except FileNotFoundError:
+        raise EclatError(f"{name}: file not found") from None
+    except OSError as error:
+        raise EclatError(f"{name}: cannot be read: {error.strerror or error}") from None
+
+
+def _from_npy(data: bytes, label: str) -> Float64:
+    try:
+        table = np.load(io.BytesIO(data), allow_pickle=False)
+    except (ValueError, EOFError, OSError, TypeError, SyntaxError, MemoryError) as error:
+        raise EclatError(f"{label}: expected a .npy file of numbers: {error}") from None
+    if table.dtype.kind not in "fiu" or table.ndim != 2 or table.shape[1] != 6:
+        raise EclatError(f"{label}: expected an array of six columns x y z nx ny nz, got {table.dtype} {table.shape}")
+    return np.asarray(table, dtype=np.float64)
+
+
+def _from_text(data: bytes, label: str) -> tuple[list[int], Float64]:
+    """Line numbers (from 1) and rows of a text."""
+    lines: list[int] = []
+    rows: list[list[float]] = []
+    for number, line in enumerate(data.decode("utf-8-sig", errors="replace").splitlines(), 1):
+        fields = line.replace(",", " ").replace(";", " ").split()
+        if not fields or fields[0].startswith("#"):
+            continue
+        try:
+            row = [float(field) for field in fields]
+        except ValueError:
+            row = []
+            # Only a first line without any number can be a heading.
+            if not rows and not any(_is_number(field) for field in fields):
+                continue
+        if len(row) != 6:
+            raise EclatError(f"{label}, line {number}: expected {EXPECTED}, got {line.strip()[:80]!r}")
+        lines.append(number)
+        rows.append(row)
+    return lines, np.array(rows, dtype=np.float64).reshape(-1, 6)
+
+
+def _is_number(text: str) -> bool:
+    try:
+        float(text)
+    except ValueError:
+        return False
+    return True

@@ -1,0 +1,82 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Runs that are repeated: all of one from its picture's metadata, or a single sample."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+import click
+import numpy as np
+
+from eclat.cli.reporting import Reporter
+from eclat.errors import EclatError
+
+if TYPE_CHECKING:
+    from eclat.image import Image
+
+REPEATED = (
+    *("method", "settings", "cache", "max_error", "samples", "time", "max_depth", "seed", "size", "crop"),
+    *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment"),
+)
+"""The flags that a picture's values depend on, by name; the scene is given anew, since files move."""
+
+
+def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[str, Any]:
+    """What `--replay-settings` needs to make the same picture: the flags, with the samples that were really taken."""
+    settings = {name: flags[name] for name in REPEATED}
+    taken = metadata.get("statistics", {}).get("samples")
+    if taken is not None:
+        settings["samples"], settings["time"] = int(taken), None
+    # Through JSON, so that it is the same whether it comes from a file or from memory.
+    plain: dict[str, Any] = json.loads(json.dumps(settings))
+    return plain
+
+
+def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
+    """The flags stored in a picture.
+
+    Raises
+    ------
+    EclatError : the file holds none, or a flag is also given by hand.
+    """
+    given = click.core.ParameterSource.COMMANDLINE
+    for name in REPEATED:
+        if context.get_parameter_source(name) is given:
+            flag = next(parameter.opts[-1] for parameter in context.command.params if parameter.name == name)
+            raise EclatError(f"--replay-settings: expected no {flag} beside it, since it repeats all settings")
+    settings = _metadata(path).get("settings")
+    if not isinstance(settings, dict) or not set(REPEATED) <= set(settings):
+        raise EclatError(
+            f"{path}: expected the settings of a run in the metadata, which `eclat render` writes; got none"
+        )
+    flags: dict[str, Any] = {}
+    for parameter in context.command.params:
+        if parameter.name in REPEATED:
+            value = settings[parameter.name]
+            # Files can be edited, so each value passes the same checks as on the command line.
+            flags[parameter.name] = parameter.type_cast_value(context, value)
+    return flags
+
+
+def say_replayed_sample(reporter: Reporter, image: Image, replay: tuple[int, int, int]) -> None:
+    """The value of the pixel whose sample was replayed."""
+    x, y, sample = replay
+    value = [float(channel) for channel in image.pixels[y, x]]
+    finite = bool(np.isfinite(value).all())
+    verdict = "finite" if finite else "NOT FINITE"
+    red, green, blue = value
+    text = f"pixel ({x}, {y}), samples 0 to {sample}: {verdict}, mean radiance {red:.6g} {green:.6g} {blue:.6g}"
+    reporter.result(text, pixel=[x, y], sample=sample, finite=finite, radiance=value)
+
+
+def _metadata(path: str) -> dict[str, Any]:
+    from eclat.image import Image
+    from eclat.image_files import read_png_metadata
+
+    if Path(path).suffix.lower() == ".png":
+        return read_png_metadata(path)
+    return Image.load(path).metadata

@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a command says while it works: a bar and text for people, lines of JSON for programs.
+
+Results go to standard output; bar, warnings and errors go to standard error. With `--json` standard output holds
+nothing but events (`eclat.progress.JsonEvents`), one a line; errors are said on standard error as well.
+"""
+
+from __future__ import annotations
+
+import warnings
+from collections.abc import Callable
+from contextlib import ExitStack, suppress
+from types import TracebackType
+from typing import Any, Self, TextIO
+
+import click
+
+from eclat.cli.command import F, option
+from eclat.errors import EclatError, EclatWarning
+from eclat.progress import JsonEvents, ProgressBar
+
+
+def reporting_options(function: F) -> F:
+    """`--quiet` and `--json`."""
+    for decorate in (
+        option(
+            "--json",
+            "as_json",
+            is_flag=True,
+            section="Reporting",
+            help="Progress, warnings and results as JSON, one object a line, on standard output.",
+        ),
+        option(
+            "--quiet",
+            "-q",
+            is_flag=True,
+            section="Reporting",
+            help="No progress bar and no summary; warnings and errors stay.",
+        ),
+    ):
+        function = decorate(function)
+    return function
+
+
+class Reporter:
+    """Use as `with Reporter(quiet, as_json) as reporter:` around all that a command does."""
+
+    def __init__(self, quiet: bool = False, as_json: bool = False) -> None:
+        self.quiet = quiet
+        self.events = JsonEvents() if as_json else None
+        self._bar = None if quiet or as_json else ProgressBar()
+        self._said: set[str] = set()
+        self._stack = ExitStack()
+
+    @property
+    def progress(self) -> Callable[[str, float, dict[str, float]], None] | None:
+        """For the `progress` argument of long calls."""
+        if self.events is not None:
+            return None if self.quiet else self.events
+        return self._bar
+
+    def result(self, text: str, **fields: Any) -> None:
+        """Say what came out: `text` to people, `fields` to programs."""
+        if self._bar is not None:
+            self._bar.close()
+        if self.events is not None:
+            self.events.emit("result", **fields)
+        elif not self.quiet:
+            click.echo(text)
+
+    def warn(self, message: str) -> None:
+        """Say a warning, once."""
+        if message in self._said:
+            return
+        self._said.add(message)
+        if self.events is not None:
+            self.events.emit("warning", message=message)
+        else:
+            click.echo(f"eclat: warning: {message}", err=True)
+
+    def __enter__(self) -> Self:
+        self._stack.enter_context(warnings.catch_warnings())
+        warnings.simplefilter("always", EclatWarning)
+        show = warnings.showwarning
+
+        def show_ours(
+            message: Warning | str,
+            category: type[Warning],
+            filename: str,
+            lineno: int,
+            file: TextIO | None = None,
+            line: str | None = None,
+        ) -> None:
+            if issubclass(category, EclatWarning):
+                self.warn(str(message))
+            else:
+                show(message, category, filename, lineno, file, line)
+
+        warnings.showwarning = show_ours
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if self._bar is not None:
+            self._bar.close()
+        self._stack.close()
+        if self.events is None:
+            return
+        if isinstance(error, EclatError | click.ClickException):
+            self.events.emit("error", message=message_of(error))
+        elif isinstance(error, KeyboardInterrupt):
+            self.events.emit("error", message="interrupted")
+
+
+def message_of(error: EclatError | click.ClickException) -> str:
+    """One message of ours, whatever raised it."""
+    if isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter) and error.param:
+        return f"{error.param.opts[-1]}: {error.message}"
+    if isinstance(error, click.ClickException):
+        message = error.format_message().rstrip(".")
+        return message[:1].lower() + message[1:]
+    return str(error)
+
+
+def say_error(message: str) -> None:
+    """`eclat: message` on standard error, where that still works."""
+    with suppress(OSError):
+        click.echo(f"eclat: {message}", err=True)

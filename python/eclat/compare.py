@@ -1,0 +1,256 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Methods beside the truth: each rendered at several levels of effort, each picture measured against one reference."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, fields, replace
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+import eclat
+from eclat.errors import EclatError, did_you_mean
+from eclat.image import Image
+from eclat.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
+
+if TYPE_CHECKING:
+    from eclat.metrics import Float64
+    from eclat.scene import Scene
+
+ProgressReport = Callable[[str, float, dict[str, float]], None]
+
+LONGER_SIDE = 512
+"""Of the pictures, unless a size is asked for: enough to judge by, and the reference stays affordable."""
+
+REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
+"""XORed into the seed: the references must be unrelated to each other and to the pictures."""
+
+LARGEST_MAX_ERROR = 0.5
+"""What options accept."""
+
+
+@dataclass(frozen=True)
+class Effort:
+    """How hard the methods try, and at how many levels.
+
+    At the last level with all of it; each level before has a quarter of the samples (or seconds) and twice the error,
+    so that noise and bias are to halve from level to level.
+    """
+
+    levels: int = 4
+    samples: int = 64
+    max_error: float = 0.01
+    time: float | None = None
+    """Seconds at the last level, instead of samples."""
+
+    def __post_init__(self) -> None:
+        if not 1 <= self.levels <= 10:
+            raise EclatError(f"levels: expected 1 to 10, got {self.levels}")
+
+    def at(self, level: int) -> tuple[dict[str, Any], float]:
+        """Arguments of `render` at a level from 0, and `max_error` of options that have one."""
+        factor = 2 ** (self.levels - 1 - level)
+        max_error = min(LARGEST_MAX_ERROR, self.max_error * factor)
+        if self.time is not None:
+            return {"time": self.time / factor**2}, max_error
+        return {"samples": max(1, self.samples // factor**2)}, max_error
+
+
+@dataclass(frozen=True)
+class Measurement:
+    """One picture in numbers. Errors are relative (0.01 = 1 %)."""
+
+    method: str
+    level: int
+    error: float
+    error_away_from_edges: float | None
+    flip: float | None
+    """Mean LDR-FLIP, None without the package flip-evaluator."""
+    statistics: dict[str, float] = field(default_factory=dict)
+
+    @property
+    def seconds(self) -> float:
+        """Solve and render."""
+        return float(self.statistics.get("seconds", math.nan))
+
+
+@dataclass(frozen=True, eq=False)
+class MethodResult:
+    """A method: measurements of all levels, picture and maps of the last."""
+
+    method: str
+    measurements: tuple[Measurement, ...]
+    image: Image
+    signed_error: Float64
+    flip_map: Float64 | None
+
+
+@dataclass(frozen=True, eq=False)
+class Reference:
+    """Two independent pictures of the truth (the same one twice where there is only one)."""
+
+    a: Image
+    b: Image
+
+    @property
+    def image(self) -> Image:
+        """Their mean."""
+        half = np.float32(0.5)
+        layers = {name: half * (a + self.b.layers[name]) for name, a in self.a.layers.items() if name in self.b.layers}
+        return Image(half * (self.a.pixels + self.b.pixels), layers, self.a.metadata)
+
+    @property
+    def noise(self) -> float | None:
+        """Relative error of the mean, from the difference of the two; None for a single one."""
+        if self.a is self.b:
+            return None
+        half = (self.a.pixels.astype(np.float64) - self.b.pixels) / 2
+        mean = self.image.pixels.astype(np.float64)
+        return relative_rmse(mean + half, mean, mean)
+
+
+@dataclass(frozen=True, eq=False)
+class Comparison:
+    """All that the page shows."""
+
+    scene: str
+    reference: Reference
+    results: tuple[MethodResult, ...]
+    exposure: float
+    """Stops at which pictures are shown and FLIP is measured."""
+
+    def table(self) -> list[dict[str, Any]]:
+        """One row a measurement, as JSON can hold it."""
+        names = [f.name for f in fields(Measurement)]
+        return [{name: getattr(m, name) for name in names} for r in self.results for m in r.measurements]
+
+
+def compare(
+    scene: Scene,
+    methods: Sequence[str] | None = None,
+    *,
+    effort: Effort | None = None,
+    reference: Reference | None = None,
+    reference_samples: int = 256,
+    exposure: float | None = None,
+    size: tuple[int, int] | None = None,
+    camera: int = 0,
+    max_depth: int = -1,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: ProgressReport | None = None,
+) -> Comparison:
+    """Render `scene` by several methods and measure them.
+
+    Parameters
+    ----------
+    methods : keys of `METHODS`, default all.
+    effort : levels and their samples, errors or seconds.
+    reference : default two path-traced pictures of `reference_samples` paths per pixel each.
+    exposure : stops; default such that the reference's log-average becomes mid grey (`auto_exposure`).
+    size : (width, height); default the camera's, scaled down to `LONGER_SIDE` pixels, or the reference's.
+
+    Raises
+    ------
+    EclatError : unknown method, a reference of another size, and whatever `render` raises.
+    """
+    names = _known(methods)
+    effort = effort or Effort()
+    if reference is not None:
+        size = (reference.a.width, reference.a.height)
+    common = {"size": size or default_size(scene, camera), "camera": camera, "max_depth": max_depth, "threads": threads}
+    if reference is None:
+        reference = render_reference(scene, reference_samples, seed, progress, common)
+    truth = reference.image
+    shown_at = auto_exposure(truth) if exposure is None else exposure
+    results = []
+    for name in names:
+        images = []
+        for level in range(effort.levels):
+            label = f"{name} {level + 1}/{effort.levels}"
+            bounds, max_error = effort.at(level)
+            options = _options(name, max_error)
+            keywords = {**common, **bounds, "seed": seed, "progress": _labelled(progress, label)}
+            images.append(eclat.render(scene, options, **keywords))
+        results.append(_measured(name, images, reference, truth, shown_at))
+    return Comparison(scene.name, reference, tuple(results), shown_at)
+
+
+def render_reference(
+    scene: Scene, samples: int, seed: int, progress: ProgressReport | None, common: Mapping[str, Any]
+) -> Reference:
+    """Two path-traced pictures from unrelated seeds."""
+    path = eclat.METHODS["path"]()
+    pictures = [
+        eclat.render(
+            scene, path, samples=samples, seed=seed ^ other, progress=_labelled(progress, f"reference {i}/2"), **common
+        )
+        for i, other in enumerate(REFERENCE_SEEDS, 1)
+    ]
+    return Reference(*pictures)
+
+
+def auto_exposure(image: Image) -> float:
+    """Stops that take the log-average luminance to mid grey (0.18), to the nearest half stop.
+
+    Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2; black pixels, which
+    have no logarithm, are left out.
+    """
+    luminance = image.pixels.astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722])
+    lit = luminance[np.isfinite(luminance) & (luminance > 0)]
+    if lit.size == 0:
+        return 0.0
+    stops = math.log2(0.18) - float(np.log2(lit).mean())
+    return round(2 * stops) / 2
+
+
+def default_size(scene: Scene, camera: int) -> tuple[int, int]:
+    """The camera's size, or 16:9, scaled down to `LONGER_SIDE` pixels."""
+    width, height = (scene.cameras[camera].size if camera < len(scene.cameras) else None) or (1280, 720)
+    scale = min(1.0, LONGER_SIDE / max(width, height))
+    return max(1, round(width * scale)), max(1, round(height * scale))
+
+
+def _measured(name: str, images: Sequence[Image], reference: Reference, truth: Image, exposure: float) -> MethodResult:
+    a, b = reference.a.pixels, reference.b.pixels
+    mask = None
+    if "depth" in truth.layers and "normal" in truth.layers:
+        mask = away_from_edges(truth.layers["depth"], truth.layers["normal"])
+    measurements = []
+    flip_map: Float64 | None = None
+    for level, image in enumerate(images):
+        mean: float | None = None
+        if has_flip():
+            flip_map, mean = flip(image.pixels, truth.pixels, exposure)
+        away = relative_rmse(image.pixels, a, b, mask=mask) if mask is not None and mask.any() else None
+        error = relative_rmse(image.pixels, a, b)
+        measurements.append(Measurement(name, level, error, away, mean, dict(image.metadata.get("statistics", {}))))
+    last = images[-1]
+    return MethodResult(name, tuple(measurements), last, signed_error(last.pixels, truth.pixels), flip_map)
+
+
+def _known(methods: Sequence[str] | None) -> list[str]:
+    names = list(dict.fromkeys(methods or eclat.METHODS))
+    for name in names:
+        if name not in eclat.METHODS:
+            known = ", ".join(eclat.METHODS)
+            raise EclatError(f"methods: expected some of {known}, got {name!r}{did_you_mean(name, eclat.METHODS)}")
+    return names
+
+
+def _options(name: str, max_error: float) -> Any:
+    options: Any = eclat.METHODS[name]()
+    if any(f.name == "max_error" for f in fields(options)):
+        options = replace(options, max_error=max_error)
+    return options
+
+
+def _labelled(progress: ProgressReport | None, label: str) -> ProgressReport | None:
+    """Reports under a name that says which of the many renderings it is."""
+    if progress is None:
+        return None
+    report = progress
+    return lambda phase, fraction, statistics: report(f"{label}: {phase}", fraction, statistics)
