@@ -155,7 +155,7 @@ def sun_sky(
         length = float(np.linalg.norm(to_sun))
         to_sun = to_sun / length if length > 1e-9 else np.array([0.0, 0.0, -1.0])
 
-    irradiance = np.zeros(3)
+    irradiance: FloatArray = np.zeros(3)
     light = environment = None
     if parts != "sky" and elevation > 0:
         irradiance = sun_scale * sun_irradiance(math.radians(90 - elevation), turbidity)
@@ -190,7 +190,8 @@ def sky_radiance(directions: FloatArray, to_sun: FloatArray, turbidity: float) -
         for z, c in zip(zenith, PEREZ_SLOPE * turbidity + PEREZ_OFFSET, strict=True)
     )
     xyz = np.stack([x / y, np.ones_like(x), (1 - x - y) / y], axis=1) * (luminance / LUMENS_PER_WATT)[:, None]
-    return np.maximum(xyz @ XYZ_TO_RGB.T, 0.0)
+    rgb: FloatArray = np.maximum(xyz @ XYZ_TO_RGB.T, 0.0)
+    return rgb
 
 
 def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
@@ -209,7 +210,8 @@ def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
     radiance = 1.191043e-16 / (wavelength * 1e-9) ** 5 / np.expm1(1.438777e-2 / (wavelength * 1e-9 * 5772.0)) * 1e-9
     spectrum = solid_angle * radiance * np.exp(-air_mass * (rayleigh + aerosol + ozone))
     xyz = 683.0 * 5.0 * (_color_matching(wavelength) @ spectrum) / LUMENS_PER_WATT
-    return np.maximum(XYZ_TO_RGB @ xyz, 0.0)
+    rgb: FloatArray = np.maximum(XYZ_TO_RGB @ xyz, 0.0)
+    return rgb
 
 
 def horizontal_irradiance(environment: Environment) -> FloatArray:
@@ -217,12 +219,14 @@ def horizontal_irradiance(environment: Environment) -> FloatArray:
     height, width = environment.image.shape[:2]
     edges = np.cos(np.linspace(0.0, math.pi, height + 1))
     weights = math.pi * np.maximum(edges[:-1], 0) ** 2 - math.pi * np.maximum(edges[1:], 0) ** 2
-    return np.einsum("h,hwc->c", weights / width, environment.image.astype(np.float64))
+    irradiance: FloatArray = np.einsum("h,hwc->c", weights / width, environment.image.astype(np.float64))
+    return irradiance
 
 
 def _perez(coefficients: FloatArray, cos_theta: FloatArray, gamma: FloatArray) -> FloatArray:
     a, b, c, d, e = coefficients
-    return (1 + a * np.exp(b / cos_theta)) * (1 + c * np.exp(d * gamma) + e * np.cos(gamma) ** 2)
+    value: FloatArray = (1 + a * np.exp(b / cos_theta)) * (1 + c * np.exp(d * gamma) + e * np.cos(gamma) ** 2)
+    return value
 
 
 def _sky_image(
@@ -248,7 +252,7 @@ def _sky_image(
 
 def _dusk(elevation: float) -> float:
     """Brightness relative to sunset: civil twilight ends (−6°) at about 1/200, astronomical (−18°) is the floor."""
-    return 200.0 ** (max(elevation, -18.0) / 6)
+    return float(200.0 ** (max(elevation, -18.0) / 6))
 
 
 def _color_matching(wavelength: FloatArray) -> FloatArray:

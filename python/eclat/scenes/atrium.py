@@ -14,6 +14,7 @@ from eclat.scene import Camera, FloatArray, Material, Mesh, Scene, Texture, Valu
 from eclat.scenes import architecture as parts
 from eclat.scenes.geometry import Point2, Solid, arch, box, extrude, groin_vault, half_circle, join, mesh, ring
 from eclat.sky import sun_direction, sun_sky
+from eclat.tone import srgb_encode
 
 BAY = 3.2
 """From axis to axis; a walk is one bay deep."""
@@ -246,7 +247,7 @@ def pavement_image() -> FloatArray:
     rays = _slabs(np.arctan2(z, x) * (12 / np.pi), np.full_like(x, 0.5), 0.02, seed=3)
     image = np.where((radius < 3.3)[..., None], np.array([0.62, 0.56, 0.47]) * rays[..., None], image)
     image = np.where((np.abs(radius - 3.1) < 0.2)[..., None], np.array([0.4, 0.13, 0.09]) * rays[..., None], image)
-    return _encoded(image)
+    return srgb_encode(image)
 
 
 def brick_image() -> FloatArray:
@@ -255,7 +256,7 @@ def brick_image() -> FloatArray:
     u, v = np.meshgrid(tile, tile)
     pale = ((np.floor(u) + np.floor(v)) % 2)[..., None]
     colour = np.array([0.47, 0.23, 0.13]) * (1 - pale) + np.array([0.58, 0.37, 0.24]) * pale
-    return _encoded(colour * _slabs(u, v, 0.03, seed=4)[..., None])
+    return srgb_encode(colour * _slabs(u, v, 0.03, seed=4)[..., None])
 
 
 def _slabs(u: FloatArray, v: FloatArray, joint: float, seed: int) -> FloatArray:
@@ -263,9 +264,5 @@ def _slabs(u: FloatArray, v: FloatArray, joint: float, seed: int) -> FloatArray:
     i, j = np.floor(u).astype(int), np.floor(v).astype(int)
     tones = np.random.default_rng(seed).uniform(0.86, 1.08, (64, 64))
     edge = np.minimum(0.5 - np.abs(u - i - 0.5), 0.5 - np.abs(v - j - 0.5))
-    return tones[i % 64, j % 64] * np.where(edge < joint, 0.55, 1.0)
-
-
-def _encoded(linear: FloatArray) -> FloatArray:
-    clipped = np.clip(linear, 0.0, 1.0)
-    return np.where(clipped < 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
+    brightness: FloatArray = tones[i % 64, j % 64] * np.where(edge < joint, 0.55, 1.0)
+    return brightness

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eclat.scene import Camera, Material, Mesh, Scene, Value, rgb
+from eclat.scene import Camera, FloatArray, Material, Mesh, Scene, Value, rgb
 from eclat.scenes.geometry import box
 
 Matrix = tuple[tuple[float, float, float, float], ...]
@@ -70,6 +70,6 @@ def cube(name: str, matrix: Matrix, material: Material) -> Mesh:
     return Mesh(_transformed(solid.positions, matrix), solid.triangles, material, name=name)
 
 
-def _transformed(points: np.ndarray, matrix: Matrix) -> np.ndarray:
-    affine = np.array(matrix)
+def _transformed(points: FloatArray, matrix: Matrix) -> FloatArray:
+    affine: FloatArray = np.array(matrix, dtype=np.float64)
     return points @ affine[:, :3].T + affine[:, 3]

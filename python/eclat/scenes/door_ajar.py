@@ -21,7 +21,7 @@ DOOR = (2.9, 3.8, 2.08)
 TABLE = 0.75
 
 
-def build(opening: float = 24.0, polished: bool = False) -> Scene:
+def build(opening: float = 32.0, polished: bool = False) -> Scene:
     """The view is towards the door; 1280×720.
 
     Parameters
@@ -44,7 +44,7 @@ def _rooms() -> Iterator[Mesh]:
     outline = [(-0.05, -0.1), (low, -0.1), (low, top), (high, top), (high, -0.1), (DEPTH + 0.05, -0.1)]
     outline += [(DEPTH + 0.05, HEIGHT + 0.05), (-0.05, HEIGHT + 0.05)]
     partition = extrude(outline, WALL[1] - WALL[0]).turned(-90).moved(x=sum(WALL) / 2)
-    yield mesh([shell, partition], _paint("walls", 0.72, 0.68, 0.6), "walls")
+    yield mesh([shell, partition], _paint("walls", 0.77, 0.73, 0.66), "walls")
     boards = [box((0.2 * k - 0.1 + 0.001, -0.1, -0.1), (0.2 * k + 0.1 - 0.001, 0, DEPTH + 0.1)) for k in range(42)]
     screed = box((-0.1, -0.2, -0.1), (8.1, -0.004, DEPTH + 0.1))
     yield mesh([*boards, screed], _paint("oak", 0.42, 0.27, 0.15), "floor")
@@ -56,8 +56,8 @@ def _rooms() -> Iterator[Mesh]:
         box((WALL[0] - 0.018, -0.019, high + 0.09), (WALL[0] + 0.05, 0.099, DEPTH - 0.01)),
     ]
     yield mesh(skirting, _paint("skirting", 0.75, 0.74, 0.7), "skirting")
-    lamp = Material("diffuse", {"reflectance": grey(0.5)}, name="lamp", emission=rgb(170, 145, 110))
-    yield mesh([box((6.9, HEIGHT - 0.09, 1.2), (7.3, HEIGHT - 0.04, 3.4))], lamp, "lamp")
+    lamp = Material("diffuse", {"reflectance": grey(0.5)}, name="lamp", emission=rgb(300, 255, 195))
+    yield mesh([box((6.7, HEIGHT - 0.09, 0.5), (7.5, HEIGHT - 0.04, 3.9))], lamp, "lamp")
 
 
 def _door(opening: float) -> Iterator[Mesh]:
@@ -86,7 +86,7 @@ def _door(opening: float) -> Iterator[Mesh]:
 
 
 def _furniture() -> Iterator[Mesh]:
-    walnut = _paint("walnut", 0.24, 0.13, 0.07)
+    walnut = _paint("walnut", 0.3, 0.17, 0.09)
     legs = [
         box((x - 0.03, -0.01, z - 0.03), (x + 0.03, TABLE - 0.02, z + 0.03)) for x in (2.75, 4.25) for z in (1.95, 2.65)
     ]

@@ -230,14 +230,16 @@ def _outward(solid: Solid) -> Solid:
 
 
 def _unit(vectors: FloatArray) -> FloatArray:
-    return vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    unit: FloatArray = vectors / np.linalg.norm(vectors, axis=1, keepdims=True)
+    return unit
 
 
 def _corner_angles(corners: FloatArray) -> FloatArray:
     forward = np.roll(corners, -1, axis=1) - corners
     backward = np.roll(corners, 1, axis=1) - corners
     sine = np.linalg.norm(np.cross(forward, backward), axis=2)
-    return np.arctan2(sine, np.einsum("ijk,ijk->ij", forward, backward))
+    angles: FloatArray = np.arctan2(sine, np.einsum("ijk,ijk->ij", forward, backward))
+    return angles
 
 
 def _flat_triangles(loop: FloatArray) -> IntArray:
