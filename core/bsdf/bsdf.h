@@ -1,12 +1,16 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Front door of scattering at a point: a sum of lobes in the local shading frame (z = normal). `eval` does not include
-// the cosine. Lobes that only reflect expect wo.z > 0; whoever owns the surface turns the frame of a two-sided one.
+// Front door of scattering at a point: a weighted sum of lobes in the local shading frame (z is the shading normal).
+//
+// - `eval` does not include the cosine; delta lobes are 0 there and appear in `sample` only.
+// - Lobes that reflect are 0 unless wo.z > 0 and wi.z > 0: whoever owns a two-sided surface turns the frame. Solid
+//   dielectrics take wo on either side, the inside being z < 0; thin sheets look the same from both.
+// - The makers below take parameters already looked up in textures.
 
 #pragma once
 
-#include <cstdint>
+#include <array>
 #include <optional>
 
 #include "bsdf/lobe.h"
@@ -16,115 +20,87 @@ namespace eclat {
 /// Which lobes are meant: the diffuse ones (what an irradiance cache serves), the rest (deltas included), or all.
 enum class LobeSet : uint8_t { all, diffuse, glossy };
 
-struct BsdfSample {
-    Vec3 wi;
-    Color weight;  // f · |cos| / pdf over the chosen set of lobes
-    float pdf_solid_angle = 0;
-    bool delta = false;
-    bool transmission = false;
-    float eta_ratio = 1;  // transmitted over incident index: radiance scales with its square
-};
-
-struct EvalPdf {
-    Color f;
-    float pdf_solid_angle = 0;
-};
-
 class Bsdf {
   public:
     static constexpr int capacity = 8;
 
-    void add(const Lobe& lobe) {
-        if (count_ < capacity && !is_black(lobe.color)) lobes_[count_++] = lobe;
-    }
+    Bsdf() {}  // makes no lobes: those beyond `count_` stay uninitialised
+    /// `weight` times a lobe; Lambertian ones share a place. Throws std::length_error beyond `capacity`.
+    void add(const Lobe& lobe, Color weight);
+    /// The other's lobes times `weight`: blends.
+    void append(const Bsdf& other, float weight);
 
-    /// Adds the other's lobes, scaled [a blend of two materials].
-    void append(const Bsdf& other, float weight) {
-        for (int i = 0; i < other.count_; ++i) {
-            Lobe lobe = other.lobes_[i];
-            lobe.color *= weight;
-            add(lobe);
-        }
-    }
+    int count() const { return count_; }
+    bool has(LobeSet set) const { return members(set) != 0; }
+    bool has_non_delta() const { return (members(LobeSet::all) & ~delta_) != 0; }
 
-    bool has(LobeSet set) const {
-        for (int i = 0; i < count_; ++i)
-            if (in(lobes_[i], set)) return true;
-        return false;
-    }
-    bool has_non_delta() const {
-        for (int i = 0; i < count_; ++i)
-            if (!lobes_[i].delta()) return true;
-        return false;
-    }
-
+    /// Value, and the density of `sample` over the same set.
     EvalPdf eval(Vec3 wo, Vec3 wi, LobeSet set) const {
-        EvalPdf out;
-        float total = 0;
-        for (int i = 0; i < count_; ++i) {
-            if (!in(lobes_[i], set)) continue;
-            const float p = selection(lobes_[i], wo);
-            total += p;
-            if (lobes_[i].delta()) continue;
-            const LobeEval e = lobes_[i].eval(wo, wi);
-            out.f += e.f;
-            out.pdf_solid_angle += p * e.pdf_solid_angle;
-        }
-        if (total > 0) out.pdf_solid_angle /= total;
-        return out;
+        if (!is_lambertian_) return eval_lobes(wo, wi, members(set));
+        if (set == LobeSet::glossy || !(wo.z > 0 && wi.z > 0)) return {};
+        return {entries_[0].weight * inv_pi, wi.z * inv_pi};
     }
 
-    /// Nothing where light is absorbed.
-    std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
-        float p[capacity], total = 0;
-        int chosen = -1;
-        for (int i = 0; i < count_; ++i) total += p[i] = in(lobes_[i], set) ? selection(lobes_[i], wo) : 0;
-        if (!(total > 0)) return std::nullopt;
-        float x = u_lobe * total;
-        for (int i = 0; i < count_; ++i) {
-            if (p[i] == 0) continue;
-            chosen = i;
-            if (x < p[i]) break;
-            x -= p[i];
-        }
-        const Lobe& lobe = lobes_[chosen];
-        const float u_inside = clamp(x / p[chosen], 0, 0x1.fffffep-1f);
-        const auto s = lobe.sample(wo, u_inside, u);
-        if (!s) return std::nullopt;
-        BsdfSample out{s->wi, s->weight, s->pdf_solid_angle, lobe.delta(), s->transmission, s->eta_ratio};
-        const float probability = p[chosen] / total;
-        if (lobe.delta()) {
-            out.weight *= 1 / probability;
-            out.pdf_solid_angle *= probability;
-            return out;
-        }
-        if (count_ == 1) return out;
-        const EvalPdf all = eval(wo, out.wi, set);
-        if (!(all.pdf_solid_angle > 0)) return std::nullopt;
-        out.pdf_solid_angle = all.pdf_solid_angle;
-        out.weight = all.f * (std::fabs(out.wi.z) / all.pdf_solid_angle);
-        return out;
-    }
+    /// A direction that light comes from; nothing where it is absorbed. `u_lobe` and `u` are in [0, 1).
+    std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const;
 
-    /// ρ_d(wo): what the diffuse lobes reflect under uniform light, so that their indirect radiance is ρ_d / π · E.
+    /// ρ_d(wo): what the diffuse lobes reflect under uniform light; their indirect radiance is ρ_d / π · E.
     Color diffuse_albedo(Vec3 wo) const { return albedo(wo, LobeSet::diffuse); }
 
-    /// Directional albedo; approximate for rough lobes.
-    Color albedo(Vec3 wo, LobeSet set = LobeSet::all) const {
-        Color sum;
-        for (int i = 0; i < count_; ++i)
-            if (in(lobes_[i], set)) sum += lobes_[i].albedo(wo);
-        return sum;
-    }
+    /// Directional albedo: exact for diffuse and delta lobes, an estimate for rough ones.
+    Color albedo(Vec3 wo, LobeSet set = LobeSet::all) const;
 
   private:
-    static bool in(const Lobe& lobe, LobeSet set) {
-        return set == LobeSet::all || (set == LobeSet::diffuse) == lobe.diffuse();
-    }
-    static float selection(const Lobe& lobe, Vec3 wo) { return luminance(lobe.albedo(wo)) + 1e-4f * mean(lobe.color); }
+    struct Entry {
+        Lobe lobe;
+        Color weight;
+    };
+    using Mask = uint32_t;  // bit i for lobe i
 
-    Lobe lobes_[capacity];
+    Mask members(LobeSet set) const {
+        const Mask all = (Mask(1) << count_) - 1;
+        return set == LobeSet::all ? all : set == LobeSet::diffuse ? diffuse_ : all & ~diffuse_;
+    }
+    EvalPdf eval_lobes(Vec3 wo, Vec3 wi, Mask set) const;
+    float select(Vec3 wo, Mask set, std::array<float, capacity>& probability) const;
+
+    union {
+        std::array<Entry, capacity> entries_;
+    };
     int count_ = 0;
+    Mask diffuse_ = 0, delta_ = 0;
+    bool is_lambertian_ = false;  // one diffuse lobe with the same value everywhere: the fast path
 };
+
+// --- makers, one per kind of material; α below `smallest_alpha` is smooth -----------------------------------------
+
+Bsdf make_diffuse(Color reflectance);
+
+Bsdf make_phong(Color diffuse, Color specular, float exponent);
+
+Bsdf make_ward(Color diffuse, Color specular, float alpha_u, float alpha_v);
+
+/// Complex index eta + i·k relative to the outside; `specular` multiplies.
+Bsdf make_conductor(Color eta, Color k, Color specular, float alpha_u, float alpha_v, Distribution distribution);
+
+/// `ior` is the inside's index over the outside's.
+Bsdf make_dielectric(float ior, float alpha_u, float alpha_v, Color reflection, Color transmission,
+                     Distribution distribution);
+
+Bsdf make_thin_dielectric(float ior, Color reflection, Color transmission);
+
+/// `table` must outlive the result.
+Bsdf make_plastic(const PlasticTable& table, Color diffuse, Color specular, Distribution distribution, bool nonlinear);
+
+struct MetallicRoughness {
+    Color base_color{1};
+    float metallic = 0, alpha = 0.5f, ior = 1.5f, specular = 1;
+    Color specular_color{1};
+    float transmission = 0;
+    bool thin =
+        true;  ///< transmission goes straight through; else wo.z < 0 is inside, and the frame must not be turned
+};
+
+Bsdf make_metallic_roughness(const MetallicRoughness& p);
 
 }  // namespace eclat

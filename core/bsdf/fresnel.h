@@ -1,41 +1,49 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How much a smooth interface reflects.
+// Fresnel reflectance of smooth interfaces, unpolarised light.
+//
+// References   [BornWolf99] dielectrics and conductors, [Schlick94], [Duntley42] diffuse light
 
 #pragma once
 
 #include "base/color.h"
+#include "base/vec.h"
 
 namespace eclat {
 
-struct DielectricFresnel {
-    float reflectance;
-    float cos_t;  // of the refracted direction, signed opposite to cos_i; 0 at total reflection
-    float eta_i_over_t;
+struct Refraction {
+    float reflectance = 1;
+    float cos_t = 0;  ///< cosine of the refracted direction, 0 at total reflection
 };
 
-/// Unpolarised reflectance of a dielectric; `ior` = inside / outside, `cos_i` < 0 is inside [Walter07 eq. 22].
-inline DielectricFresnel fresnel_dielectric(float cos_i, float ior) {
-    const bool outside = cos_i >= 0;
-    const float eta = outside ? ior : 1 / ior;
-    const float c = std::fabs(cos_i);
-    const float cos2_t = 1 - (1 - c * c) / (eta * eta);
-    if (cos2_t <= 0) return {1, 0, 1 / eta};
-    const float t = std::sqrt(cos2_t);
-    const float rs = (c - eta * t) / (c + eta * t), rp = (t - eta * c) / (t + eta * c);
-    return {0.5f * (rs * rs + rp * rp), outside ? -t : t, 1 / eta};
+/// Dielectric interface hit at `cos_i` ≥ 0 from the side of wo; `eta` is the index beyond over the index before.
+inline Refraction fresnel_dielectric(float cos_i, float eta) {
+    if (eta == 1) return {0, cos_i};
+    const float sin2_t = (1 - cos_i * cos_i) / (eta * eta);
+    if (sin2_t >= 1) return {1, 0};
+    const float cos_t = safe_sqrt(1 - sin2_t);
+    const float r_s = (cos_i - eta * cos_t) / (cos_i + eta * cos_t);
+    const float r_p = (eta * cos_i - cos_t) / (eta * cos_i + cos_t);
+    return {0.5f * (r_s * r_s + r_p * r_p), cos_t};
 }
 
-/// Unpolarised reflectance of a conductor with complex index eta − ik, one channel [BornWolf99 sec. 14.2].
+/// Unit vector into which `wo` refracts at a facet with normal `m`, dot(wo, m) = cos_i > 0.
+inline Vec3 refracted(Vec3 wo, Vec3 m, float cos_i, float cos_t, float eta) {
+    return m * (cos_i / eta - cos_t) - wo * (1 / eta);
+}
+
+/// Conductor with the complex index eta + i·k, relative to the outside [BornWolf99 sec. 14.2].
 inline float fresnel_conductor(float cos_i, float eta, float k) {
-    const float c2 = cos_i * cos_i, s2 = 1 - c2;
-    const float t0 = eta * eta - k * k - s2;
-    const float a2b2 = safe_sqrt(t0 * t0 + 4 * eta * eta * k * k);
-    const float t1 = a2b2 + c2, a = safe_sqrt(0.5f * (a2b2 + t0)), t2 = 2 * a * cos_i;
-    const float rs = (t1 - t2) / (t1 + t2);
-    const float t3 = a2b2 * c2 + s2 * s2, t4 = t2 * s2;
-    return 0.5f * (rs + rs * (t3 - t4) / (t3 + t4));
+    const float cos2 = cos_i * cos_i, sin2 = 1 - cos2;
+    // (a + i·b)² = (eta + i·k)² − sin²θ
+    const float re = eta * eta - k * k - sin2;
+    const float norm = std::sqrt(re * re + 4 * eta * eta * k * k);  // a² + b²
+    const float a2_cos = 2 * cos_i * safe_sqrt(0.5f * (norm + re));
+    const float r_s = (norm + cos2 - a2_cos) / (norm + cos2 + a2_cos);
+    const float even = cos2 * norm + sin2 * sin2, odd = a2_cos * sin2;
+    const float r_p = r_s * (even - odd) / (even + odd);
+    return 0.5f * (r_s + r_p);
 }
 
 inline Color fresnel_conductor(float cos_i, Color eta, Color k) {
@@ -43,21 +51,31 @@ inline Color fresnel_conductor(float cos_i, Color eta, Color k) {
             fresnel_conductor(cos_i, eta.b, k.b)};
 }
 
-/// [Schlick94 eq. 15]
-inline Color fresnel_schlick(float cos_i, Color f0, Color f90) {
-    const float m = clamp(1 - cos_i, 0, 1);
-    return f0 + (f90 - f0) * (m * m * m * m * m);
+/// (1 − cosθ)⁵, the weight of the reflectance at grazing angles [Schlick94 eq. 15].
+inline float schlick_weight(float cos_i) {
+    const float c = clamp(1 - cos_i, 0, 1);
+    return sqr(sqr(c)) * c;
 }
 
-/// Diffuse reflectance of a dielectric for light arriving from outside, uniformly over the hemisphere:
-/// 2 ∫ F(μ) μ dμ by the midpoint rule (256 points: error below 10⁻⁵).
-inline float fresnel_diffuse_reflectance(float ior) {
+inline Color fresnel_schlick(float cos_i, Color f0, Color f90) {
+    const float w = schlick_weight(cos_i);
+    return f0 * (1 - w) + f90 * w;
+}
+
+/// Reflectance at normal incidence.
+inline float fresnel_normal(float ior) { return sqr((ior - 1) / (ior + 1)); }
+
+/// Reflectance of a dielectric interface under uniform diffuse light: 2 ∫ F(μ) μ dμ, for any `eta` > 0.
+inline float diffuse_fresnel_reflectance(float eta) {
+    // From the dense side, most of the integral is total reflection: take it from the other side [Duntley42].
+    if (eta < 1) return 1 - (1 - diffuse_fresnel_reflectance(1 / eta)) * eta * eta;
+    constexpr int n = 512;  // midpoint rule, error below 1e-6 for eta in [1, 3]
     double sum = 0;
-    for (int i = 0; i < 256; ++i) {
-        const float mu = (static_cast<float>(i) + 0.5f) / 256;
-        sum += 2.0 * mu * fresnel_dielectric(mu, ior).reflectance / 256;
+    for (int i = 0; i < n; ++i) {
+        const double mu = (i + 0.5) / n;
+        sum += double(fresnel_dielectric(float(mu), eta).reflectance) * 2 * mu / n;
     }
-    return static_cast<float>(sum);
+    return float(sum);
 }
 
 }  // namespace eclat

@@ -1,59 +1,67 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Microfacet normal distributions, anisotropic: GGX [Walter07 eq. 33] and Beckmann [Walter07 eq. 25], with separable
-// Smith masking, sampled by visible normals (GGX, [Heitz18]) or by normals (Beckmann).
+// Rough surfaces as facets: distribution of their normals, masking, sampling of the visible ones.
+//
+// References   [Walter07], [Heitz14]; ggx.h and beckmann.h hold the two distributions
 
 #pragma once
 
-#include "base/vec.h"
+#include "bsdf/beckmann.h"
+#include "bsdf/ggx.h"
 
 namespace eclat {
 
+enum class Distribution : uint8_t { ggx, beckmann };
+
+/// Masking and shadowing: independent of each other, or correlated by height (GGX only) [Heitz14 sec. 6].
+enum class Masking : uint8_t { separable, correlated };
+
+/// Below this, an interface is treated as smooth: single precision no longer resolves the peak.
+constexpr float smallest_alpha = 1e-3f;
+
 struct Microfacets {
-    float ax = 0.1f, ay = 0.1f;
-    bool beckmann = false;
+    float alpha_u = 0.1f, alpha_v = 0.1f;
+    Distribution distribution = Distribution::ggx;
+    Masking masking = Masking::separable;
 
-    float d(Vec3 h) const {
-        if (h.z <= 0) return 0;
-        const float x = h.x / ax, y = h.y / ay, z2 = h.z * h.z;
-        if (beckmann) return std::exp(-(x * x + y * y) / z2) / (pi * ax * ay * z2 * z2);
-        const float s = x * x + y * y + z2;
-        return 1 / (pi * ax * ay * s * s);
+    Microfacets() = default;
+    Microfacets(float au, float av, Distribution d, Masking m = Masking::separable)
+        : alpha_u(std::max(au, smallest_alpha)), alpha_v(std::max(av, smallest_alpha)), distribution(d), masking(m) {}
+
+    static bool smooth(float alpha_u, float alpha_v) { return std::max(alpha_u, alpha_v) < smallest_alpha; }
+
+    /// D(m), m.z > 0.
+    float density(Vec3 m) const {
+        return distribution == Distribution::ggx ? ggx_density(m, alpha_u, alpha_v)
+                                                 : beckmann_density(m, alpha_u, alpha_v);
     }
 
-    /// Smith masking of one direction; zero where it sees the micro-normal's back.
-    float g1(Vec3 w, Vec3 h) const {
-        if (dot(w, h) * w.z <= 0) return 0;
-        const float slope2 = (sqr(ax * w.x) + sqr(ay * w.y)) / (w.z * w.z);
-        if (slope2 == 0) return 1;
-        if (!beckmann) return 2 / (1 + std::sqrt(1 + slope2));
-        const float a = 1 / std::sqrt(slope2);
-        if (a >= 1.6f) return 1;
-        // Rational fit of the error-function form, relative error below 0.35 % [Walter07 eq. 27].
-        return (3.535f * a + 2.181f * a * a) / (1 + 2.276f * a + 2.577f * a * a);
+    /// σ(w) = w.z / G1(w): the normaliser of the density of visible normals.
+    float visible_area(Vec3 w) const {
+        return distribution == Distribution::ggx ? ggx_visible_area(w, alpha_u, alpha_v)
+                                                 : beckmann_visible_area(w, alpha_u, alpha_v);
     }
 
-    /// A micro-normal for `w` with w.z > 0.
-    Vec3 sample(Vec3 w, Vec2 u) const {
-        if (beckmann) {
-            const float phi = 2 * pi * u.y, r = std::sqrt(-std::log(1 - u.x));
-            return normalize({ax * r * std::cos(phi), ay * r * std::sin(phi), 1});
-        }
-        const Vec3 v = normalize({ax * w.x, ay * w.y, w.z});
-        const float l2 = v.x * v.x + v.y * v.y;
-        const Vec3 t1 = l2 > 0 ? Vec3{-v.y, v.x, 0} / std::sqrt(l2) : Vec3{1, 0, 0}, t2 = cross(v, t1);
-        const float r = std::sqrt(u.x), phi = 2 * pi * u.y, s = 0.5f * (1 + v.z);
-        const float p1 = r * std::cos(phi);
-        const float p2 = (1 - s) * safe_sqrt(1 - p1 * p1) + s * r * std::sin(phi);
-        const Vec3 n = t1 * p1 + t2 * p2 + v * safe_sqrt(1 - p1 * p1 - p2 * p2);
-        return normalize({ax * n.x, ay * n.y, std::max(1e-6f, n.z)});
+    /// G1(w), w.z > 0: the share that no other facet hides.
+    float unmasked(Vec3 w) const {
+        return w.z / (distribution == Distribution::ggx ? ggx_visible_area(w, alpha_u, alpha_v)
+                                                        : beckmann_fitted_area(w, alpha_u, alpha_v));
     }
 
-    /// Density of `sample` over micro-normals.
-    float pdf(Vec3 w, Vec3 h) const {
-        if (beckmann) return d(h) * h.z;
-        return g1(w, h) * std::fabs(dot(w, h)) * d(h) / std::fabs(w.z);
+    /// G2(a, b) / (4 a.z b.z), for directions on the upper side (mirror a refracted one).
+    float visibility(Vec3 a, Vec3 b) const {
+        if (distribution == Distribution::beckmann)
+            return 0.25f / (beckmann_fitted_area(a, alpha_u, alpha_v) * beckmann_fitted_area(b, alpha_u, alpha_v));
+        const float s_a = ggx_stretch(a, alpha_u, alpha_v), s_b = ggx_stretch(b, alpha_u, alpha_v);
+        if (masking == Masking::correlated) return 0.5f / (a.z * s_b + b.z * s_a);  // [Heitz14 eq. 99]
+        return 1 / ((a.z + s_a) * (b.z + s_b));
+    }
+
+    /// Normal with density D(m) · max(0, dot(wo, m)) / σ(wo), wo.z > 0.
+    Vec3 sample_visible_normal(Vec3 wo, Vec2 u) const {
+        return distribution == Distribution::ggx ? sample_ggx_visible_normal(wo, u, alpha_u, alpha_v)
+                                                 : sample_beckmann_visible_normal(wo, u, alpha_u, alpha_v);
     }
 };
 

@@ -46,7 +46,8 @@ struct Material {
 
     bool transmits = false;  // some light goes through, so one-sidedness does not apply
     bool refracts = false;   // inside and outside differ, so its frame is never turned towards the viewer
-    float internal_reflectance = 0, external_reflectance = 0;  // plastic: of diffuse light; see `prepare`
+    PlasticTable coat;       // plastic only
+    int lobes = 1;           // that a point of it may need, at most
 
     /// Its lobes depend on directions in the tangent plane.
     bool anisotropic() const {
