@@ -11,6 +11,8 @@ namespace eclat {
 
 namespace {
 
+constexpr float sin_10_degrees_squared = 0.030154f;
+
 float sin_wall(int j, int rows) { return std::sqrt(static_cast<float>(j) / static_cast<float>(rows)); }
 float cos_wall(int j, int rows) { return safe_sqrt(1 - static_cast<float>(j) / static_cast<float>(rows)); }
 
@@ -85,11 +87,30 @@ float harmonic_mean_distance(const HemisphereSamples& samples) {
 }
 
 float minimum_distance(const HemisphereSamples& samples) {
-    constexpr float cos_80_degrees_squared = 0.030154f;  // sin² of 10°
     float least = infinity;
-    for (int j = 0; j < samples.rows && sqr(cos_wall(j + 1, samples.rows)) > cos_80_degrees_squared; ++j)
+    for (int j = 0; j < samples.rows && sqr(cos_wall(j + 1, samples.rows)) > sin_10_degrees_squared; ++j)
         for (int k = 0; k < samples.columns; ++k) least = std::min(least, samples.r(j, k));
     return least;
+}
+
+int clearance_sector(const Frame& frame, Vec3 d) {
+    const float turns = std::atan2(dot(d, frame.v), dot(d, frame.u)) * (0.5f * inv_pi) + 0.5f;
+    return std::min(static_cast<int>(turns * 12), 11);
+}
+
+std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {
+    std::array<float, 12> out;
+    out.fill(infinity);
+    const Frame frame = Frame::around(samples.frame.n);
+    for (int k = 0; k < samples.columns; ++k) {
+        const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(samples.columns);
+        float& sector = out[clearance_sector(frame, tangent(samples.frame, phi))];
+        for (int j = samples.rows / 2; j < samples.rows && sqr(cos_wall(j + 1, samples.rows)) > sin_10_degrees_squared; ++j) {
+            const float s = std::sqrt((static_cast<float>(j) + 0.5f) / static_cast<float>(samples.rows));
+            sector = std::min(sector, samples.r(j, k) * s);
+        }
+    }
+    return out;
 }
 
 }  // namespace eclat

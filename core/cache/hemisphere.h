@@ -39,4 +39,10 @@ float harmonic_mean_distance(const HemisphereSamples& samples);
 /// left, or its neighbouring facets.
 float minimum_distance(const HemisphereSamples& samples);
 
+/// Least horizontal distance to what stands beside the point (seen 10° to 45° above the horizon) per sector of azimuth
+/// in Frame::around(normal); infinite where nothing does.
+std::array<float, 12> sector_clearance(const HemisphereSamples& samples);
+/// The sector of that frame in which the tangential vector `d` points.
+int clearance_sector(const Frame& frame, Vec3 d);
+
 }  // namespace eclat

@@ -3,7 +3,10 @@
 
 #include "cache/irradiance_cache.h"
 
+#include <algorithm>
+
 #include "base/parallel.h"
+#include "cache/hemisphere.h"
 
 namespace eclat {
 
@@ -15,7 +18,20 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
     for (const auto& r : records_) spheres.push_back({r.position, r.radius * options_.relaxation});
     tree_ = SphereTree(std::move(spheres));
     footings_.clear();
-    for (uint32_t i : tree_.order()) footings_.push_back({records_[i].position, records_[i].radius, records_[i].normal});
+    for (uint32_t i : tree_.order()) {
+        const IrradianceRecord& r = records_[i];
+        const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
+        footings_.push_back({r.position, r.radius, r.normal, nearest});
+    }
+}
+
+float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
+    const Footing& footing = footings_[slot];
+    const float w = weight(footing, p, n, options_.weight, relaxation);
+    if (w <= 0 || distance2 <= sqr(footing.clearance)) return w;
+    // The lower bound of the radius may reach through a thin wall: what stands in that direction ends the validity.
+    const int sector = clearance_sector(Frame::around(footing.normal), p - footing.position);
+    return distance2 <= sqr(records_[tree_.order()[slot]].clearance[sector]) ? w : 0;
 }
 
 // Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
@@ -45,15 +61,15 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
 
 bool RecordCache::serves(Vec3 p, Vec3 n) const {
     bool served = false;
-    tree_.for_each_around(p, [&](uint32_t slot, float) {
-        served = served || weight(footings_[slot], p, n, options_.weight, 1) > 0;
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
+        served = served || weight_of(slot, p, n, d2, 1) > 0;
     });
     return served;
 }
 
 float RecordCache::density(Vec3 p, Vec3 n) const {
     float sum = 0;
-    tree_.for_each_around(p, [&](uint32_t slot, float) { sum += weight(footings_[slot], p, n, options_.weight, 1); });
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) { sum += weight_of(slot, p, n, d2, 1); });
     return sum;
 }
 
@@ -73,8 +89,8 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) c
 std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 n, float* mean_radius) const {
     Color sum;
     float weights = 0, radii = 0;
-    tree_.for_each_around(p, [&](uint32_t slot, float) {
-        const float w = weight(footings_[slot], p, n, options_.weight, options_.relaxation);
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
+        const float w = weight_of(slot, p, n, d2, options_.relaxation);
         if (w <= 0) return;
         sum += extrapolate(records_[tree_.order()[slot]], p, n) * w;
         weights += w;

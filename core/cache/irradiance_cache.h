@@ -41,6 +41,8 @@ class RecordCache {
     const CacheOptions& options() const { return options_; }
 
   private:
+    /// The record's weight at the point; 0 also where geometry stands between them.
+    float weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const;
     void clamp_to_neighbors(float spacing, int threads);
     Color extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) const;
 

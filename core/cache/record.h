@@ -28,6 +28,9 @@ struct IrradianceRecord {
     float distance = 0;  // R_k: the mean or least distance to what the record sees, limited by the gradient
     float radius = 0;    // within which it is valid: a part of R_k, clamped to its neighbours and its bounds
     float least_radius = 0, largest_radius = infinity;  // its bounds, from the size of a pixel there
+    /// Per sector of azimuth in Frame::around(normal): how far one can walk before geometry stands in the way. What
+    /// lies beyond may be another room.
+    std::array<float, 12> clearance{};
 };
 static_assert(sizeof(IrradianceRecord) <= 200);
 

@@ -24,6 +24,7 @@ struct Footing {
     Vec3 position;
     float radius;
     Vec3 normal;
+    float clearance;  // the least of the record's sectors
 };
 
 /// 0 where the record does not serve the point.

@@ -83,6 +83,7 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     record.rotation = rotation_gradient(samples);
     record.translation = translation_gradient(samples);
     record.distance = options.distance == Spacing::minimum ? minimum_distance(samples) : harmonic_mean_distance(samples);
+    record.clearance = sector_clearance(samples);
     record.least_radius = options.least_pixels * candidate.footprint;
     record.largest_radius = options.largest_pixels * candidate.footprint;
     return record;

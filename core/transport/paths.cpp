@@ -9,8 +9,9 @@ namespace eclat {
 
 namespace {
 
-// A shadow ray ends this fraction short of the light, so that it does not meet the light itself: 16 ulps of a float.
-constexpr float shadow_shortening = 1 - 0x1p-19f;
+// A shadow ray ends this fraction short of the light, so that it does not meet the light itself: a point sampled in
+// solid angle is found by intersecting the light's plane, to some hundred ulps.
+constexpr float shadow_shortening = 1 - 0x1p-13f;
 
 /// How much of the light that a direction finds has not been counted by next-event estimation.
 enum class Arrival : uint8_t { whole, weighted, none };

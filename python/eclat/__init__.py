@@ -10,8 +10,7 @@ from typing import TYPE_CHECKING, Any
 if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.image import Image
-    from eclat.loaders import load
-    from eclat.loaders.mitsuba import load_dict
+    from eclat.loaders import load, load_dict
     from eclat.options import METHODS, Direct, IrradianceCache, Path
     from eclat.rendering import irradiance, render, solve
     from eclat.scene import Scene
@@ -19,7 +18,7 @@ if TYPE_CHECKING:
 
 _HOMES = {
     "load": "eclat.loaders",
-    "load_dict": "eclat.loaders.mitsuba",
+    "load_dict": "eclat.loaders",
     "solve": "eclat.rendering",
     "render": "eclat.rendering",
     "irradiance": "eclat.rendering",

@@ -169,10 +169,8 @@ def compare(
     results = []
     for name in names:
         images = []
-        for level in range(effort.levels):
-            label = f"{name} {level + 1}/{effort.levels}"
-            bounds, max_error = effort.at(level)
-            options = _options(name, max_error)
+        for options, bounds in _levels(name, effort):
+            label = f"{name}, level {len(images) + 1}"
             keywords = {**common, **bounds, "seed": seed, "progress": _labelled(progress, label)}
             images.append(eclat.render(scene, options, **keywords))
         results.append(_measured(name, images, reference, truth, shown_at))
@@ -186,7 +184,12 @@ def render_reference(
     path = eclat.METHODS["path"]()
     pictures = [
         eclat.render(
-            scene, path, samples=samples, seed=seed ^ other, progress=_labelled(progress, f"reference {i}/2"), **common
+            scene,
+            path,
+            samples=samples,
+            seed=seed ^ other,
+            progress=_labelled(progress, f"reference {i} of 2"),
+            **common,
         )
         for i, other in enumerate(REFERENCE_SEEDS, 1)
     ]
@@ -241,11 +244,17 @@ def _known(methods: Sequence[str] | None) -> list[str]:
     return names
 
 
-def _options(name: str, max_error: float) -> Any:
-    options: Any = eclat.METHODS[name]()
-    if any(f.name == "max_error" for f in fields(options)):
-        options = replace(options, max_error=max_error)
-    return options
+def _levels(name: str, effort: Effort) -> list[tuple[Any, dict[str, Any]]]:
+    """Options and other arguments of `render`, level by level; levels that would be the same are one."""
+    levels: list[tuple[Any, dict[str, Any]]] = []
+    for level in range(effort.levels):
+        bounds, max_error = effort.at(level)
+        options: Any = eclat.METHODS[name]()
+        if any(f.name == "max_error" for f in fields(options)):
+            options = replace(options, max_error=max_error)
+        if (options, bounds) not in levels:
+            levels.append((options, bounds))
+    return levels
 
 
 def _labelled(progress: ProgressReport | None, label: str) -> ProgressReport | None:

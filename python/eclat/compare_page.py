@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
 from eclat.colormaps import AMOUNT, SIGNED, Anchors, colored
-from eclat.metrics import PIXELS_PER_DEGREE, has_flip
+from eclat.metrics import PIXELS_PER_DEGREE, Float64, has_flip, signed_error
 from eclat.svg_plot import log_log_plot
 from eclat.tone import to_display
 
@@ -29,8 +29,9 @@ h1, h2 { font-weight: 600; line-height: 1.2; } h2 { margin-top: 2.5rem; }
 table { border-collapse: collapse; font-variant-numeric: tabular-nums; }
 th, td { padding: .3rem .8rem; text-align: right; border-bottom: 1px solid rgb(128 128 128 / 30%); }
 th:first-child, td:first-child { text-align: left; } tr.last td { font-weight: 600; }
-.row { display: grid; grid-template-columns: repeat(auto-fit, minmax(min(100%, 320px), 1fr)); gap: 1rem; }
-figure { margin: 0; } figure img { width: 100%; display: block; } figcaption { font-size: 13px; margin-top: .3rem; }
+.row { display: grid; grid-template-columns: repeat(auto-fill, minmax(min(100%, 320px), 1fr)); gap: 1rem; }
+figure { margin: 0; } figure > img { width: 100%; height: auto; display: block; }
+figcaption { font-size: 13px; margin-top: .3rem; }
 .scale { display: flex; align-items: center; gap: .5rem; } .scale img { width: 160px; height: 10px; }
 svg { max-width: 760px; width: 100%; } .scroll { overflow-x: auto; }
 """
@@ -50,7 +51,7 @@ def compare_page(comparison: Comparison) -> str:
         "<h2>Error against time</h2>",
         _plot(comparison),
         "<h2>Reference</h2>",
-        _reference(comparison),
+        _reference(comparison, scale),
         *(_method(result, comparison.exposure, scale) for result in comparison.results),
     ]
     head = f'<meta charset="utf-8"><meta name="viewport" content="width=device-width"><title>{escape(title)}</title>'
@@ -77,7 +78,7 @@ def percent(value: float | None) -> str:
     """`1.23 %`; a dash where there is no number."""
     if value is None or not math.isfinite(value):
         return "–"
-    return f"{100 * value:.3g} %"
+    return f"{100 * value:.0f} %" if value >= 0.9995 else f"{100 * value:#.3g} %"
 
 
 def _summary(comparison: Comparison) -> str:
@@ -124,12 +125,15 @@ def _count(value: float | None) -> str:
 
 def _plot(comparison: Comparison) -> str:
     series = {r.method: [(m.seconds, m.error) for m in r.measurements] for r in comparison.results}
-    return log_log_plot(series, "seconds", "relative error", percent)
+    return log_log_plot(series, "seconds", "relative error", lambda error: f"{100 * error:g} %")
 
 
-def _reference(comparison: Comparison) -> str:
-    truth = comparison.reference.image
-    figures = [_figure(to_display(truth.pixels, comparison.exposure), "reference", "The mean of the references.")]
+def _reference(comparison: Comparison, scale: float) -> str:
+    reference, truth = comparison.reference, comparison.reference.image.pixels
+    figures = [_figure(to_display(truth, comparison.exposure), "reference: picture", "Picture")]
+    if reference.noise is not None:
+        half = (reference.a.pixels - reference.b.pixels) / 2
+        figures.append(_error_figure(signed_error(truth + half, truth), scale, "reference: noise", "Noise"))
     return f'<div class="row">{"".join(figures)}</div>'
 
 
@@ -137,18 +141,19 @@ def _method(result: MethodResult, exposure: float, scale: float) -> str:
     last, name = result.measurements[-1], escape(result.method)
     figures = [
         _figure(to_display(result.image.pixels, exposure), f"{result.method}: picture", "Picture"),
-        _figure(
-            colored(result.signed_error / scale, SIGNED),
-            f"{result.method}: signed error",
-            "Signed relative error: blue is too dark, red too bright"
-            + _legend(SIGNED, f"−{percent(scale)}", percent(scale)),
-        ),
+        _error_figure(result.signed_error, scale, f"{result.method}: signed error", "Signed relative error"),
     ]
     if result.flip_map is not None:
         caption = "FLIP" + _legend(AMOUNT, "0", "1")
         figures.append(_figure(colored(result.flip_map, AMOUNT), f"{result.method}: FLIP", caption))
     headline = f"{name}: {percent(last.error)} in {last.seconds:.2f} s"
     return f'<h2>{headline}</h2>\n<div class="row">{"".join(figures)}</div>'
+
+
+def _error_figure(error: Float64, scale: float, alternative: str, caption: str) -> str:
+    end = f"{100 * scale:g} %"
+    legend = _legend(SIGNED, f"too dark −{end}", f"{end} too bright")
+    return _figure(colored(error / scale, SIGNED), alternative, caption + legend)
 
 
 def _figure(picture: NDArray[np.uint8], alternative: str, caption: str) -> str:

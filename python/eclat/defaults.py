@@ -13,7 +13,7 @@ from typing import Literal
 import numpy as np
 
 from eclat.errors import EclatError, warn
-from eclat.framing import framed_camera, sphere_directions, surface
+from eclat.framing import framed_camera, sky_above, sphere_directions, surface
 from eclat.loaders.files import read_bytes
 from eclat.loaders.images import read_image_file
 from eclat.scene import (
@@ -222,12 +222,12 @@ def _lamp(scene: Scene, camera: Camera) -> Mesh:
     up = upright_frame(scene.up)[:, 1]
     place = matrix[:3, 3]
     ahead = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
-    for direction, part in ((ahead, 0.3), (up, 0.72)):
+    for direction, part in ((ahead, 0.12), (up, 0.72)):
         free = float(_distances(corners, place, direction[None])[0])
         place = place + direction * (part * free if math.isfinite(free) else 0.0)
     distances = _distances(corners, place, sphere_directions(128))
     distances = distances[np.isfinite(distances)]
-    radius = 0.2 * float(distances.min())
+    radius = 0.15 * float(distances.min())
     # In a cavity of area A and reflectance ½, a flux of π A gives a radiance near 1; A is about 4π times the mean
     # square distance, the flux π · 4π radius² times the lamp's radiance.
     radiance = float(np.mean(distances**2)) / radius**2 * (LUMENS_PER_WATT if scene.photometric else 1.0)
@@ -246,19 +246,8 @@ def _openness(scene: Scene, camera: Camera) -> float:
 
 
 def _rays_escape(scene: Scene, camera: Camera) -> bool:
-    """Whether rays from the camera leave the scene, be it after two bounces: an arcade may hide the sky."""
-    corners = surface(scene)
-    origins = np.asarray(camera.to_world, dtype=np.float64)[:3, 3]
-    directions = sphere_directions(64)
-    order = np.random.default_rng(1)
-    for _ in range(3):
-        distances = _distances(corners, origins, directions)
-        if np.isinf(distances).any():
-            return True
-        # A little before the wall, so that the next ray starts on this side; half of the new ones meet the wall again.
-        origins = origins + 0.999 * distances[:, None] * directions
-        directions = order.permutation(directions)
-    return False
+    """Whether rays from the camera leave the scene, or rays upwards from what they meet: an arcade hides the sky."""
+    return _openness(scene, camera) > 0 or sky_above(scene, camera)
 
 
 def _distances(corners: FloatArray, origins: FloatArray, directions: FloatArray) -> FloatArray:
@@ -281,7 +270,7 @@ def _distances(corners: FloatArray, origins: FloatArray, directions: FloatArray)
         with np.errstate(divide="ignore", invalid="ignore"):
             u, v = u / slope, v / slope
             t = (np.einsum("tk,tk->t", a, normal) - start_at @ normal.T) / slope
-        hit = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0) & np.isfinite(t)
+            hit = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0) & np.isfinite(t)
         nearest = np.minimum(nearest, np.where(hit, t, np.inf).min(axis=1))
     return nearest
 

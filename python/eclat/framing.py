@@ -71,8 +71,8 @@ def framed_camera(scene: Scene) -> tuple[Camera, str]:
     if len(corners) == 0:
         return Camera(look_at((0, 0, 5), (0, 0, 0)), fov=OBJECT_FOV, fov_axis="smaller"), "nothing"
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
-    if np.max(high - low) > 0:
-        grid = _grid(corners, low, high)
+    grid = _grid(corners, low, high)
+    if grid is not None:
         eyes = _eyes(grid)
         side = _open_side(grid) if len(eyes) else None
         if side is not None:
@@ -81,6 +81,28 @@ def framed_camera(scene: Scene) -> tuple[Camera, str]:
         if view is not None:
             return Camera(_placed(upright, *view), fov=ROOM_FOV, fov_axis="x"), "room"
     return Camera(_placed(upright, *_object_view(corners, low, high)), fov=OBJECT_FOV, fov_axis="smaller"), "object"
+
+
+def sky_above(scene: Scene, camera: Camera) -> bool:
+    """Whether the sky shines on what the camera can see, itself perhaps hidden from it by a roof."""
+    upright = upright_frame(scene.up)
+    corners = surface(scene) @ upright
+    if len(corners) == 0:
+        return True
+    grid = _grid(corners, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
+    if grid is None:
+        return True
+    eye = (np.asarray(camera.to_world, dtype=np.float64)[:3, 3] @ upright - grid.low) / grid.cell
+    around = sphere_directions(512)
+    distance, _ = grid.march(np.tile(eye, (512, 1)), around)
+    seen = np.isfinite(distance) & (distance > 2)
+    # Back from the surface by more than a cell, since a ray that starts in an occupied one would end there.
+    places = eye + (distance[seen] - 2)[:, None] * around[seen]
+    upwards = np.array([0.0, 1.0, 0.0]) + 0.7 * sphere_directions(16)
+    upwards /= np.linalg.norm(upwards, axis=1, keepdims=True)
+    distance, _ = grid.march(np.repeat(places, 16, axis=0), np.tile(upwards, (len(places), 1)))
+    # Less than this may be a crack between cells.
+    return bool(np.isinf(distance).sum() > 0.005 * max(len(distance), 1))
 
 
 def _placed(upright: FloatArray, origin: FloatArray, target: FloatArray) -> FloatArray:
@@ -99,9 +121,11 @@ def _object_view(corners: FloatArray, low: FloatArray, high: FloatArray) -> tupl
     return centre + away * (1.03 * radius / math.sin(math.radians(OBJECT_FOV / 2))), centre
 
 
-def _grid(corners: FloatArray, low: FloatArray, high: FloatArray) -> Grid:
-    """Marks cells by points spread over the triangles, about 8 for each square of a cell's side."""
+def _grid(corners: FloatArray, low: FloatArray, high: FloatArray) -> Grid | None:
+    """Marks cells by points spread over the triangles, about 8 for each square of a cell's side; None for a point."""
     cell = float(np.max(high - low)) / CELLS
+    if cell == 0:
+        return None
     shape = np.floor((high - low) / cell).astype(np.int64) + 1
     local = (corners - low) / cell
     cross = np.cross(local[:, 1] - local[:, 0], local[:, 2] - local[:, 0])

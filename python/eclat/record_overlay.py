@@ -75,10 +75,10 @@ def mark_records(image: Image, camera: Camera, positions: FloatArray, white: flo
     reach = image.height // 800
     marked = density > 0
     for _ in range(reach):
-        grown = marked.copy()
-        grown[1:] |= marked[:-1]
-        grown[:, 1:] |= marked[:, :-1]
-        marked = grown
+        taller = marked.copy()
+        taller[1:] |= marked[:-1]
+        marked = taller.copy()
+        marked[:, 1:] |= taller[:, :-1]
     pixels = image.pixels.copy()
     pixels[marked] = np.float32(white) * np.array(MARK, dtype=np.float32)
     return replace(image, pixels=pixels, layers={**image.layers, "record_density": density})

@@ -201,14 +201,13 @@ def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
     """
     wavelength = np.arange(380.0, 781.0, 5.0)
     micron = wavelength * 1e-3
-    air_mass = 1 / (math.cos(sun_zenith) + 0.15 * (93.885 - math.degrees(sun_zenith)) ** -1.253)
     rayleigh = 0.008735 * micron**-4.08
     aerosol = (0.04608 * turbidity - 0.04586) * micron**-1.3
     ozone = 0.35 * np.interp(wavelength, OZONE_WAVELENGTHS, OZONE_ABSORPTION)
     solid_angle = 2 * math.pi * (1 - math.cos(math.radians(SUN_ANGULAR_RADIUS)))
     # Planck's law in W·sr⁻¹·m⁻² per nanometre.
     radiance = 1.191043e-16 / (wavelength * 1e-9) ** 5 / np.expm1(1.438777e-2 / (wavelength * 1e-9 * 5772.0)) * 1e-9
-    spectrum = solid_angle * radiance * np.exp(-air_mass * (rayleigh + aerosol + ozone))
+    spectrum = solid_angle * radiance * np.exp(-_air_mass(sun_zenith) * (rayleigh + aerosol + ozone))
     xyz = 683.0 * 5.0 * (_color_matching(wavelength) @ spectrum) / LUMENS_PER_WATT
     rgb: FloatArray = np.maximum(XYZ_TO_RGB @ xyz, 0.0)
     return rgb
@@ -221,6 +220,10 @@ def horizontal_irradiance(environment: Environment) -> FloatArray:
     weights = math.pi * np.maximum(edges[:-1], 0) ** 2 - math.pi * np.maximum(edges[1:], 0) ** 2
     irradiance: FloatArray = np.einsum("h,hwc->c", weights / width, environment.image.astype(np.float64))
     return irradiance
+
+
+def _air_mass(sun_zenith: float) -> float:
+    return float(1 / (math.cos(sun_zenith) + 0.15 * (93.885 - math.degrees(sun_zenith)) ** -1.253))
 
 
 def _perez(coefficients: FloatArray, cos_theta: FloatArray, gamma: FloatArray) -> FloatArray:

@@ -11,7 +11,7 @@ from html import escape
 Points = Sequence[tuple[float, float]]
 
 WIDTH, HEIGHT = 760.0, 400.0
-LEFT, RIGHT, TOP, BOTTOM = 64.0, 150.0, 16.0, 48.0
+LEFT, RIGHT, TOP, BOTTOM = 76.0, 150.0, 16.0, 48.0
 
 COLORS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
 """Told apart by the colour-blind too [Okabe and Ito 2008, *Color Universal Design*]."""

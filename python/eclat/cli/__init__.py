@@ -60,7 +60,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code and never raises for what a user can cause."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     try:
-        group.main(arguments or ["--help"], prog_name="eclat", standalone_mode=False)
+        with group.make_context("eclat", arguments or ["--help"]) as context:
+            group.invoke(context)
     except click.exceptions.Exit as stop:
         return stop.exit_code
     except (KeyboardInterrupt, click.Abort):

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import importlib
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 import click
@@ -66,15 +66,15 @@ class Command(click.Command):
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
-            known = [name for parameter in self.get_params(ctx) for name in parameter.opts]
-            hint = flag_hint(error.option_name, known)
-            raise click.UsageError(f"unknown option {error.option_name} for {self.name}{hint}", ctx) from None
+            raise _unknown_option(error, self, ctx) from None
 
 
-def flag_hint(flag: str, known: Iterable[str]) -> str:
-    """`did_you_mean` for flags; the dashes, which all share, do not count."""
-    hint = did_you_mean(flag.lstrip("-"), [name.removeprefix("--") for name in known if name.startswith("--")])
-    return hint.replace("'", "'--", 1)
+def _unknown_option(error: click.NoSuchOption, command: click.Command, context: click.Context) -> click.UsageError:
+    """Our words; dashes, which all flags share, do not count as likeness."""
+    known = [name for parameter in command.get_params(context) for name in parameter.opts if name.startswith("--")]
+    hint = did_you_mean(error.option_name.lstrip("-"), [name.removeprefix("--") for name in known])
+    hint = hint.replace("'", "'--", 1)
+    return click.UsageError(f"unknown option {error.option_name} for {context.command_path}{hint}", context)
 
 
 class Group(click.Group):
@@ -83,6 +83,12 @@ class Group(click.Group):
     def __init__(self, *arguments: Any, table: Mapping[str, str], **keywords: Any) -> None:
         super().__init__(*arguments, **keywords)
         self.table = dict(table)
+
+    def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        try:
+            return super().parse_args(ctx, args)
+        except click.NoSuchOption as error:
+            raise _unknown_option(error, self, ctx) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.table)
@@ -98,9 +104,6 @@ class Group(click.Group):
         self, ctx: click.Context, args: list[str]
     ) -> tuple[str | None, click.Command | None, list[str]]:
         name = args[0]
-        if name.startswith("-"):
-            hint = flag_hint(name, ("--help", "--version"))
-            raise click.UsageError(f"unknown option {name}{hint}", ctx)
         found = self.get_command(ctx, name)
         if found is None:
             known = ", ".join(self.table)

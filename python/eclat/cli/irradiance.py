@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import sys
 from pathlib import Path
 from typing import Any
 
@@ -81,7 +82,8 @@ def command(**flags: Any) -> None:
         table = np.column_stack([irradiance, illuminance(irradiance, scene.photometric)]).astype(np.float32)
         data = encode_irradiance(table, Path(output).suffix.lower())
         if output == "-":
-            click.get_binary_stream("stdout").write(data)
+            sys.stdout.buffer.write(data)
+            sys.stdout.buffer.flush()
             return
         write_file(output, data)
         mean = float(table[:, 3].mean()) if len(table) else 0.0

@@ -50,6 +50,16 @@ class Number(_Type):
         return number
 
 
+class Depth(Number):
+    """Edges of a path: at least 1, or −1 for no limit."""
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
+        depth = super().convert(value, param, ctx)
+        if depth == 0:
+            self.fail("expected -1 (no limit) or at least 1, got 0", param, ctx)
+        return depth
+
+
 class Numbers(_Type):
     """A fixed count of numbers with commas between them."""
 

@@ -131,8 +131,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         options = _options(flags, context)
         scene = load_scene(flags)
         index = camera_index(scene, flags["camera"])
-        if flags["replay"]:
-            _replay_sample(flags)
+        _check_pixels(flags, scene.cameras[index].size)
         try:
             image, what = _render(scene, index, options, flags, reporter)
         except KeyboardInterrupt as stop:
@@ -170,9 +169,17 @@ def _options(flags: dict[str, Any], context: click.Context) -> Options | None:
     return None
 
 
-def _replay_sample(flags: dict[str, Any]) -> None:
-    x, y, sample = flags["replay"]
-    flags.update(crop=(x, y, x + 1, y + 1), samples=sample + 1, time=None)
+def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
+    """Refuse pixels outside the picture, and make `--replay` a crop of one pixel."""
+    if flags["replay"]:
+        x, y, sample = flags["replay"]
+        flags.update(crop=(x, y, x + 1, y + 1), samples=sample + 1, time=None)
+    if flags["crop"] and size:
+        _, _, x1, y1 = flags["crop"]
+        if x1 > size[0] or y1 > size[1]:
+            flag = "replay" if flags["replay"] else "crop"
+            got = ",".join(map(str, flags[flag]))
+            raise EclatError(f"--{flag}: expected pixels inside the picture of {size[0]}x{size[1]}, got {got}")
 
 
 def _render(

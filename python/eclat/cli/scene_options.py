@@ -12,7 +12,7 @@ import click
 
 import eclat
 from eclat.cli.command import F, option
-from eclat.cli.parameters import ENVIRONMENT, POINT, SIZE, SUN, Number
+from eclat.cli.parameters import ENVIRONMENT, POINT, SIZE, SUN, Depth, Number
 from eclat.errors import EclatError, did_you_mean
 
 if TYPE_CHECKING:
@@ -23,7 +23,7 @@ CAMERA, LIGHT, WORK = "Camera", "Light", "Work"
 SEED = Number(int, 0, 2**32 - 1)
 THREADS = Number(int, 1, 1024)
 SAMPLES = Number(int, 1, 2**24)
-MAX_DEPTH = Number(int, -1, 10**6)
+MAX_DEPTH = Depth(int, -1, 10**6)
 MAX_ERROR = Number(float, 0.0005, 0.5)
 
 

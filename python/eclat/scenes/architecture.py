@@ -123,22 +123,25 @@ def tondo() -> tuple[Solid, Solid]:
 
 
 def door(width: float, height: float) -> tuple[Solid, Solid]:
-    """Frame with cornice, and panelled leaves, on the wall z = 0 that faces +z; the width is that of the opening."""
+    """Frame with cornice, and panelled leaves, on the wall z = 0 that faces +z; the width is that of the opening.
+
+    The leaves stand 6 cm before the wall, so that they cover a dado and its rail.
+    """
     half, jamb = width / 2, 0.2
     frame = [
-        box((-half - jamb, -0.01, -0.05), (-half, height + 0.02, 0.11)),
-        box((half, -0.01, -0.05), (half + jamb, height + 0.02, 0.11)),
-        box((-half - jamb - 0.01, height, -0.05), (half + jamb + 0.01, height + 0.22, 0.115)),
-        box((-half - 0.25, height + 0.21, -0.05), (half + 0.25, height + 0.3, 0.09)),
-        box((-half - 0.34, height + 0.29, -0.05), (half + 0.34, height + 0.36, 0.19)),
-        box((-half - 0.39, height + 0.35, -0.05), (half + 0.39, height + 0.41, 0.24)),
+        box((-half - jamb, -0.01, -0.05), (-half, height + 0.02, 0.13)),
+        box((half, -0.01, -0.05), (half + jamb, height + 0.02, 0.13)),
+        box((-half - jamb - 0.01, height, -0.05), (half + jamb + 0.01, height + 0.22, 0.135)),
+        box((-half - 0.25, height + 0.21, -0.05), (half + 0.25, height + 0.3, 0.11)),
+        box((-half - 0.34, height + 0.29, -0.05), (half + 0.34, height + 0.36, 0.2)),
+        box((-half - 0.39, height + 0.35, -0.05), (half + 0.39, height + 0.41, 0.25)),
     ]
-    leaves = [box((-half - 0.02, -0.012, -0.04), (half + 0.02, height + 0.01, 0.022))]
+    leaves = [box((-half - 0.02, -0.012, -0.04), (half + 0.02, height + 0.01, 0.062))]
     rows = [(0.12, 0.36 * height), (0.4 * height, 0.66 * height), (0.7 * height, height - 0.12)]
     inner = half / 2 - 0.1
     for x in (-half / 2, half / 2):
-        leaves.append(box((x - half / 2 + 0.006, 0.0, 0.0), (x + half / 2 - 0.006, height, 0.035)))
+        leaves.append(box((x - half / 2 + 0.006, -0.011, 0.03), (x + half / 2 - 0.006, height + 0.005, 0.075)))
         for low, high in rows:
-            leaves.append(box((x - inner, low, 0.01), (x + inner, high, 0.05)))
-            leaves.append(box((x - inner + 0.05, low + 0.05, 0.02), (x + inner - 0.05, high - 0.05, 0.065)))
+            leaves.append(box((x - inner, low, 0.04), (x + inner, high, 0.09)))
+            leaves.append(box((x - inner + 0.05, low + 0.05, 0.05), (x + inner - 0.05, high - 0.05, 0.105)))
     return join(frame), join(leaves)

@@ -121,7 +121,7 @@ def _stonework() -> Iterator[Solid]:
     archivolt = arch([*half, *((r, -z) for r, z in reversed(half))], 0.03, 20).moved(y=SPRING)
     middles = [(a + b) / 2 for a, b in pairwise(AXES)]
     yield from _four_sides(join([archivolt.moved(x=x, z=COURT) for x in middles]))
-    soffit = [(1.6, -0.25), (1.3, -0.25), (1.3, -0.17), (1.32, -0.15)]
+    soffit = [(1.6, -0.24), (1.3, -0.24), (1.3, -0.17), (1.32, -0.15)]
     soffit += [(r, -z) for r, z in reversed(soffit)]
     rib = arch(soffit, 0.03, 18).turned(90).moved(y=SPRING, z=WALK)
     shelf = box((-0.29, SPRING - 0.1, WALL_FACE - 0.14), (0.29, SPRING, WALL_FACE + 0.1))

@@ -104,7 +104,9 @@ def _furniture() -> Iterator[Mesh]:
         yield mesh(_books(k, len(colours)), _paint(f"book-{k}", r, g, b), f"books-{k}")
     frame = [box((3.7, 1.2, DEPTH - 0.03), (5.1, 2.15, DEPTH + 0.02))]
     yield mesh(frame, _paint("frame", 0.5, 0.38, 0.16), "picture-frame")
-    yield mesh([box((3.77, 1.27, DEPTH - 0.034), (5.03, 2.08, DEPTH))], _paint("picture", 0.2, 0.34, 0.42), "picture")
+    yield mesh(
+        [box((3.77, 1.27, DEPTH - 0.034), (5.03, 2.08, DEPTH - 0.01))], _paint("picture", 0.2, 0.34, 0.42), "picture"
+    )
 
 
 def _chair() -> Iterator[Solid]:

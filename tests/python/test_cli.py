@@ -1,0 +1,387 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The command line as a user meets it: help, messages word for word, exit codes, files."""
+
+from __future__ import annotations
+
+import json
+import os
+import signal
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.cli import COMMANDS, main
+from eclat.cli.replay import REPEATED
+from eclat.image import Image
+from eclat.loaders import load
+from support.fake_api import FakeApi
+
+# Absolute, since the tests run in folders of their own.
+PATHS = os.pathsep.join(os.path.abspath(path) for path in sys.path)
+
+Output = pytest.CaptureFixture[str]
+
+
+@pytest.fixture(autouse=True)
+def api(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> FakeApi:
+    monkeypatch.chdir(tmp_path)
+    return FakeApi(monkeypatch)
+
+
+def errors(capsys: Output) -> str:
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    return captured.err
+
+
+@pytest.mark.parametrize("command", COMMANDS)
+def test_every_help_teaches_by_examples(command: str, capsys: Output) -> None:
+    assert main([command, "--help"]) == 0
+    text = capsys.readouterr().out
+    assert "Examples:" in text
+    assert f"eclat {command}" in text.split("Examples:")[1]
+
+
+def test_without_arguments_the_help_lists_all_commands(capsys: Output) -> None:
+    assert main([]) == 0
+    text = capsys.readouterr().out
+    assert all(f"\n  {command} " in text for command in COMMANDS)
+
+
+def test_help_lists_methods_and_their_options_with_types_and_defaults(capsys: Output) -> None:
+    assert main(["render", "--help"]) == 0
+    text = " ".join(capsys.readouterr().out.split())
+    assert "irradiance-cache Irradiance caching" in text
+    assert "weight=tabellion | ward" in text
+    assert "neighbor-clamping=true | false" in text
+
+
+def test_no_flag_is_needed(api: FakeApi, capsys: Output) -> None:
+    assert main(["render", "cornell-box"]) == 0
+    assert os.listdir() == ["cornell-box.png"]
+    call = api.calls[0]
+    assert type(call["what"]).__name__ == "IrradianceCache"
+    assert (call["samples"], call["max_error"], call["size"], call["seed"]) == (None, 0.01, None, 0)
+    out = capsys.readouterr()
+    assert out.out == "cornell-box.png: 512x512, path, 0.3 s, 32 samples, 3,200 rays\n"
+    assert out.err == ""
+
+
+def test_flags_reach_the_renderer(api: FakeApi) -> None:
+    flags = (
+        "--method path --set roulette-depth=3 --samples 9 --size 8x6 --crop 1,2,3,4 --max-depth 4 --seed 7 --threads 2"
+    )
+    assert main(["render", "cornell-box", *flags.split(), "-o", "a.exr", "-o", "a.npy", "-q"]) == 0
+    call = api.calls[0]
+    assert call["what"].roulette_depth == 3
+    expected = {
+        "samples": 9,
+        "size": (8, 6),
+        "crop": (1, 2, 3, 4),
+        "max_depth": 4,
+        "seed": 7,
+        "threads": 2,
+        "camera": 0,
+    }
+    assert {name: call[name] for name in expected} == expected
+    assert sorted(os.listdir()) == ["a.exr", "a.npy"]
+
+
+def test_camera_sun_and_environment_change_the_scene(api: FakeApi) -> None:
+    flags = "--camera-from 0,1,5 --camera-to 0,1,0 --fov 30 --environment 1,2,3 --size 8x8"
+    assert main(["render", "cornell-box", *flags.split()]) == 0
+    scene = api.calls[0]["scene"]
+    np.testing.assert_allclose(scene.cameras[0].to_world[:3, 3], [0, 1, 5])
+    assert scene.cameras[0].fov == 30
+    np.testing.assert_array_equal(scene.environment.image, [[[1, 2, 3]]])
+
+
+def two_cameras(monkeypatch: pytest.MonkeyPatch) -> None:
+    scene = load("cornell-box")
+    cameras = tuple(replace(scene.cameras[0], name=name) for name in ("walk", "gallery"))
+    monkeypatch.setitem(vars(eclat), "load", lambda path: replace(scene, cameras=cameras))
+
+
+def test_a_camera_by_name_and_by_number(api: FakeApi, capsys: Output, monkeypatch: pytest.MonkeyPatch) -> None:
+    two_cameras(monkeypatch)
+    for camera in ("gallery", "1"):
+        assert main(["render", "atrium", "--camera", camera, "--size", "8x8", "--quiet"]) == 0
+    assert [call["camera"] for call in api.calls] == [1, 1]
+    assert main(["render", "atrium", "--camera", "galery"]) == 2
+    assert errors(capsys) == (
+        "eclat: --camera: expected one of 0 'walk', 1 'gallery', got 'galery'; did you mean 'gallery'?\n"
+    )
+
+
+BAD_VALUES = {
+    "--size 0x5": "--size: expected a width and a height between 1 and 65,536 pixels, got 0x5",
+    "--size 1000000x1000000": "--size: expected a width and a height between 1 and 65,536 pixels, got 1000000x1000000",
+    "--size 60000x60000": "--size: expected at most 134,217,728 pixels in all, got 60000x60000",
+    "--size 640": "--size: expected WIDTHxHEIGHT in pixels, such as 1280x720, got '640'",
+    "--samples -1": "--samples: expected an integer from 1 to 16,777,216, got '-1'",
+    "--samples 0": "--samples: expected an integer from 1 to 16,777,216, got '0'",
+    "--samples 1e3": "--samples: expected an integer from 1 to 16,777,216, got '1e3'",
+    "--max-error 0": "--max-error: expected a number from 0.0005 to 0.5, got '0'",
+    "--max-error nan": "--max-error: expected a number from 0.0005 to 0.5, got 'nan'",
+    "--time 0": "--time: expected a number above 0 and at most 10,000,000, got '0'",
+    "--time inf": "--time: expected a number above 0 and at most 10,000,000, got 'inf'",
+    "--max-depth -2": "--max-depth: expected an integer from -1 to 1,000,000, got '-2'",
+    "--max-depth 0": "--max-depth: expected -1 (no limit) or at least 1, got 0",
+    "--seed -1": "--seed: expected an integer from 0 to 4,294,967,295, got '-1'",
+    "--threads 0": "--threads: expected an integer from 1 to 1,024, got '0'",
+    "--crop 5,5,5,9": (
+        "--crop: expected x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,300,200, got '5,5,5,9'"
+    ),
+    "--crop 0,0,9,9 --size 8x8": "--crop: expected pixels inside the picture of 8x8, got 0,0,9,9",
+    "--crop 0,0,513,1": "--crop: expected pixels inside the picture of 512x512, got 0,0,513,1",
+    "--replay 512,0,1": "--replay: expected pixels inside the picture of 512x512, got 512,0,1",
+    "--replay 1,2": "--replay: expected a pixel and the number of its sample, x,y,sample, such as 412,77,19, got '1,2'",
+    "--camera-from nan,0,0": "--camera-from: expected three numbers x,y,z, got 'nan,0,0'",
+    "--camera-to 1,2": "--camera-to: expected three numbers x,y,z, got '1,2'",
+    "--camera 7": "--camera: expected one of 0 'camera', got '7'",
+    "--fov 0": "--fov: expected a number above 0 and at most 179.9, got '0'",
+    "--fov 180": "--fov: expected a number above 0 and at most 179.9, got '180'",
+    "--sun 10,91": (
+        "--sun: expected azimuth,elevation in degrees with an elevation from -90 to 90, such as 135,40, got '10,91'"
+    ),
+    "--environment 1,2": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,2'",
+    "--environment 1,-2,3": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,-2,3'",
+    "--exposure 65": "--exposure: expected a number from -64 to 64, got '65'",
+    "--tone-mapping filmc": "--tone-mapping: expected one of none, filmic, got 'filmc'; did you mean 'filmic'?",
+    "--method pth": "--method: expected one of direct, path, irradiance-cache, got 'pth'; did you mean 'path'?",
+    "--set rows": "--set: expected NAME=VALUE, got 'rows'",
+    "--set max-eror=1": "--set: unknown option max-eror for irradiance-cache; did you mean 'max-error'?",
+    "--set rows=many": "--set: rows: expected integer | none, got 'many'",
+    "--set weight=wart": "--set: weight: expected tabellion | ward, got 'wart'",
+    "--set rows=5 --set rows=6": "--set: expected rows once, got it twice",
+    "--set rows=1": "IrradianceCache: rows must be between 2 and 256, got 1",
+    "--method path --show-records": "--show-records: expected a method with records, got path",
+    "--cache a.npz --set rows=5": (
+        "--cache: expected no --method and no --set beside it, since the cache brings its own"
+    ),
+    "--cache a.npz": "a.npz: no such file",
+    "-o a.tiff": "a.tiff: expected a suffix of .exr, .png, .pfm, .npy, got '.tiff'",
+    "--replay-settings none.exr": "none.exr: file not found",
+}
+
+
+@pytest.mark.parametrize("flags", BAD_VALUES)
+def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
+    assert main(["render", "cornell-box", *flags.split()]) == 2
+    assert errors(capsys).splitlines()[0] == f"eclat: {BAD_VALUES[flags]}"
+    assert os.listdir() == [] and api.calls == []
+
+
+@pytest.mark.parametrize(
+    ("arguments", "message"),
+    [
+        ("rendr", "unknown command 'rendr', expected one of {commands}; did you mean 'render'?"),
+        ("--versoin", "unknown option --versoin for eclat; did you mean '--version'?"),
+        ("render cornell-box --sampels 3", "unknown option --sampels for eclat render; did you mean '--samples'?"),
+        ("render", "missing argument 'SCENE'"),
+        ("render cornell-bx", None),
+        ("info none.obj", "none.obj: expected a scene file, got no such file"),
+        ("solve cornell-box -o a.npy", "a.npy: expected a name that ends in .npz"),
+        ("compare cornell-box -o a.pdf", "a.pdf: expected a name that ends in .html"),
+        (
+            "compare cornell-box --methods pth",
+            "methods: expected some of direct, path, irradiance-cache, got 'pth'; did you mean 'path'?",
+        ),
+        ("irradiance cornell-box --points none.csv", "none.csv: file not found"),
+    ],
+)
+def test_bad_command_lines(arguments: str, message: str | None, capsys: Output) -> None:
+    assert main(arguments.split()) == 2
+    first = errors(capsys).splitlines()[0]
+    if message is None:
+        assert first.startswith("eclat: cornell-bx: expected") and first.endswith("did you mean 'cornell-box'?")
+    else:
+        assert first == "eclat: " + message.format(commands=", ".join(COMMANDS))
+    assert os.listdir() == []
+
+
+def test_usage_errors_name_the_help(capsys: Output) -> None:
+    assert main(["render", "x", "--sampels"]) == 2
+    assert errors(capsys).splitlines()[1] == "       try: eclat render --help"
+
+
+def test_an_unwritable_output_is_said_before_any_work(api: FakeApi, capsys: Output) -> None:
+    assert main(["render", "cornell-box", "-o", "no/a.png"]) == 2
+    folder = Path("no").absolute()
+    assert errors(capsys) == f"eclat: no/a.png: cannot be written: the folder {folder} does not exist\n"
+    assert api.calls == []
+
+
+def test_ctrl_c_exits_with_130_and_leaves_the_output(api: FakeApi, capsys: Output) -> None:
+    Path("cornell-box.png").write_bytes(b"old")
+    api.raises = KeyboardInterrupt()
+    assert main(["render", "cornell-box"]) == 130
+    assert errors(capsys) == "eclat: interrupted\n"
+    assert Path("cornell-box.png").read_bytes() == b"old"
+
+
+@pytest.mark.parametrize("keep", [True, False])
+def test_keep_partial_writes_what_the_interrupt_carries(api: FakeApi, keep: bool) -> None:
+    stop = KeyboardInterrupt()
+    stop.partial = Image(np.ones((2, 2, 3), dtype=np.float32), metadata={"samples_done": 3})  # type: ignore[attr-defined]
+    api.raises = stop
+    assert main(["render", "cornell-box", "-o", "a.exr", *(["--keep-partial"] if keep else [])]) == 130
+    assert Path("a.exr").exists() == keep
+    if keep:
+        assert Image.load("a.exr").metadata["samples_done"] == 3
+
+
+def test_json_is_all_that_stands_on_standard_output(capsys: Output) -> None:
+    assert main(["render", "cornell-box", "--size", "8x8", "--json"]) == 0
+    captured = capsys.readouterr()
+    events = [json.loads(line) for line in captured.out.splitlines()]
+    assert [event["event"] for event in events] == ["progress"] * 3 + ["result"]
+    assert events[-1]["files"] == ["cornell-box.png"]
+    assert events[-1]["metadata"]["statistics"]["samples"] == 32
+    assert captured.err == ""
+
+
+def test_json_reports_errors_and_interrupts(api: FakeApi, capsys: Output) -> None:
+    assert main(["render", "cornell-box", "--json", "--camera", "9"]) == 2
+    captured = capsys.readouterr()
+    message = "--camera: expected one of 0 'camera', got '9'"
+    assert json.loads(captured.out) | {"time": 0} == {"event": "error", "time": 0, "message": message}
+    assert captured.err == f"eclat: {message}\n"
+    api.raises = KeyboardInterrupt()
+    assert main(["render", "cornell-box", "--json"]) == 130
+    assert json.loads(capsys.readouterr().out.splitlines()[-1])["message"] == "interrupted"
+
+
+def test_json_needs_standard_output_for_itself(capsys: Output) -> None:
+    assert main(["irradiance", "cornell-box", "--json"]) == 2
+    assert capsys.readouterr().err == (
+        "eclat: --json: expected a file by -o beside it, since standard output then holds events only\n"
+    )
+
+
+def test_quiet_keeps_warnings(capsys: Output) -> None:
+    Path("lonely.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    assert main(["render", "lonely.obj", "--size", "8x8", "--quiet"]) == 0
+    captured = capsys.readouterr()
+    assert captured.out == ""
+    assert "eclat: warning: the scene has no camera; it is seen from outside\n" in captured.err
+    assert len(set(captured.err.splitlines())) == len(captured.err.splitlines())
+
+
+def test_settings_repeat_a_run(api: FakeApi, capsys: Output) -> None:
+    flags = (
+        "--method path --set roulette-depth=3 --time 9 --size 8x6 --crop 1,2,3,4 --seed 7 --environment 1,2,3 --fov 40"
+    )
+    assert main(["render", "cornell-box", *flags.split(), "-o", "a.exr", "-o", "a.png"]) == 0
+    for name in ("a.exr", "a.png"):
+        assert main(["render", "cornell-box", "--replay-settings", name, "-o", "b.exr"]) == 0
+        first, again = api.calls[0], api.calls[-1]
+        # Time chose 32 samples, so that is what is repeated.
+        assert (again["samples"], again["time"]) == (32, None)
+        for key in ("what", "size", "crop", "seed", "camera", "max_depth", "max_error"):
+            assert again[key] == first[key], key
+        assert again["scene"].cameras[0].fov == 40
+        np.testing.assert_array_equal(again["scene"].environment.image, first["scene"].environment.image)
+    assert set(Image.load("a.exr").metadata["settings"]) == set(REPEATED)
+    capsys.readouterr()
+    assert main(["render", "cornell-box", "--replay-settings", "a.exr", "--seed", "3"]) == 2
+    assert errors(capsys) == ("eclat: --replay-settings: expected no --seed beside it, since it repeats all settings\n")
+
+
+def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
+    settings = dict.fromkeys(REPEATED) | {"method": "path", "settings": [], "max_error": 0.01, "size": [0, 5]}
+    Image(np.zeros((1, 1, 3), np.float32), metadata={"settings": settings}).save("a.exr")
+    assert main(["render", "cornell-box", "--replay-settings", "a.exr"]) == 2
+    assert "--size: expected a width and a height" in errors(capsys)
+    Image(np.zeros((1, 1, 3), np.float32), metadata={"settings": [1]}).save("a.exr")
+    assert main(["render", "cornell-box", "--replay-settings", "a.exr"]) == 2
+    assert "a.exr: expected the settings of a run in the metadata" in errors(capsys)
+
+
+def test_replaying_one_sample_renders_one_pixel_and_writes_nothing(api: FakeApi, capsys: Output) -> None:
+    assert main(["render", "cornell-box", "--replay", "4,2,19", "--method", "path"]) == 0
+    assert (api.calls[0]["crop"], api.calls[0]["samples"]) == ((4, 2, 5, 3), 20)
+    assert capsys.readouterr().out.startswith("pixel (4, 2), samples 0 to 19: finite, mean radiance ")
+    assert os.listdir() == []
+
+
+def test_scenes_are_listed(capsys: Output) -> None:
+    assert main(["scenes"]) == 0
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0].startswith("cornell-box  a room with a red and a green wall")
+
+
+def test_info_counts_what_a_scene_holds(capsys: Output, monkeypatch: pytest.MonkeyPatch) -> None:
+    assert main(["info", "cornell-box", "--json"]) == 0
+    facts = json.loads(capsys.readouterr().out)
+    assert facts["triangles"] > 20 and facts["emissive_triangles"] >= 2
+    assert facts["materials"].keys() == {"diffuse"}
+    assert facts["cameras"][0]["size"] == [512, 512]
+    two_cameras(monkeypatch)
+    assert main(["info", "atrium"]) == 0
+    text = capsys.readouterr().out
+    assert "camera 1    'gallery' perspective, from (0, 0, 3.9), 39.3077° along smaller, 512x512\n" in text
+    assert "lights      emissive " in text
+
+
+def test_irradiance_of_points_in_a_file(api: FakeApi, capsys: Output) -> None:
+    Path("p.csv").write_text("x,y,z,nx,ny,nz\n0.1,0.2,0.3, 0,0,2\n# aside\n\n1 2 3 0 1 0\n")
+    assert main(["irradiance", "cornell-box", "--points", "p.csv", "--component", "indirect", "--samples", "5"]) == 0
+    assert (api.calls[0]["component"], api.calls[0]["samples"]) == ("indirect", 5)
+    lines = capsys.readouterr().out.splitlines()
+    assert lines[0] == "irradiance_r,irradiance_g,irradiance_b,lux"
+    lux = 179 * (0.2126 * 0.1 + 0.7152 * 0.2 + 0.0722 * 0.3)
+    np.testing.assert_allclose([float(v) for v in lines[1].split(",")], [0.1, 0.2, 0.3, lux], rtol=1e-6)
+    assert len(lines) == 3
+
+
+def test_irradiance_into_files(capsys: Output) -> None:
+    np.save("p.npy", np.array([[1.0, 2, 3, 0, 0, 1]]))
+    assert main(["irradiance", "cornell-box", "--points", "p.npy", "-o", "e.npy"]) == 0
+    assert np.load("e.npy").shape == (1, 4)
+    assert capsys.readouterr().out.startswith("e.npy: 1 points, ")
+
+
+def start(arguments: list[str]) -> subprocess.Popen[str]:
+    """`eclat` as a program of its own, with the real core."""
+    command = [sys.executable, "-c", "import sys; from eclat.cli import main; sys.exit(main())", *arguments]
+    environment = os.environ | {"PYTHONPATH": PATHS}
+    return subprocess.Popen(
+        command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
+    )
+
+
+@pytest.mark.parametrize("phase", ["solve", "render"])
+def test_ctrl_c_in_each_phase_of_the_real_thing(phase: str) -> None:
+    Path("cornell-box.png").write_bytes(b"old")
+    method = {"solve": ["--max-error", "0.0005"], "render": ["--method", "path", "--samples", "1000000"]}[phase]
+    with start(["render", "cornell-box", "--json", *method]) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if json.loads(line).get("phase") == phase:
+                break
+        stopped = time.monotonic()
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=20)
+        # A second is the promise; the rest is for a machine that is busy with other things.
+        assert time.monotonic() - stopped < 4
+    assert process.returncode == 130
+    assert complaint == "eclat: interrupted\n"
+    assert Path("cornell-box.png").read_bytes() == b"old"
+    assert os.listdir() == ["cornell-box.png"]
+
+
+def test_a_closed_standard_output_is_no_crash() -> None:
+    with start(["scenes"]) as process:
+        assert process.stdout is not None
+        process.stdout.close()
+        assert process.wait(timeout=20) in (0, 1)
+        assert process.stderr is not None
+        assert process.stderr.read() == ""
