@@ -24,7 +24,8 @@ class Bsdf {
   public:
     static constexpr int capacity = 8;
 
-    Bsdf() {}  // makes no lobes: those beyond `count_` stay uninitialised
+    Bsdf() {}  // constructs no lobe: those beyond `count_` stay uninitialised
+
     /// `weight` times a lobe; Lambertian ones share a place. Throws std::length_error beyond `capacity`.
     void add(const Lobe& lobe, Color weight);
     /// The other's lobes times `weight`: blends.

@@ -171,7 +171,7 @@ def main() -> None:
     for name, parameters in SMOOTH.items():
         rows += delta_rows(name, mi.load_dict(parameters))
     header = [
-        f"# Mitsuba {mi.__version__}, scalar_rgb; made by tests/golden/make_bsdf_golden.py, which holds the parameters.",
+        f"# Mitsuba {mi.__version__}, scalar_rgb; by tests/golden/make_bsdf_golden.py, which holds the parameters.",
         "# value: f·|cos θ_i| and pdf of a pair of directions; delta: weight·probability and probability of a sample.",
         "kind,model,wo_x,wo_y,wo_z,wi_x,wi_y,wi_z,r,g,b,pdf",
     ]
