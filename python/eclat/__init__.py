@@ -35,7 +35,23 @@ _HOMES = {
 }
 """Name → module: imported when first used, so that `eclat --help` need not load the core."""
 
-__all__ = list(_HOMES)
+__all__ = [
+    "METHODS",
+    "Direct",
+    "EclatError",
+    "EclatWarning",
+    "Image",
+    "IrradianceCache",
+    "Path",
+    "Scene",
+    "Solution",
+    "irradiance",
+    "load",
+    "load_dict",
+    "merge",
+    "render",
+    "solve",
+]
 
 
 def __getattr__(name: str) -> Any:

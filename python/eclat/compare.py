@@ -168,7 +168,7 @@ def compare(
     shown_at = auto_exposure(truth) if exposure is None else exposure
     results = []
     for name in names:
-        images = []
+        images: list[Image] = []
         for options, bounds in _levels(name, effort):
             label = f"{name}, level {len(images) + 1}"
             keywords = {**common, **bounds, "seed": seed, "progress": _labelled(progress, label)}

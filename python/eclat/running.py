@@ -22,26 +22,29 @@ def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport 
     progress = _core.Progress()
     outcome: list[T] = []
     failure: list[BaseException] = []
+    # Not Thread.join: interrupted by Ctrl-C, it may take a running thread for a finished one (CPython 3.11).
+    ended = threading.Event()
 
     def work() -> None:
         try:
             outcome.append(call(progress))
         except BaseException as error:
             failure.append(error)
+        finally:
+            ended.set()
 
     thread = threading.Thread(target=work, daemon=True)
     started = time.perf_counter()
     thread.start()
     try:
-        while thread.is_alive():
-            thread.join(0.1 if report is not None else 0.5)
+        while not ended.wait(0.1):
             if report is not None:
                 seconds = max(time.perf_counter() - started, 1e-9)
                 fraction = min(1.0, progress.done / progress.total) if progress.total else 0.0
                 report(phase, fraction, {"rays": float(progress.rays), "seconds": seconds})
     except BaseException:
         progress.cancel()
-        thread.join()
+        ended.wait()
         raise
     if failure:
         raise failure[0]

@@ -82,6 +82,7 @@ def command(**flags: Any) -> None:
         table = np.column_stack([irradiance, illuminance(irradiance, scene.photometric)]).astype(np.float32)
         data = encode_irradiance(table, Path(output).suffix.lower())
         if output == "-":
+            reporter.end_progress()
             sys.stdout.buffer.write(data)
             sys.stdout.buffer.flush()
             return

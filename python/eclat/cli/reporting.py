@@ -60,10 +60,14 @@ class Reporter:
             return None if self.quiet else self.events
         return self._bar
 
-    def result(self, text: str, **fields: Any) -> None:
-        """Say what came out: `text` to people, `fields` to programs."""
+    def end_progress(self) -> None:
+        """Take the bar off the screen, before something else is written there."""
         if self._bar is not None:
             self._bar.close()
+
+    def result(self, text: str, **fields: Any) -> None:
+        """Say what came out: `text` to people, `fields` to programs."""
+        self.end_progress()
         if self.events is not None:
             self.events.emit("result", **fields)
         elif not self.quiet:
@@ -103,8 +107,7 @@ class Reporter:
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
-        if self._bar is not None:
-            self._bar.close()
+        self.end_progress()
         self._stack.close()
         if self.events is None:
             return

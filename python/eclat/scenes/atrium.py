@@ -52,7 +52,7 @@ def build(sun_azimuth: float = 287.0, sun_elevation: float = 52.0, turbidity: fl
     to_sun = sun_direction(sun_azimuth, sun_elevation)
     sun, sky = sun_sky(to_sun, turbidity, sun_scale=LIGHT_SCALE, sky_scale=LIGHT_SCALE)
     assert sun is not None
-    camera = Camera(look_at((-4.5, 1.6, 10.65), (1.6, 2.85, 2.4)), fov=59, size=(1280, 720), name="walk")
+    camera = Camera(look_at((-4.3, 1.6, 10.65), (1.9, 2.85, 2.4)), fov=59, size=(1280, 720), name="walk")
     above = Camera(look_at((-9.6, 7.1, 9.9), (3.0, 3.6, -3.0)), fov=55, size=(1280, 720), name="gallery")
     return Scene(meshes=_meshes(), lights=(sun,), environment=sky, cameras=(camera, above), name="atrium")
 
