@@ -349,9 +349,16 @@ def test_irradiance_into_files(capsys: Output) -> None:
     assert capsys.readouterr().out.startswith("e.npy: 1 points, ")
 
 
+# A shell gives its background jobs an ignored SIGINT; a terminal does not, and it is the terminal that is tested.
+RUN_MAIN = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from eclat.cli import main; sys.exit(main())"
+)
+
+
 def start(arguments: list[str]) -> subprocess.Popen[str]:
     """`eclat` as a program of its own, with the real core."""
-    command = [sys.executable, "-c", "import sys; from eclat.cli import main; sys.exit(main())", *arguments]
+    command = [sys.executable, "-c", RUN_MAIN, *arguments]
     environment = os.environ | {"PYTHONPATH": PATHS}
     return subprocess.Popen(
         command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, encoding="utf-8"
