@@ -81,7 +81,7 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) c
         float change = 0;
         if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
         if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
-        E[c] = clamp(value + change, 0.05f * value, 20 * value);  // bounds of Radiance's calculation, see algorithms page
+        E[c] = clamp(value + change, 0.05f * value, 20 * value);  // no farther than it is plausible
     }
     return E;
 }
