@@ -11,7 +11,7 @@ namespace eclat {
 
 namespace {
 
-constexpr float sin_10_degrees_squared = 0.030154f;
+constexpr float degree = pi / 180;
 
 float sin_wall(int j, int rows) { return std::sqrt(static_cast<float>(j) / static_cast<float>(rows)); }
 float cos_wall(int j, int rows) { return safe_sqrt(1 - static_cast<float>(j) / static_cast<float>(rows)); }
@@ -43,15 +43,15 @@ Color irradiance(const HemisphereSamples& samples) {
 RotationGradient rotation_gradient(const HemisphereSamples& samples) {
     const int M = samples.rows, N = samples.columns;
     RotationGradient out{};
+    // ∫ sin² θ dθ over each row: exact where the row-centre tangent of [WardHeckbert92 eq. 4] is 10 % low.
+    std::vector<float> polar;
+    for (int j = 0; j < M; ++j) {
+        const float lower = std::asin(sin_wall(j, M)), upper = std::asin(sin_wall(j + 1, M));
+        polar.push_back(0.5f * ((upper - sin_wall(j + 1, M) * cos_wall(j + 1, M)) - (lower - sin_wall(j, M) * cos_wall(j, M))));
+    }
     for (int k = 0; k < N; ++k) {
         Color column;
-        for (int j = 0; j < M; ++j) {
-            // ∫ sin² θ dθ over the row: exact where the row-centre tangent of [WardHeckbert92 eq. 4] is 10 % low.
-            const float lower = std::asin(sin_wall(j, M)), upper = std::asin(sin_wall(j + 1, M));
-            const float antiderivative = (upper - sin_wall(j + 1, M) * cos_wall(j + 1, M)) -
-                                         (lower - sin_wall(j, M) * cos_wall(j, M));
-            column += samples.L(j, k) * (0.5f * antiderivative);
-        }
+        for (int j = 0; j < M; ++j) column += samples.L(j, k) * polar[j];
         const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(N);
         const float azimuth = 2 * std::sin(pi / static_cast<float>(N));  // ∫ of the unit tangent over the column
         accumulate(out, tangent(samples.frame, phi + pi / 2), column * azimuth);
@@ -66,13 +66,17 @@ TranslationGradient translation_gradient(const HemisphereSamples& samples) {
         const float nearest = std::min(samples.r(j, k), samples.r(j0, k0));
         return nearest < infinity && nearest > 0 ? (samples.L(j, k) - samples.L(j0, k0)) / nearest : Color();
     };
+    std::vector<float> row, height;
+    for (int j = 0; j < M; ++j) {
+        row.push_back(sin_wall(j, M) * sqr(cos_wall(j, M)));
+        height.push_back(sin_wall(j + 1, M) - sin_wall(j, M));
+    }
     for (int k = 0; k < N; ++k) {
         const int before = (k + N - 1) % N;
         // Walls between rows start at 1: the zenith is no wall.
         Color polar, azimuthal;
-        for (int j = 1; j < M; ++j)
-            polar += jump(j, k, j - 1, k) * (sin_wall(j, M) * sqr(cos_wall(j, M)));  // [WardHeckbert92 eq. 5]
-        for (int j = 0; j < M; ++j) azimuthal += jump(j, k, j, before) * (sin_wall(j + 1, M) - sin_wall(j, M));
+        for (int j = 1; j < M; ++j) polar += jump(j, k, j - 1, k) * row[j];  // [WardHeckbert92 eq. 5]
+        for (int j = 0; j < M; ++j) azimuthal += jump(j, k, j, before) * height[j];
         const float step = 2 * pi / static_cast<float>(N), wall = step * static_cast<float>(k);
         accumulate(out, tangent(samples.frame, wall + 0.5f * step), polar * step);
         accumulate(out, tangent(samples.frame, wall + pi / 2), azimuthal);
@@ -86,10 +90,16 @@ float harmonic_mean_distance(const HemisphereSamples& samples) {
     return static_cast<float>(samples.distance.size()) / sum;
 }
 
+bool stands_apart(Vec3 here, Vec3 direction, Vec3 there) {
+    const float elevation = std::asin(clamp(dot(here, direction), -1, 1));
+    if (elevation > 15 * degree) return true;
+    return std::acos(clamp(dot(here, there), -1, 1)) > 4 * std::max(elevation, 0.0f) + 5 * degree;
+}
+
 float minimum_distance(const HemisphereSamples& samples) {
     float least = infinity;
-    for (int j = 0; j < samples.rows && sqr(cos_wall(j + 1, samples.rows)) > sin_10_degrees_squared; ++j)
-        for (int k = 0; k < samples.columns; ++k) least = std::min(least, samples.r(j, k));
+    for (size_t i = 0; i < samples.distance.size(); ++i)
+        if (samples.apart[i]) least = std::min(least, samples.distance[i]);
     return least;
 }
 
@@ -105,7 +115,8 @@ std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {
     for (int k = 0; k < samples.columns; ++k) {
         const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(samples.columns);
         float& sector = out[clearance_sector(frame, tangent(samples.frame, phi))];
-        for (int j = samples.rows / 2; j < samples.rows && sqr(cos_wall(j + 1, samples.rows)) > sin_10_degrees_squared; ++j) {
+        for (int j = samples.rows / 2; j < samples.rows; ++j) {
+            if (!samples.apart[size_t(j) * samples.columns + k]) continue;
             const float s = std::sqrt((static_cast<float>(j) + 0.5f) / static_cast<float>(samples.rows));
             sector = std::min(sector, samples.r(j, k) * s);
         }

@@ -17,6 +17,7 @@ struct HemisphereSamples {
     Frame frame;                    // its u is the direction of the grid's φ = 0
     std::vector<Color> radiance;    // L_jk, row by row from the zenith
     std::vector<float> distance;    // r_jk, infinite where nothing was met
+    std::vector<uint8_t> apart;     // 1 where what was met stands apart from the surface itself
 
     const Color& L(int j, int k) const { return radiance[size_t(j) * columns + k]; }
     float r(int j, int k) const { return distance[size_t(j) * columns + k]; }
@@ -35,11 +36,13 @@ TranslationGradient translation_gradient(const HemisphereSamples& samples);
 
 /// Harmonic mean of the distances; a miss is infinitely far.
 float harmonic_mean_distance(const HemisphereSamples& samples);
-/// Least distance of the rays at more than 10° from the tangent plane: grazing ones meet the curved surface that they
-/// left, or its neighbouring facets.
+/// Whether a hit with normal `there` belongs to something else than the surface of normal `here`, gone on in a curve:
+/// at both ends of a chord of a circle, normals differ by twice its elevation.
+bool stands_apart(Vec3 here, Vec3 direction, Vec3 there);
+/// Least distance to what stands apart.
 float minimum_distance(const HemisphereSamples& samples);
 
-/// Least horizontal distance to what stands beside the point (seen 10° to 45° above the horizon) per sector of azimuth
+/// Least horizontal distance to what stands apart beside the point (up to 45° above the horizon) per sector of azimuth
 /// in Frame::around(normal); infinite where nothing does.
 std::array<float, 12> sector_clearance(const HemisphereSamples& samples);
 /// The sector of that frame in which the tangential vector `d` points.

@@ -16,9 +16,13 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
     std::vector<SphereTree::Sphere> spheres;
     spheres.reserve(records_.size());
     for (const auto& r : records_) spheres.push_back({r.position, r.radius * options_.relaxation});
-    tree_ = SphereTree(std::move(spheres));
+    tree_ = SphereTree(spheres);
     footings_.clear();
     for (uint32_t i : tree_.order()) {
+        if (i == SphereTree::vacant) {
+            footings_.push_back({});
+            continue;
+        }
         const IrradianceRecord& r = records_[i];
         const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
         footings_.push_back({r.position, r.radius, r.normal, nearest});
@@ -40,7 +44,7 @@ float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, flo
 void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     std::vector<SphereTree::Sphere> points;
     for (const auto& r : records_) points.push_back({r.position, 0});
-    const SphereTree tree(std::move(points));
+    const SphereTree tree(points);
     const auto& order = tree.order();
     const auto clamped = parallel_map<float>(records_.size(), threads, [&](size_t i) {
         const IrradianceRecord& record = records_[i];

@@ -41,16 +41,16 @@ CachedIrradiance read_far(const RecordCache& far) {
 
 IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
                         const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress) {
-    const SurfacePoint& point = candidate.point;
+    const Vec3 p = candidate.position;
     HemisphereSamples samples;
     samples.rows = rows;
     samples.columns = columns_for(rows);
     const size_t count = size_t(samples.rows) * samples.columns;
     // A random turn of the grid, or neighbouring records would share the pattern of their error.
     const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
-    const uint32_t key = hash(hash(bits(point.position.x), bits(point.position.y), bits(point.position.z)), stream);
+    const uint32_t key = hash(hash(bits(p.x), bits(p.y), bits(p.z)), stream);
     const float turn = 2 * pi * to_unit_float(hash(key, options.seed));
-    const Frame around = Frame::around(point.normal_towards_shading());
+    const Frame around = Frame::around(candidate.normal);
     const Vec3 u = around.u * std::cos(turn) + around.v * std::sin(turn);
     samples.frame = {u, cross(around.n, u), around.n};
 
@@ -61,7 +61,7 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
             const auto index = static_cast<uint32_t>(j * samples.columns + k);
             Sampler sampler(options.seed ^ hash(stream), key, index);
             const Vec3 w = cell_direction(samples.rows, samples.columns, j, k, sampler.next_2d());
-            rays.push_back({point.ray(samples.frame.to_world(w)), sampler});
+            rays.push_back({candidate.ray(samples.frame.to_world(w)), sampler});
         }
     PathOptions paths;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
@@ -71,13 +71,14 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     if (options.max_depth < 0 && !far.records().empty()) paths.cache = read_far(far);
     std::vector<PathResult> results(count);
     trace_paths(world, rays, paths, results, progress);
-    for (const PathResult& r : results) {
-        samples.radiance.push_back(r.radiance);
-        samples.distance.push_back(r.distance);
+    for (size_t i = 0; i < count; ++i) {
+        samples.radiance.push_back(results[i].radiance);
+        samples.distance.push_back(results[i].distance);
+        samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
     }
 
     IrradianceRecord record;
-    record.position = point.position;
+    record.position = p;
     record.normal = samples.frame.n;
     record.irradiance = irradiance(samples);
     record.rotation = rotation_gradient(samples);
@@ -105,7 +106,7 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::vector<Candidate>
     std::vector<uint8_t> served(candidates.size());
     parallel_blocks(candidates.size(), 256, threads, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
-            served[i] = cache.serves(candidates[i].point.position, candidates[i].point.frame.n);
+            served[i] = cache.serves(candidates[i].position, candidates[i].shading_normal);
     });
     size_t kept = 0;
     for (size_t i = 0; i < candidates.size(); ++i)
@@ -120,8 +121,7 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
     std::vector<Ray> rays;
     for (uint32_t i = 0; i < seen.size(); ++i) {
         Sampler sampler(options.seed ^ hash(far_stream), i, round);
-        rays.push_back(seen[i].point.ray(
-            Frame::around(seen[i].point.normal_towards_shading()).to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
+        rays.push_back(seen[i].ray(Frame::around(seen[i].normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
     }
     std::vector<Hit> hits(rays.size());
     world.geometry.rays().intersect(rays, hits);
@@ -130,7 +130,7 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
     for (size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].missed()) continue;
         const SurfacePoint point = world.geometry.surface_point(hits[i], -rays[i].direction);
-        if (point.bsdf.has(LobeSet::diffuse)) out.push_back({point, 0});
+        if (point.bsdf.has(LobeSet::diffuse)) out.emplace_back(point, 0.0f);
     }
     return out;
 }
@@ -154,8 +154,8 @@ RecordCache solve_far(const World& world, std::span<const Candidate> seen, const
         for (const Candidate& c : wanted) {
             bool alone = true;
             for (const Candidate& t : thinned)
-                alone = alone && !(length_squared(t.point.position - c.point.position) < sqr(2 * least) &&
-                                   dot(t.point.frame.n, c.point.frame.n) > 0.9f);
+                alone = alone && !(length_squared(t.position - c.position) < sqr(2 * least) &&
+                                   dot(t.shading_normal, c.shading_normal) > 0.9f);
             if (alone) thinned.push_back(c);
         }
         auto records = gather_records(world, thinned, none, options, far_stream, options.far_rows, progress);
@@ -224,7 +224,7 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
                 const SurfacePoint point = world.geometry.surface_point(hits[i], wo);
                 const float length = chains[i].length + hits[i].t;
                 const Vec3 wo_local = point.frame.to_local(wo);
-                if (!is_black(point.bsdf.diffuse_albedo(wo_local))) found[b].push_back({point, camera.pixel_size_at(length)});
+                if (!is_black(point.bsdf.diffuse_albedo(wo_local))) found[b].emplace_back(point, camera.pixel_size_at(length));
                 const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
                 Sampler sampler(options.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));
                 const float u_lobe = sampler.next_1d();

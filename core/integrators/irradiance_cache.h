@@ -37,8 +37,19 @@ struct SolvedCaches {
 
 /// Where a record could be wanted.
 struct Candidate {
-    SurfacePoint point;
+    Vec3 position;
+    Vec3 normal;          // geometric, on the side that is shaded
+    Vec3 shading_normal;
+    float offset = 0;     // how far rays must start from the surface
     float footprint = 0;  // width of a pixel there
+
+    Candidate() = default;
+    Candidate(const SurfacePoint& point, float footprint)
+        : position(point.position), normal(point.normal_towards_shading()), shading_normal(point.frame.n),
+          offset(point.offset), footprint(footprint) {}
+
+    /// A ray that leaves into the hemisphere around `normal`.
+    Ray ray(Vec3 direction) const { return {position + normal * offset, 0, direction}; }
 };
 
 /// Fills both caches for what `camera` sees. `progress` counts passes.

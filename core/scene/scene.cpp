@@ -136,7 +136,7 @@ Vec3 Geometry::mapped_normal(const Material& material, uint32_t triangle, const 
     const float du = 1 / static_cast<float>(map.texture->width()), dv = 1 / static_cast<float>(map.texture->height());
     const Vec2 p = map.transform(map.uv_set == 0 ? at.uv : at.uv2);
     const auto height = [&](float x, float y) {
-        return luminance(map.finish(map.texture->lookup({x, y}))) * material.normal_scale;
+        return map.scalar_at({x, y}) * material.normal_scale;
     };
     const float hu = (height(p.x + du, p.y) - height(p.x - du, p.y)) / (2 * du);
     const float hv = (height(p.x, p.y + dv) - height(p.x, p.y - dv)) / (2 * dv);
@@ -149,37 +149,37 @@ Vec3 Geometry::mapped_normal(const Material& material, uint32_t triangle, const 
 }
 
 SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
-    SurfacePoint out;
     const uint32_t triangle = hit.triangle;
     const Vec3 p0 = vertex(triangle, 0), p1 = vertex(triangle, 1), p2 = vertex(triangle, 2);
-    out.triangle = triangle;
-    out.position = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v;
-    out.offset = offset_ulps * std::max(magnitude(p0), std::max(magnitude(p1), magnitude(p2)));
-    out.normal = geometric_normal(triangle);
-
     const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
     const Material& material = materials_[mesh.material];
     const SurfaceCoordinates at = coordinates(triangle, hit.u, hit.v);
-    out.uv = material.emission.uv_set == 0 ? at.uv : at.uv2;
-    Vec3 n = shading_normal(triangle, hit.u, hit.v, out.normal);
-    if (dot(n, out.normal) < 0) n = -n;
+    Vec3 normal = geometric_normal(triangle);
+    Vec3 n = shading_normal(triangle, hit.u, hit.v, normal);
+    if (dot(n, normal) < 0) n = -n;
     if (material.has_normal_map) n = mapped_normal(material, triangle, at, n);
-    const bool from_behind = dot(wo, out.normal) < 0;
+    const bool from_behind = dot(wo, normal) < 0;
     if (from_behind && !material.refracts) {
-        out.normal = -out.normal;
+        normal = -normal;
         n = -n;
     }
     // A shading normal that looks away from a viewer in front of the surface is bent until it does not.
-    const float facing = dot(n, wo), side = dot(out.normal, wo);
+    const float facing = dot(n, wo), side = dot(normal, wo);
     if (facing * side <= 0) n = normalize(n + wo * ((side > 0 ? 1.0f : -1.0f) * 1e-3f - facing));
-    out.frame = Frame::around(n);
+    Frame frame = Frame::around(n);
     if (material.anisotropic() && !mesh.arrays->uvs.empty()) {
         const Vec2 a = uv(triangle, 0, 0), b = uv(triangle, 1, 0) - a, c = uv(triangle, 2, 0) - a;
         const float determinant = b.x * c.y - b.y * c.x;
-        if (determinant != 0) out.frame = Frame::along(n, ((p1 - p0) * c.y - (p2 - p0) * b.y) / determinant);
+        if (determinant != 0) frame = Frame::along(n, ((p1 - p0) * c.y - (p2 - p0) * b.y) / determinant);
     }
-    out.bsdf = make_bsdf(materials_, mesh.material, at, from_behind);
-    return out;
+    // Lobes are large: they are made where they stay.
+    return {.position = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v,
+            .normal = normal,
+            .frame = frame,
+            .uv = material.emission.uv_set == 0 ? at.uv : at.uv2,
+            .offset = offset_ulps * std::max(magnitude(p0), std::max(magnitude(p1), magnitude(p2))),
+            .triangle = triangle,
+            .bsdf = make_bsdf(materials_, mesh.material, at, from_behind)};
 }
 
 }  // namespace eclat

@@ -60,9 +60,10 @@ uint32_t nearest(float x, uint32_t size, Wrap wrap) {
     return std::min(static_cast<uint32_t>(fold(x, wrap) * static_cast<float>(size)), size - 1);
 }
 
-Texel lerp(const Texel& a, const Texel& b, float t) {
+float blend(float a, float b, float t) { return a * (1 - t) + b * t; }
+Texel blend(const Texel& a, const Texel& b, float t) {
     Texel out;
-    for (int i = 0; i < 4; ++i) out[i] = a[i] * (1 - t) + b[i] * t;
+    for (int i = 0; i < 4; ++i) out[i] = blend(a[i], b[i], t);
     return out;
 }
 
@@ -104,8 +105,9 @@ Texture::Texture(const ImageView& image, const TextureOptions& options)
 
 const float* Texture::color_table() const { return (options_.srgb ? srgb_table : linear_table).data(); }
 
-Texel Texture::texel(uint32_t x, uint32_t y) const {
-    const size_t at = (size_t(y) * width_ + x) * stride_;
+Texel Texture::texel(uint32_t x, uint32_t y) const { return texel_at((size_t(y) * width_ + x) * stride_); }
+
+Texel Texture::texel_at(size_t at) const {
     if (!bytes_.empty()) {
         const uint8_t* p = bytes_.data() + at;
         const float* table = color_table();
@@ -118,23 +120,45 @@ Texel Texture::texel(uint32_t x, uint32_t y) const {
     return {p[0], p[0], p[0], stride_ == 2 ? p[1] : 1};
 }
 
-Texel Texture::lookup(Vec2 uv) const {
+template <class Read>
+auto Texture::filter(Vec2 uv, const Read& read) const {
     if (!std::isfinite(uv.x) || !std::isfinite(uv.y)) uv = {0, 0};
-    if (options_.nearest) {
-        return texel(nearest(uv.x, width_, options_.wrap_u), nearest(uv.y, height_, options_.wrap_v));
-    }
+    const auto at = [&](uint32_t x, uint32_t y) { return read((size_t(y) * width_ + x) * stride_); };
+    if (options_.nearest) return at(nearest(uv.x, width_, options_.wrap_u), nearest(uv.y, height_, options_.wrap_v));
     const Neighbors x = neighbors(uv.x, width_, options_.wrap_u);
     const Neighbors y = neighbors(uv.y, height_, options_.wrap_v);
-    const Texel top = lerp(texel(x.first, y.first), texel(x.second, y.first), x.t);
-    const Texel bottom = lerp(texel(x.first, y.second), texel(x.second, y.second), x.t);
-    return lerp(top, bottom, y.t);
+    return blend(blend(at(x.first, y.first), at(x.second, y.first), x.t),
+                 blend(at(x.first, y.second), at(x.second, y.second), x.t), y.t);
 }
 
-float Value::scalar(Vec2 uv) const {
+Texel Texture::lookup(Vec2 uv) const {
+    if (!bytes_.empty() && stride_ == 4) {
+        const float* table = color_table();
+        const uint8_t* bytes = bytes_.data();
+        return filter(uv, [=](size_t i) {
+            return Texel{table[bytes[i]], table[bytes[i + 1]], table[bytes[i + 2]], linear_table[bytes[i + 3]]};
+        });
+    }
+    return filter(uv, [this](size_t i) { return texel_at(i); });
+}
+
+float Texture::lookup(Vec2 uv, int channel) const {
+    if (channel < 0 && channels_ <= 2) channel = 0;  // grey
+    if (channel < 0) {
+        const Texel t = lookup(uv);
+        return eclat::luminance(Color(t[0], t[1], t[2]));
+    }
+    const auto own = static_cast<uint32_t>(channel);
+    if (own >= channels_) return lookup(uv)[own & 3];
+    if (bytes_.empty()) return filter(uv, [floats = floats_.data() + own](size_t i) { return floats[i]; });
+    const float* table = is_alpha(own, channels_) ? linear_table.data() : color_table();
+    return filter(uv, [=, bytes = bytes_.data() + own](size_t i) { return table[bytes[i]]; });
+}
+
+float Value::scalar_at(Vec2 at) const {
     float x = constant.r;
     if (texture) {
-        const Texel t = texture->lookup(transform(uv));
-        const float y = channel < 0 ? luminance(Color(t[0], t[1], t[2])) : t[texel_channel()];
+        const float y = texture->lookup(at, channel);
         x *= invert ? 1 - y : y;
     }
     return square ? x * x : x;

@@ -41,6 +41,8 @@ class Texture {
 
     /// The filtered texel at any `uv`; one that is not finite reads as (0, 0).
     Texel lookup(Vec2 uv) const;
+    /// The same of one of the image's own channels; < 0: the luminance of RGB.
+    float lookup(Vec2 uv, int channel) const;
     /// Column `x` of row `y`, unfiltered.
     Texel texel(uint32_t x, uint32_t y) const;
 
@@ -51,6 +53,10 @@ class Texture {
 
   private:
     const float* color_table() const;
+    Texel texel_at(size_t index) const;
+    /// Filters what `read` finds at the index of a stored texel.
+    template <class Read>
+    auto filter(Vec2 uv, const Read& read) const;
 
     uint32_t width_, height_, channels_;
     uint32_t stride_;  // stored channels of a texel
@@ -77,9 +83,11 @@ struct Value {
     /// `uv` is of the set that `uv_set` names.
     Color color(Vec2 uv) const { return texture ? finish(texture->lookup(transform(uv))) : finish(constant); }
     Color color(Vec2 uv, Vec2 uv2) const { return color(uv_set == 0 ? uv : uv2); }
-    float scalar(Vec2 uv) const;
+    float scalar(Vec2 uv) const { return scalar_at(transform(uv)); }
     float scalar(Vec2 uv, Vec2 uv2) const { return scalar(uv_set == 0 ? uv : uv2); }
 
+    /// The scalar where the texture is read at `at`: after the transform.
+    float scalar_at(Vec2 at) const;
     /// Where the texture is read for a surface's `uv`.
     Vec2 transform(Vec2 uv) const {
         const auto& m = uv_transform;

@@ -114,12 +114,62 @@ TEST_CASE("rotation gradient against the closed form") {
     CHECK(std::hypot(g.channel[0].x - about_x, g.channel[0].y - about_y) < 0.05 * scale);
 }
 
-TEST_CASE("distances: a miss is infinitely far and grazing rays do not count for the minimum") {
+TEST_CASE("distances: a miss is infinitely far, and only what stands apart counts for the minimum") {
     HemisphereSamples s = gather(16, 0, 0);
+    s.apart.assign(s.distance.size(), 1);
     for (float& r : s.distance) r = 2;
     CHECK(harmonic_mean_distance(s) == doctest::Approx(2));
-    for (int k = 0; k < s.columns; ++k) s.distance[size_t(s.rows - 1) * s.columns + k] = 1e-3f;
+    for (int k = 0; k < s.columns; ++k) {
+        s.distance[size_t(s.rows - 1) * s.columns + k] = 1e-3f;
+        s.apart[size_t(s.rows - 1) * s.columns + k] = 0;
+    }
     CHECK(minimum_distance(s) == doctest::Approx(2));
+    s.apart.back() = 1;
+    CHECK(minimum_distance(s) == doctest::Approx(1e-3f));
     for (float& r : s.distance) r = infinity;
     CHECK(harmonic_mean_distance(s) == infinity);
+}
+
+TEST_CASE("a surface that goes on in a curve does not stand apart from itself; walls and lips do") {
+    const Vec3 up{0, 0, 1};
+    for (float elevation : {0.005f, 0.02f, 0.1f, 0.2f, 0.25f}) {
+        const Vec3 w{std::cos(elevation), 0, std::sin(elevation)};
+        // Inside of a circle: a chord of elevation e ends where the normal has turned by 2e.
+        CHECK(!stands_apart(up, w, {-std::sin(2 * elevation), 0, std::cos(2 * elevation)}));
+        CHECK(stands_apart(up, w, {-1, 0, 0}));  // a wall, however far
+        CHECK(stands_apart(up, w, -up));         // the back of a panel
+        CHECK(!stands_apart(up, w, up));         // a shallow step
+    }
+    CHECK(stands_apart(up, {std::cos(0.5f), 0, std::sin(0.5f)}, up));
+}
+
+TEST_CASE("clearance: a wall stands in the sectors that look at it, at its horizontal distance") {
+    HemisphereSamples s;
+    s.rows = 32;
+    s.columns = 720;
+    s.frame = Frame::around({0, 0, 1});
+    const float wall = 0.7f;  // the plane u = 0.7
+    for (int j = 0; j < s.rows; ++j)
+        for (int k = 0; k < s.columns; ++k) {
+            const Vec3 w = cell_direction(s.rows, s.columns, j, k, {0.5f, 0.5f});
+            s.distance.push_back(w.x > 0 ? wall / w.x : infinity);
+            s.apart.push_back(w.x > 0);
+        }
+    const auto clearance = sector_clearance(s);
+    for (int sector = 0; sector < 12; ++sector) {
+        // A sector's least distance is at its azimuth nearest to the wall's normal.
+        float nearest = infinity;
+        for (int step = 0; step <= 100; ++step) {
+            const float phi = -pi + 2 * pi * (static_cast<float>(sector) + static_cast<float>(step) / 100) / 12;
+            if (std::cos(phi) > 0.05f) nearest = std::min(nearest, wall / std::cos(phi));
+        }
+        const Vec3 middle{std::cos(-pi + 2 * pi * (static_cast<float>(sector) + 0.5f) / 12),
+                          std::sin(-pi + 2 * pi * (static_cast<float>(sector) + 0.5f) / 12), 0};
+        const float found = clearance[clearance_sector(s.frame, middle)];
+        CHECK(clearance_sector(s.frame, middle) == sector);
+        if (nearest == infinity)
+            CHECK(found == infinity);
+        else
+            CHECK(found == doctest::Approx(nearest).epsilon(0.03));
+    }
 }
