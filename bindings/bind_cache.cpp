@@ -18,7 +18,7 @@ namespace {
 static_assert(sizeof(IrradianceRecord) % sizeof(float) == 0);
 constexpr size_t floats_per_record = sizeof(IrradianceRecord) / sizeof(float);
 
-/// (records, floats): position, normal, E, rotation gradient (RGB × xyz), translation gradient, R, radius and bounds.
+/// (records, floats): position, normal, E, excess, rotation gradient (RGB × xyz), translation gradient, R, radius and bounds.
 auto to_array(const RecordCache& cache) {
     const auto& records = cache.records();
     return float_array({records.size(), floats_per_record}, [&](float* data) {

@@ -34,6 +34,31 @@ Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u) {
     return {s * std::cos(phi), s * std::sin(phi), safe_sqrt(1 - s2)};
 }
 
+Color take_excess(HemisphereSamples& samples) {
+    constexpr float largest_share = 0.05f;
+    float limit = infinity;
+    for (bool lowered = true; lowered;) {
+        float sum = 0;
+        lowered = false;
+        for (const Color& L : samples.radiance) {
+            sum += std::min(luminance(L), limit);
+            lowered = lowered || luminance(L) > limit;
+        }
+        // The limit falls until it is the stated share of the sum that it leaves.
+        const float next = largest_share * sum;
+        lowered = (limit == infinity || lowered) && next < 0.99f * limit;
+        limit = std::min(limit, next);
+    }
+    Color taken;
+    for (Color& L : samples.radiance) {
+        const float Y = luminance(L);
+        if (Y <= limit) continue;
+        taken += L * (1 - limit / Y);
+        L *= limit / Y;
+    }
+    return taken * (pi / static_cast<float>(samples.radiance.size()));
+}
+
 Color irradiance(const HemisphereSamples& samples) {
     Color sum;
     for (const Color& L : samples.radiance) sum += L;

@@ -29,6 +29,11 @@ int columns_for(int rows);
 /// The direction in cell (j, k) for random numbers u in the unit square, in the grid's frame.
 Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u);
 
+/// Lowers the radiance of cells that alone bring more than a twentieth of the irradiance to that share, and returns the
+/// irradiance that was taken away. So few rays cannot tell how large a bright thing is: one record knows nothing of
+/// it, many together do.
+Color take_excess(HemisphereSamples& samples);
+
 /// E = π / MN Σ L_jk [Ward88 eq. 3].
 Color irradiance(const HemisphereSamples& samples);
 RotationGradient rotation_gradient(const HemisphereSamples& samples);

@@ -27,6 +27,26 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
         const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
         footings_.push_back({r.position, r.radius, r.normal, nearest});
     }
+    share_excess(threads);
+}
+
+// Each record reads the weighted mean of what its wider surroundings found in excess: the sum of all stays about the same,
+// its noise falls with their number.
+void RecordCache::share_excess(int threads) {
+    constexpr float surroundings = 4;  // in units of a record's radius
+    const auto& order = tree_.order();
+    shared_excess_ = parallel_map<Color>(order.size(), threads, [&](size_t slot) {
+        Color sum;
+        float weights = 0;
+        if (order[slot] == SphereTree::vacant) return sum;
+        const Footing& here = footings_[slot];
+        tree_.for_each_near(here.position, surroundings * here.radius, [&](uint32_t other, float d2) {
+            const float w = weight_of(other, here.position, here.normal, d2, surroundings);
+            sum += records_[order[other]].excess * w;
+            weights += w;
+        });
+        return sum * (1 / weights);
+    });
 }
 
 float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
@@ -63,23 +83,23 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     }
 }
 
-bool RecordCache::serves(Vec3 p, Vec3 n) const {
+bool RecordCache::serves(Vec3 p, Vec3 normal) const {
     bool served = false;
     tree_.for_each_around(p, [&](uint32_t slot, float d2) {
-        served = served || weight_of(slot, p, n, d2, 1) > 0;
+        served = served || weight_of(slot, p, normal, d2, 1) > 0;
     });
     return served;
 }
 
-float RecordCache::density(Vec3 p, Vec3 n) const {
+float RecordCache::density(Vec3 p, Vec3 normal) const {
     float sum = 0;
-    tree_.for_each_around(p, [&](uint32_t slot, float d2) { sum += weight_of(slot, p, n, d2, 1); });
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) { sum += weight_of(slot, p, normal, d2, 1); });
     return sum;
 }
 
-Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) const {
+Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shading) const {
     Color E = record.irradiance;
-    const Vec3 turn = cross(record.normal, n), shift = p - record.position;
+    const Vec3 turn = cross(record.normal, shading), shift = p - record.position;
     for (int c = 0; c < 3; ++c) {
         const float value = E[c];  // [WardHeckbert92 eq. 7]
         float change = 0;
@@ -90,13 +110,13 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) c
     return E;
 }
 
-std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 n, float* mean_radius) const {
+std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius) const {
     Color sum;
     float weights = 0, radii = 0;
     tree_.for_each_around(p, [&](uint32_t slot, float d2) {
-        const float w = weight_of(slot, p, n, d2, options_.relaxation);
+        const float w = weight_of(slot, p, normal, d2, options_.relaxation);
         if (w <= 0) return;
-        sum += extrapolate(records_[tree_.order()[slot]], p, n) * w;
+        sum += (extrapolate(records_[tree_.order()[slot]], p, shading) + shared_excess_[slot]) * w;
         weights += w;
         radii += w * footings_[slot].radius;
     });

@@ -30,12 +30,15 @@ class RecordCache {
     /// Adds records in the order given, clamps neighbours and rebuilds the tree.
     void insert(std::span<const IrradianceRecord> records, float spacing, int threads);
 
+    // Normals here are geometric: a bump tilts what a point looks at, not where its records lie.
+
     /// Whether a record is valid at the point, by the strict test that decides where records are placed.
-    bool serves(Vec3 p, Vec3 n) const;
-    /// Indirect irradiance at `p` for normal `n`; nothing where no record serves it. `mean_radius`: of those that do.
-    std::optional<Color> interpolate(Vec3 p, Vec3 n, float* mean_radius = nullptr) const;
+    bool serves(Vec3 p, Vec3 normal) const;
+    /// Indirect irradiance at `p`, turned by the rotation gradient to the normal of `shading`; nothing where no record
+    /// serves it. `mean_radius`: of those that do.
+    std::optional<Color> interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius = nullptr) const;
     /// Sum of the weights there: the density of records.
-    float density(Vec3 p, Vec3 n) const;
+    float density(Vec3 p, Vec3 normal) const;
 
     const std::vector<IrradianceRecord>& records() const { return records_; }
     const CacheOptions& options() const { return options_; }
@@ -44,12 +47,14 @@ class RecordCache {
     /// The record's weight at the point; 0 also where geometry stands between them.
     float weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const;
     void clamp_to_neighbors(float spacing, int threads);
-    Color extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 n) const;
+    void share_excess(int threads);
+    Color extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shading) const;
 
     CacheOptions options_;
     std::vector<IrradianceRecord> records_;
     SphereTree tree_;
-    std::vector<Footing> footings_;  // of the records, in the tree's slots
+    std::vector<Footing> footings_;     // of the records, in the tree's slots
+    std::vector<Color> shared_excess_;  // of each record's surroundings, in the tree's slots
 };
 
 }  // namespace eclat

@@ -23,6 +23,7 @@ struct TranslationGradient {
 struct IrradianceRecord {
     Vec3 position, normal;
     Color irradiance;
+    Color excess;  // irradiance from rays too few and too bright for one record to judge: read as neighbours' mean
     RotationGradient rotation;
     TranslationGradient translation;
     float distance = 0;  // R_k: the mean or least distance to what the record sees, limited by the gradient

@@ -33,7 +33,7 @@ enum Stream : uint32_t { camera_stream = 1, far_stream, near_stream, chain_strea
 CachedIrradiance read_far(const RecordCache& far) {
     return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
         float radius = 0;
-        auto E = far.interpolate(point.position, point.frame.n, &radius);
+        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
         if (!E || distance < radius) return std::nullopt;
         return E;
     };
@@ -78,6 +78,7 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     }
 
     IrradianceRecord record;
+    record.excess = take_excess(samples);
     record.position = p;
     record.normal = samples.frame.n;
     record.irradiance = irradiance(samples);
@@ -106,7 +107,7 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::vector<Candidate>
     std::vector<uint8_t> served(candidates.size());
     parallel_blocks(candidates.size(), 256, threads, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
-            served[i] = cache.serves(candidates[i].position, candidates[i].shading_normal);
+            served[i] = cache.serves(candidates[i].position, candidates[i].normal);
     });
     size_t kept = 0;
     for (size_t i = 0; i < candidates.size(); ++i)
@@ -261,7 +262,9 @@ SolvedCaches solve_irradiance_cache(const World& world, const Camera& camera, co
 }
 
 CachedIrradiance read_near(const SolvedCaches& caches) {
-    return [&caches](const SurfacePoint& point, float) { return caches.near.interpolate(point.position, point.frame.n); };
+    return [&caches](const SurfacePoint& point, float) {
+        return caches.near.interpolate(point.position, point.normal_towards_shading(), point.frame.n);
+    };
 }
 
 }  // namespace eclat

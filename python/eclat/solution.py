@@ -19,16 +19,17 @@ from eclat.errors import EclatError
 from eclat.options import IrradianceCache
 from eclat.scene import FloatArray, Scene
 
-FORMAT_VERSION = 1
+FORMAT_VERSION = 2
 
 _COLUMNS = {
     "positions": slice(0, 3),
     "normals": slice(3, 6),
     "irradiance": slice(6, 9),
-    "rotation_gradients": slice(9, 18),
-    "translation_gradients": slice(18, 27),
-    "distances": slice(27, 28),
-    "radii": slice(28, 29),
+    "excess": slice(9, 12),
+    "rotation_gradients": slice(12, 21),
+    "translation_gradients": slice(21, 30),
+    "distances": slice(30, 31),
+    "radii": slice(31, 32),
 }
 
 
@@ -83,8 +84,13 @@ class Solution:
 
     @property
     def irradiance(self) -> np.ndarray:
-        """(N, 3) indirect irradiance, W·m⁻²."""
+        """(N, 3) indirect irradiance, W·m⁻², but for `excess`."""
         return self._column("irradiance")
+
+    @property
+    def excess(self) -> np.ndarray:
+        """(N, 3) irradiance from the few rays that brought more than a twentieth each, W·m⁻²: shared by neighbours."""
+        return self._column("excess")
 
     @property
     def radii(self) -> np.ndarray:
@@ -144,7 +150,7 @@ class Solution:
         if not isinstance(header, dict) or header.get("format") != FORMAT_VERSION:
             raise EclatError(f"{path}: a cache of another version of Éclat: solve the scene again")
         for name, array in (("near", near), ("far", far)):
-            if array.ndim != 2 or array.dtype != np.float32 or not np.isfinite(array[:, :9]).all():
+            if array.ndim != 2 or array.dtype != np.float32 or not np.isfinite(array[:, :12]).all():
                 raise EclatError(f"{path}: the array {name!r} is damaged")
         solution = Solution(
             IrradianceCache(**header["options"]), header["fingerprint"], near, far, center, header.get("statistics", {})
