@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "integrators/irradiance_cache.h"
+#include "integrators/solve_points.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -64,13 +65,26 @@ void bind_cache(nb::module_& m) {
         .def_rw("threads", &IrradianceCacheOptions::threads);
     nb::class_<SolvedCaches>(m, "SolvedCaches")
         .def("__init__", [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
-            new (c) SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, o.cache, 0.5f)};
+            new (c) SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), 0.5f)};
         })
+        .def(nb::init<>())
         .def_prop_ro("near", [](const SolvedCaches& c) { return to_array(c.near); }, nb::rv_policy::move)
         .def_prop_ro("far", [](const SolvedCaches& c) { return to_array(c.far); }, nb::rv_policy::move)
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });
-    m.def("solve_irradiance_cache", [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, Progress& progress) {
-        return solve_irradiance_cache(scene.world(), camera, options, progress);
-    }, nb::call_guard<nb::gil_scoped_release>());
+    // They fill `caches` in place: after an interrupt it holds the passes that were finished.
+    m.def("solve_for_camera", [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options,
+                                 SolvedCaches& caches, Progress& progress) {
+        caches = solve_irradiance_cache(scene.world(), camera, options, progress);
+    }, "scene"_a, "camera"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+    m.def("solve_at_points", [](const CoreScene& scene, Points positions, Points normals,
+                                const IrradianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
+        const auto points = points_with_normals(positions, normals);
+        const nb::gil_scoped_release unlocked;
+        solve_at_points(scene.world(), points, options, caches, progress);
+    }, "scene"_a, "positions"_a, "normals"_a, "options"_a, "caches"_a, "progress"_a);
+    m.def("solve_everywhere", [](const CoreScene& scene, const IrradianceCacheOptions& options, SolvedCaches& caches,
+                                 Progress& progress) {
+        solve_everywhere(scene.world(), options, caches, progress);
+    }, "scene"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
 }

@@ -9,7 +9,6 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.compiled import _half_extent
 from eclat.image import Image
 from eclat.scene import Camera, FloatArray
 
@@ -35,7 +34,7 @@ def project(camera: Camera, points: FloatArray, size: tuple[int, int]) -> tuple[
         scale, distance = np.where(np.isnan(ahead), np.nan, 1.0), ahead
     else:
         scale, distance = ahead, np.where(np.isnan(ahead), np.nan, np.linalg.norm(local, axis=1))
-    half_width, half_height = _half_extent(camera, width / height)
+    half_width, half_height = camera.half_extent(width / height)
     x = (local[:, 0] / scale / half_width + 1) / 2 - camera.shift[0]
     y = (1 - local[:, 1] / scale / half_height) / 2 - camera.shift[1]
     return np.stack([x * width, y * height], axis=1), distance

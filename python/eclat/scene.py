@@ -18,6 +18,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.errors import EclatError
+
 FloatArray = NDArray[np.floating]
 
 
@@ -248,6 +250,27 @@ class Camera:
     size: tuple[int, int] | None = None
     shift: tuple[float, float] = (0.0, 0.0)
     name: str = ""
+
+    def half_extent(self, aspect: float) -> tuple[float, float]:
+        """Half width and height of the image plane at distance 1 (orthographic: in metres); `aspect` is width / height.
+
+        Raises EclatError for a field of view that is not between 0 and 180 degrees.
+        """
+        if self.projection == "orthographic":
+            half = self.fov / 2
+        else:
+            if not 0 < self.fov < 180:
+                raise EclatError(f"camera {self.name!r}: fov must be between 0 and 180 degrees, got {self.fov!r}")
+            half = float(np.tan(np.radians(self.fov) / 2))
+        axis = self.fov_axis
+        if axis == "smaller":
+            axis = "y" if aspect >= 1 else "x"
+        elif axis == "larger":
+            axis = "x" if aspect >= 1 else "y"
+        if axis == "diagonal":
+            half_height = half / float(np.hypot(aspect, 1))
+            return half_height * aspect, half_height
+        return (half, half / aspect) if axis == "x" else (half * aspect, half)
 
 
 def look_at(
