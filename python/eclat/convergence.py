@@ -136,7 +136,7 @@ class Sampling:
 
 
 def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> float:
-    """Relative error (as `metrics.relative_rmse` measures it) of a picture's noise, from the picture of half its samples.
+    """Relative error (that of `metrics.relative_rmse`) of a picture's noise, from the picture of half its samples.
 
     sqrt(mean((x₁ − x₂)² / 4 / (R² + c))) with x₁, x₂ the means of the first and the last half, whose own mean is the
     picture: it errs by half their difference. For R², which is not known, stands the mean of x₁ x₂ over 3 × 3 pixels:

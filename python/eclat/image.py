@@ -123,6 +123,17 @@ class Image:
         content = image_files.Content(self.pixels, self.layers, self.metadata)
         write_file(path, file_format.encode(content, LAYERS, exposure, tone_mapping))
 
+    def show_records(self, exposure: float = 0.0) -> Image:
+        """The picture with a mark over each pixel in which records lie, bright at that `exposure` (stops).
+
+        Raises
+        ------
+        EclatError : the picture was not made with records.
+        """
+        from eclat.record_overlay import mark_records
+
+        return mark_records(self, white=2.0**-exposure)
+
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Image:
         """The picture in an .exr, .pfm or .npy file.

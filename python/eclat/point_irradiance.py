@@ -37,7 +37,7 @@ def irradiance(
     progress: ProgressReport | None = None,
     statistics: dict[str, float] | None = None,
 ) -> NDArray[np.float32]:
-    """Irradiance at `points` on the side of their `normals`: (N, 3) RGB in W·m⁻², in lux where the scene is photometric.
+    """Irradiance at `points` on the side of their `normals`: (N, 3) RGB in W·m⁻², lux where the scene is photometric.
 
     Parameters
     ----------

@@ -9,6 +9,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.errors import EclatError
 from eclat.image import Image
 from eclat.scene import Camera, FloatArray
 
@@ -60,24 +61,28 @@ def record_density(image: Image, camera: Camera, positions: FloatArray) -> NDArr
     return density
 
 
-def mark_records(image: Image, camera: Camera, positions: FloatArray, white: float = 1.0) -> Image:
-    """The picture with a mark over each visible record, and the layer `record_density`.
+def mark_records(image: Image, white: float = 1.0) -> Image:
+    """The picture with a mark over each pixel of its layer `record_density` that holds records.
 
     A mark is one pixel in pictures up to 800 pixels high, and grows with them.
 
     Parameters
     ----------
-    positions : (N, 3) world positions, `Solution.positions`.
     white : the radiance that the display shows as white, 2^−exposure.
+
+    Raises
+    ------
+    EclatError : the picture has no such layer.
     """
-    density = record_density(image, camera, positions)
-    reach = image.height // 800
+    density = image.layers.get("record_density")
+    if density is None:
+        raise EclatError("show_records: expected a picture made with records (layer record_density), got none")
     marked = density > 0
-    for _ in range(reach):
+    for _ in range(image.height // 800):
         taller = marked.copy()
         taller[1:] |= marked[:-1]
         marked = taller.copy()
         marked[:, 1:] |= taller[:, :-1]
     pixels = image.pixels.copy()
     pixels[marked] = np.float32(white) * np.array(MARK, dtype=np.float32)
-    return replace(image, pixels=pixels, layers={**image.layers, "record_density": density})
+    return replace(image, pixels=pixels)

@@ -24,7 +24,7 @@ from eclat.arguments import (
     thread_count,
 )
 from eclat.compiled import compiled
-from eclat.convergence import MOST_SAMPLES, Goal, Sampling
+from eclat.convergence import Goal, Sampling
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.image import Image
 from eclat.options import Direct, IrradianceCache, Options, Path, method_name
@@ -141,10 +141,9 @@ def render(
         raise
     about.warn_of_bad_samples(film, sampling.taken)
     if samples is None and deadline is None and sampling.noise > max_error:
-        warn(f"after {MOST_SAMPLES:,} samples the noise is still {sampling.noise:.2g}, not {max_error:g}: stopped there")
-    return about.image(
-        film, _statistics(sampling, sampling.taken, solution, film, clock.perf_counter() - started)
-    )
+        noise = f"the noise is still {sampling.noise:.2g}, not {max_error:g}"
+        warn(f"after {sampling.taken:,} samples {noise}: stopped there")
+    return about.image(film, _statistics(sampling, sampling.taken, solution, film, clock.perf_counter() - started))
 
 
 @dataclass(frozen=True, eq=False)

@@ -161,6 +161,8 @@ class Material:
     emission: Value | None = None
     """Emitted radiance on the normal's side; None = does not emit."""
     emission_two_sided: bool = False
+    """Emits on both sides: only where a format says so. glTF's `doubleSided` does, since a back face is shaded as a
+    front with its normal reversed, emission included [glTF 2.0 specification, section 3.9.6, Double Sided]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -305,6 +307,6 @@ class Scene:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     """Used by defaults (framed view, sun and sky) only."""
     photometric: bool = False
-    """Lights are in candela and lux, so radiance means luminance."""
+    """Lights are in candela, lux and cd·m⁻², so radiance means luminance and irradiance is in lux."""
     warnings: tuple[str, ...] = ()
     """What the loader replaced, ignored or guessed."""

@@ -32,7 +32,9 @@ _COLUMNS = {
 }
 
 
-def core_options(options: IrradianceCache, *, max_depth: int = -1, seed: int = 0, threads: int = 0) -> _core.IrradianceCacheOptions:
+def core_options(
+    options: IrradianceCache, *, max_depth: int = -1, seed: int = 0, threads: int = 0
+) -> _core.IrradianceCacheOptions:
     """The core's options. `max_error` sets what is None: the error of first-order extrapolation grows with the square
     of a record's radius, a gather's noise falls with the number of its rows."""
     out = _core.IrradianceCacheOptions()
@@ -107,15 +109,21 @@ class Solution:
     def core(self) -> _core.SolvedCaches:
         """The caches as the core reads them."""
         return _core.SolvedCaches(
-            np.ascontiguousarray(self.near, np.float32), np.ascontiguousarray(self.far, np.float32), core_options(self.options)
+            np.ascontiguousarray(self.near, np.float32),
+            np.ascontiguousarray(self.far, np.float32),
+            core_options(self.options),
         )
 
     def check(self, scene: Scene, max_depth: int) -> None:
         """Raises EclatError where the scene or the depth is not what was solved; warns of an incomplete cache."""
         if self.fingerprint != fingerprint(scene) or not np.array_equal(self.center, compiled(scene).center):
-            raise EclatError("this cache was solved for another scene (geometry, materials or lights differ): solve it again")
+            raise EclatError(
+                "this cache was solved for another scene: geometry, materials or lights differ; solve it again"
+            )
         if self.max_depth != max_depth:
-            raise EclatError(f"this cache was solved with max_depth {self.max_depth}: expected the same, got {max_depth}")
+            raise EclatError(
+                f"this cache was solved with max_depth {self.max_depth}: expected the same, got {max_depth}"
+            )
         if not self.complete:
             warn("this cache is incomplete, since its solve was interrupted: more is traced, with more noise")
 

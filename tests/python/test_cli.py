@@ -385,6 +385,44 @@ def test_ctrl_c_in_each_phase_of_the_real_thing(phase: str) -> None:
     assert os.listdir() == ["cornell-box.png"]
 
 
+def interrupted(arguments: list[str], phase: str, fraction: float) -> subprocess.Popen[str]:
+    """A run with --json, stopped by Ctrl-C once that phase is that far; ended when this returns."""
+    with start([*arguments, "--json"]) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            event = json.loads(line)
+            if event.get("phase") == phase and event["fraction"] >= fraction:
+                break
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+    return process
+
+
+def test_keep_partial_of_a_picture_is_the_picture_of_fewer_samples() -> None:
+    flags = ["--method", "path", "--size", "64x64", "--seed", "5"]
+    arguments = ["render", "cornell-box", *flags, "--samples", "100000", "--keep-partial", "-o", "a.exr"]
+    # A sample of 64 × 64 pixels takes milliseconds, and 0.02 % are twenty.
+    assert interrupted(arguments, "render", 0.0002).returncode == 130
+    image = Image.load("a.exr")
+    done = image.metadata["samples_done"]
+    assert done > 0 and image.metadata["settings"]["samples"] == done
+    with start(["render", "cornell-box", *flags, "--samples", str(done), "-o", "b.exr"]) as process:
+        assert process.wait(timeout=120) == 0
+    assert np.array_equal(Image.load("b.exr").pixels, image.pixels)
+
+
+def test_keep_partial_of_a_solve_is_marked_incomplete() -> None:
+    arguments = ["solve", "cornell-box", "--view-independent", "--max-error", "0.002", "-o", "a.npz"]
+    assert interrupted([*arguments, "--keep-partial"], "solve", 0.3).returncode == 130
+    scene = load("cornell-box")
+    with pytest.warns(eclat.EclatWarning, match="this cache is incomplete, since its solve was interrupted"):
+        solution = eclat.Solution.load("a.npz", scene)
+    assert len(solution) > 0 and not solution.complete
+    os.remove("a.npz")
+    assert interrupted(arguments, "solve", 0.3).returncode == 130
+    assert os.listdir() == []
+
+
 def test_a_closed_standard_output_is_no_crash() -> None:
     with start(["scenes"]) as process:
         assert process.stdout is not None

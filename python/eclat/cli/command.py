@@ -28,6 +28,17 @@ def option(*names: str, section: str, **keywords: Any) -> Callable[[F], F]:
     return click.option(*names, cls=Option, section=section, **keywords)
 
 
+def together(*decorators: Callable[[F], F]) -> Callable[[F], F]:
+    """Flags as one decorator, listed in the order in which the help shows them."""
+
+    def decorate(function: F) -> F:
+        for decorator in reversed(decorators):
+            function = decorator(function)
+        return function
+
+    return decorate
+
+
 class Command(click.Command):
     """A command with `examples` (command line → what it does) and `notes` (more sections of the help)."""
 
