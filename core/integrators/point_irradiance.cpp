@@ -109,7 +109,7 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
             if (const auto E = caches.near.interpolate(points[i].position, points[i].normal)) {
                 out.irradiance[i] = *E;
             } else {
-                missed.push_back({bare_point(world, points[i]), 0});
+                missed.emplace_back(bare_point(world, points[i]), 0.0f);
                 missed_index.push_back(i);
             }
         }

@@ -30,7 +30,7 @@ float pixel_without_camera(const World& world) { return 2 * world.geometry.radiu
 /// Those that `cache` does not serve.
 Candidates unserved(const RecordCache& cache, const Candidates& candidates, int threads) {
     const auto served = parallel_map<uint8_t>(candidates.size(), threads, [&](size_t i) {
-        return static_cast<uint8_t>(cache.serves(candidates[i].point.position, candidates[i].point.frame.n));
+        return static_cast<uint8_t>(cache.serves(candidates[i].position, candidates[i].shading_normal));
     });
     Candidates out;
     for (size_t i = 0; i < candidates.size(); ++i)
@@ -44,8 +44,8 @@ Candidates thinned(const Candidates& candidates, float distance) {
     Candidates out;
     for (const Candidate& c : candidates)
         if (std::none_of(out.begin(), out.end(), [&](const Candidate& o) {
-                return length_squared(o.point.position - c.point.position) < sqr(distance) &&
-                       dot(o.point.frame.n, c.point.frame.n) > same_side;
+                return length_squared(o.position - c.position) < sqr(distance) &&
+                       dot(o.shading_normal, c.shading_normal) > same_side;
             }))
             out.push_back(c);
     return out;
@@ -86,7 +86,7 @@ Candidates met_from(const World& world, std::span<const PointNormal> points, siz
     for (size_t i = 0; i < rays.size(); ++i) {
         if (hits[i].missed()) continue;
         const SurfacePoint point = world.geometry.surface_point(hits[i], -rays[i].direction);
-        if (point.bsdf.has(LobeSet::diffuse)) out.push_back({point, 0});
+        if (point.bsdf.has(LobeSet::diffuse)) out.emplace_back(point, 0.0f);
     }
     return out;
 }
@@ -145,7 +145,7 @@ class SurfacePoints {
             const SurfacePoint point = world_.geometry.surface_point(hit, wo);
             const Vec3 local = point.frame.to_local(wo);
             if (local.z > 0 && !is_black(point.bsdf.diffuse_albedo(local)))
-                out.push_back({point, pixel_without_camera(world_)});
+                out.emplace_back(point, pixel_without_camera(world_));
         }
     }
 
@@ -183,7 +183,7 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
     const auto every = [&](size_t step, size_t first) {
         Candidates out;
         for (size_t i = first; i < points.size(); i += step)
-            out.push_back({bare_point(world, points[i]), pixel_without_camera(world)});
+            out.emplace_back(bare_point(world, points[i]), pixel_without_camera(world));
         return out;
     };
     // Each pass takes the points halfway between those of all passes before.

@@ -208,8 +208,9 @@ def test_bad_command_lines(arguments: str, message: str | None, capsys: Output) 
 
 
 def test_usage_errors_name_the_help(capsys: Output) -> None:
-    assert main(["render", "x", "--sampels"]) == 2
-    assert errors(capsys).splitlines()[1] == "       try: eclat render --help"
+    for flag in ("--sampels", "--samples"):
+        assert main(["render", "x", flag]) == 2
+        assert errors(capsys).splitlines()[1] == "       try: eclat render --help"
 
 
 def test_an_unwritable_output_is_said_before_any_work(api: FakeApi, capsys: Output) -> None:

@@ -78,6 +78,10 @@ class Command(click.Command):
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
             raise _unknown_option(error, self, ctx) from None
+        except click.UsageError as error:
+            # Some of click's own do not say whose help to read.
+            error.ctx = error.ctx or ctx
+            raise
 
 
 def _unknown_option(error: click.NoSuchOption, command: click.Command, context: click.Context) -> click.UsageError:
