@@ -239,6 +239,13 @@ def test_keep_partial_writes_what_the_interrupt_carries(api: FakeApi, keep: bool
         assert Image.load("a.exr").metadata["samples_done"] == 3
 
 
+def test_keep_partial_says_when_there_is_nothing(api: FakeApi, capsys: Output) -> None:
+    api.raises = KeyboardInterrupt()
+    assert main(["render", "cornell-box", "--keep-partial"]) == 130
+    assert errors(capsys) == "eclat: there is nothing to keep yet\neclat: interrupted\n"
+    assert os.listdir() == []
+
+
 def test_json_is_all_that_stands_on_standard_output(capsys: Output) -> None:
     assert main(["render", "cornell-box", "--size", "8x8", "--json"]) == 0
     captured = capsys.readouterr()

@@ -47,11 +47,6 @@ def output_option(help: str, *, default: str | None = None, multiple: bool = Fal
     return option("-o", "--output", metavar="FILE", default=default, multiple=multiple, section="Output", help=help)
 
 
-def keep_partial_option(help: str) -> Callable[[F], F]:
-    """`--keep-partial`."""
-    return option("--keep-partial", is_flag=True, section="Output", help=help)
-
-
 def cache_option() -> Callable[[F], F]:
     """`--cache`."""
     help = "Read the records that `eclat solve` wrote."

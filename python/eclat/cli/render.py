@@ -13,12 +13,12 @@ import eclat
 from eclat.cli.command import Command, option, together
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import CROP, REPLAY, Name
+from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.quality_options import (
     QUALITY,
     cache_option,
     check_cache_alone,
     exposure_option,
-    keep_partial_option,
     max_depth_option,
     max_error_option,
     output_option,
@@ -122,20 +122,19 @@ def command(context: click.Context, /, **flags: Any) -> None:
         _check_pixels(flags, scene.cameras[index].size)
         common = {name: flags[name] for name in REACHING_RENDER} | {"camera": index, "progress": reporter.progress}
         what = eclat.Solution.load(flags["cache"], scene) if options is None else options
-        try:
+
+        def keep(image: Image) -> None:
+            image = _finished(image, flags)
+            for output in outputs:
+                image.save(output, exposure=flags["exposure"], tone_mapping=flags["tone_mapping"])
+            if flags["replay"]:
+                say_replayed_sample(reporter, image, flags["replay"])
+            else:
+                _say_result(reporter, image, outputs)
+
+        with keeping_partial(flags["keep_partial"], keep, reporter):
             image = eclat.render(scene, what, **common)
-        except KeyboardInterrupt as stop:
-            partial = getattr(stop, "partial", None)
-            if flags["keep_partial"] and partial is not None:
-                _save(_finished(partial, flags), outputs, flags)
-                _say_result(reporter, partial, outputs)
-            raise
-        image = _finished(image, flags)
-        _save(image, outputs, flags)
-        if flags["replay"]:
-            say_replayed_sample(reporter, image, flags["replay"])
-        else:
-            _say_result(reporter, image, outputs)
+        keep(image)
 
 
 def _outputs(flags: dict[str, Any]) -> list[str]:
@@ -180,11 +179,6 @@ def _finished(image: Image, flags: dict[str, Any]) -> Image:
     """With what else goes into the files."""
     image.metadata["settings"] = settings_of(flags, image.metadata)
     return image.show_records(flags["exposure"]) if flags["show_records"] else image
-
-
-def _save(image: Image, outputs: list[str], flags: dict[str, Any]) -> None:
-    for output in outputs:
-        image.save(output, exposure=flags["exposure"], tone_mapping=flags["tone_mapping"])
 
 
 def _say_result(reporter: Reporter, image: Image, outputs: list[str]) -> None:

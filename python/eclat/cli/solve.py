@@ -13,8 +13,9 @@ import eclat
 from eclat.atomic_file import check_writable
 from eclat.cli.command import Command, option
 from eclat.cli.method_options import DEFAULT_METHOD, method_notes, options_of, set_option
+from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.point_files import read_points
-from eclat.cli.quality_options import keep_partial_option, max_depth_option, max_error_option, output_option
+from eclat.cli.quality_options import max_depth_option, max_error_option, output_option
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
     camera_index,
@@ -78,18 +79,17 @@ def command(**flags: Any) -> None:
         elif flags["camera"] is not None or flags["size"] is not None:
             raise EclatError("--camera, --size: expected neither beside --points or --view-independent")
         common = {name: flags[name] for name in ("max_depth", "seed", "threads", "keep_partial")}
-        try:
+
+        def keep(solution: eclat.Solution) -> None:
+            solution.save(output)
+            _say_result(reporter, solution, output)
+
+        with keeping_partial(flags["keep_partial"], keep, reporter):
             solution = eclat.solve(scene, options, progress=reporter.progress, **where, **common)
-        except KeyboardInterrupt as stop:
-            partial = getattr(stop, "partial", None)
-            if flags["keep_partial"] and partial is not None:
-                _keep(partial, output, reporter)
-            raise
-        _keep(solution, output, reporter)
+        keep(solution)
 
 
-def _keep(solution: eclat.Solution, output: str, reporter: Reporter) -> None:
-    solution.save(output)
+def _say_result(reporter: Reporter, solution: eclat.Solution, output: str) -> None:
     seconds = solution.statistics.get("seconds", 0.0)
     text = f"{output}: {len(solution):,} records, {seconds:.1f} s{'' if solution.complete else ', incomplete'}"
     statistics = dict(solution.statistics)
