@@ -1,20 +1,14 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where records lie in a picture: how many a pixel holds, and marks drawn over it."""
+"""Where records lie in a picture: the layer `record_density`, which `Image.show_records` draws."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.errors import EclatError
 from eclat.image import Image
 from eclat.scene import Camera, FloatArray
-
-MARK = (1.0, 0.25, 0.0)
-"""Colour of a mark, times the picture's white: orange is rare in scenes and seen on dark and bright walls."""
 
 DEPTH_TOLERANCE = 0.02
 """A record counts as visible up to this much (relative) behind what the pixel sees, since a pixel is not a point."""
@@ -59,30 +53,3 @@ def record_density(image: Image, camera: Camera, positions: FloatArray) -> NDArr
     density = np.zeros((image.height, image.width), dtype=np.float32)
     np.add.at(density, (pixels[:, 1], pixels[:, 0]), np.float32(1))
     return density
-
-
-def mark_records(image: Image, white: float = 1.0) -> Image:
-    """The picture with a mark over each pixel of its layer `record_density` that holds records.
-
-    A mark is one pixel in pictures up to 800 pixels high, and grows with them.
-
-    Parameters
-    ----------
-    white : the radiance that the display shows as white, 2^−exposure.
-
-    Raises
-    ------
-    EclatError : the picture has no such layer.
-    """
-    density = image.layers.get("record_density")
-    if density is None:
-        raise EclatError("show_records: expected a picture made with records (layer record_density), got none")
-    marked = density > 0
-    for _ in range(image.height // 800):
-        taller = marked.copy()
-        taller[1:] |= marked[:-1]
-        marked = taller.copy()
-        marked[:, 1:] |= taller[:, :-1]
-    pixels = image.pixels.copy()
-    pixels[marked] = np.float32(white) * np.array(MARK, dtype=np.float32)
-    return replace(image, pixels=pixels)

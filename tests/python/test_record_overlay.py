@@ -10,8 +10,8 @@ import numpy as np
 import pytest
 
 from eclat.errors import EclatError
-from eclat.image import Image
-from eclat.record_overlay import MARK, project, record_density
+from eclat.image import RECORD_MARK, Image
+from eclat.record_overlay import project, record_density
 from eclat.scene import Camera, look_at
 
 CAMERA = Camera(look_at((0, 0, 4), (0, 0, 0)), fov=90.0, fov_axis="y")
@@ -54,7 +54,7 @@ def with_records(image: Image, *points: tuple[float, float, float]) -> Image:
 
 def test_marks_show_at_the_exposure_asked_for() -> None:
     marked = with_records(picture(4.0), (0.01, -0.01, 0)).show_records(exposure=2.0)
-    assert marked.pixels[20, 40] == pytest.approx(0.25 * np.array(MARK))
+    assert marked.pixels[20, 40] == pytest.approx(0.25 * np.array(RECORD_MARK))
     assert np.count_nonzero(marked.pixels.any(axis=2)) == 1
     assert marked.layers["record_density"][20, 40] == 1
 

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.record_overlay import MARK
+from eclat.image import RECORD_MARK
 from eclat.scenes import build
 
 SIZE = (48, 48)
@@ -51,7 +51,7 @@ def test_each_record_that_is_seen_is_counted_once(cornell: eclat.Scene, solution
 def test_records_are_shown_where_they_are(cornell: eclat.Scene, solution: eclat.Solution) -> None:
     image = eclat.render(cornell, solution, samples=1, size=SIZE)
     shown = image.show_records(exposure=1.0)
-    marked = (shown.pixels == np.float32(0.5) * np.array(MARK, np.float32)).all(axis=2)
+    marked = (shown.pixels == np.float32(0.5) * np.array(RECORD_MARK, np.float32)).all(axis=2)
     assert np.array_equal(marked, image.layers["record_density"] > 0) and marked.any()
     assert np.array_equal(shown.pixels[~marked], image.pixels[~marked])
 
