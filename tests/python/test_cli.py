@@ -393,6 +393,21 @@ def test_ctrl_c_in_each_phase_of_the_real_thing(phase: str) -> None:
     assert os.listdir() == ["cornell-box.png"]
 
 
+def test_irradiance_from_a_solved_file_says_what_served_each_point() -> None:
+    Path("floor.csv").write_text("0,-1,0, 0,1,0\n0.5,-1,0.5, 0,1,0\n")
+    Path("air.csv").write_text("0,-1,0, 0,1,0\n0,0,0, 1,0,0\n")
+    runs = [
+        ["solve", "cornell-box", "--points", "floor.csv", "--max-error", "0.1", "-o", "floor.npz"],
+        ["irradiance", "cornell-box", "--points", "air.csv", "--cache", "floor.npz", "--samples", "16"],
+    ]
+    for run in runs:
+        with start(run) as process:
+            out, said = process.communicate(timeout=60)
+        assert process.returncode == 0
+    assert len(out.splitlines()) == 3
+    assert said == "eclat: 2 points, 1 served by records, 1 gathered, RGB in W/m², lux by 179 lm/W\n"
+
+
 def interrupted(arguments: list[str], phase: str, fraction: float) -> subprocess.Popen[str]:
     """A run with --json, stopped by Ctrl-C once that phase is that far; ended when this returns."""
     with start([*arguments, "--json"]) as process:
