@@ -32,11 +32,14 @@ struct BadSample {
 
 class Film {
   public:
-    Film(int width, int height)
-        : width_(width), height_(height), pixels_(size_t(width) * height) {}
+    Film(int width, int height) : width_(width), height_(height), pixels_(size_t(width) * height) {}
     /// Between passes, while nobody adds.
     Film(const Film& other)
-        : width_(other.width_), height_(other.height_), pixels_(other.pixels_), bad_count_(other.bad_count_), bad_(other.bad_) {}
+        : width_(other.width_),
+          height_(other.height_),
+          pixels_(other.pixels_),
+          bad_count_(other.bad_count_),
+          bad_(other.bad_) {}
 
     void add(int x, int y, uint32_t sample, const FilmSample& s) {
         Pixel& p = pixels_[size_t(y) * width_ + x];

@@ -72,8 +72,8 @@ bool may_bounce(int max_depth) { return max_depth < 0 || max_depth > 2; }
 bool may_arrive(int max_depth) { return max_depth < 0 || max_depth > 1; }
 
 /// The part of `component` that the caches leave out, without the environment's image, which they include.
-Color beside_cache(const World& world, const SurfacePoint& point, uint32_t index,
-                   const PointIrradianceOptions& options, Progress& progress) {
+Color beside_cache(const World& world, const SurfacePoint& point, uint32_t index, const PointIrradianceOptions& options,
+                   Progress& progress) {
     if (options.component == Component::indirect && !world.lights.has_environment_image()) return {};
     Color sum = direct_irradiance(world, point, index, LightSet::without_environment_image, options, progress);
     if (options.component == Component::indirect)
@@ -129,15 +129,16 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
                 missed_index.push_back(i);
             }
         }
-        const auto gathered = gather_records(world, missed, caches.far, cache_options, gather_stream,
-                                             cache_options.rows, progress);
+        const auto gathered =
+            gather_records(world, missed, caches.far, cache_options, gather_stream, cache_options.rows, progress);
         for (size_t k = 0; k < gathered.size(); ++k) out.irradiance[missed_index[k]] = gathered[k].irradiance;
         out.gathered += missed.size();
         out.served += count - missed.size();
         parallel_for(count, options.threads, [&](size_t k) {
             progress.check();
             const size_t i = begin + k;
-            out.irradiance[i] += beside_cache(world, bare_point(world, points[i]), static_cast<uint32_t>(i), options, progress);
+            out.irradiance[i] +=
+                beside_cache(world, bare_point(world, points[i]), static_cast<uint32_t>(i), options, progress);
             progress.advance();
         });
     }

@@ -130,7 +130,8 @@ class SurfacePoints {
             const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at);
             const auto triangle = static_cast<uint32_t>(found - cumulative_.begin());
             const double below = triangle == 0 ? 0 : cumulative_[triangle - 1];
-            const auto within = static_cast<float>(clamp((at - below) / (*found - below), 0.0, 1.0));
+            const double area = *found - below;  // 0 only if a last triangle without area stands in for rounding
+            const auto within = area > 0 ? static_cast<float>(clamp((at - below) / area, 0.0, 1.0)) : 0.0f;
             const float across = to_unit_float(reverse_bits(static_cast<uint32_t>(i)) ^ hash(key, 1));
             const float s = std::sqrt(within);
             add_sides({triangle, 0, s * (1 - across), s * across}, out);
@@ -192,9 +193,10 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
     for (int retry = 0; retry < retries; ++retry) add_near(world, every(1, 0), options, caches, progress);
 }
 
-void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
-    constexpr int passes = 13;             // up to half a million candidates in all
-    constexpr int least_passes = 7;        // 4096 candidates: fewer say nothing about the rest
+void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
+                      Progress& progress) {
+    constexpr int passes = 13;              // up to half a million candidates in all
+    constexpr int least_passes = 7;         // 4096 candidates: fewer say nothing about the rest
     constexpr double unserved_part = 2e-3;  // of a pass; misses so rare cost less, answered while reading
     caches = {RecordCache(options.cache), RecordCache(far_reading(options.cache))};
     const SurfacePoints surface(world);
@@ -207,7 +209,9 @@ void solve_everywhere(const World& world, const IrradianceCacheOptions& options,
     for (uint32_t pass = 0; pass < passes; ++pass) {
         const size_t count = first_pass << pass;
         const PassCount done = add_near(world, surface.spread(count, pass, options.seed), options, caches, progress);
-        if (pass + 1 >= least_passes && static_cast<double>(done.added) < unserved_part * static_cast<double>(done.tried)) break;
+        if (pass + 1 >= least_passes &&
+            static_cast<double>(done.added) < unserved_part * static_cast<double>(done.tried))
+            break;
     }
 }
 

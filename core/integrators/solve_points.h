@@ -21,6 +21,7 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
 
 /// The same for all diffuse surfaces, on each side that reflects: candidates are spread evenly over their area, and
 /// doubled until the records serve almost all new ones.
-void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches, Progress& progress);
+void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
+                      Progress& progress);
 
 }  // namespace eclat
