@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "base/color.h"
+#include "integrators/point_irradiance.h"
 
 namespace nb = nanobind;
 
@@ -37,6 +38,14 @@ inline std::vector<Vec3> vec3s(const Points& a) {
 inline std::vector<Vec2> vec2s(const Uvs& a) {
     std::vector<Vec2> out(a.shape(0));
     for (size_t i = 0; i < out.size(); ++i) out[i] = {a(i, 0), a(i, 1)};
+    return out;
+}
+
+inline std::vector<PointNormal> points_with_normals(const Points& positions, const Points& normals) {
+    if (positions.shape(0) != normals.shape(0)) throw std::invalid_argument("expected as many normals as points");
+    std::vector<PointNormal> out(positions.shape(0));
+    for (size_t i = 0; i < out.size(); ++i)
+        out[i] = {{positions(i, 0), positions(i, 1), positions(i, 2)}, {normals(i, 0), normals(i, 1), normals(i, 2)}};
     return out;
 }
 

@@ -8,6 +8,7 @@
 
 #include "arrays.h"
 #include "integrators/irradiance_cache.h"
+#include "integrators/solve_points.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -29,7 +30,8 @@ auto to_array(const RecordCache& cache) {
 RecordCache from_array(Array<float, -1, -1> values, const CacheOptions& options, float spacing) {
     if (values.shape(1) != floats_per_record) throw std::invalid_argument("a record cache of another version");
     std::vector<IrradianceRecord> records(values.shape(0));
-    if (!records.empty()) std::memcpy(static_cast<void*>(records.data()), values.data(), records.size() * sizeof(IrradianceRecord));
+    if (!records.empty())
+        std::memcpy(static_cast<void*>(records.data()), values.data(), records.size() * sizeof(IrradianceRecord));
     RecordCache cache(options);
     cache.insert(records, spacing, 0);
     return cache;
@@ -41,18 +43,24 @@ void bind_cache(nb::module_& m) {
     nb::class_<IrradianceCacheOptions>(m, "IrradianceCacheOptions")
         .def(nb::init<>())
         .def_rw("spacing", &IrradianceCacheOptions::spacing)
-        .def_prop_rw("harmonic", [](const IrradianceCacheOptions& o) { return o.distance == Spacing::harmonic; },
-                     [](IrradianceCacheOptions& o, bool on) { o.distance = on ? Spacing::harmonic : Spacing::minimum; })
-        .def_prop_rw("ward_weight", [](const IrradianceCacheOptions& o) { return o.cache.weight == Weight::ward; },
-                     [](IrradianceCacheOptions& o, bool on) { o.cache.weight = on ? Weight::ward : Weight::tabellion; })
-        .def_prop_rw("relaxation", [](const IrradianceCacheOptions& o) { return o.cache.relaxation; },
-                     [](IrradianceCacheOptions& o, float x) { o.cache.relaxation = x; })
-        .def_prop_rw("rotation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.rotation_gradient; },
-                     [](IrradianceCacheOptions& o, bool on) { o.cache.rotation_gradient = on; })
-        .def_prop_rw("translation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.translation_gradient; },
-                     [](IrradianceCacheOptions& o, bool on) { o.cache.translation_gradient = on; })
-        .def_prop_rw("neighbor_clamping", [](const IrradianceCacheOptions& o) { return o.cache.neighbor_clamping; },
-                     [](IrradianceCacheOptions& o, bool on) { o.cache.neighbor_clamping = on; })
+        .def_prop_rw(
+            "harmonic", [](const IrradianceCacheOptions& o) { return o.distance == Spacing::harmonic; },
+            [](IrradianceCacheOptions& o, bool on) { o.distance = on ? Spacing::harmonic : Spacing::minimum; })
+        .def_prop_rw(
+            "ward_weight", [](const IrradianceCacheOptions& o) { return o.cache.weight == Weight::ward; },
+            [](IrradianceCacheOptions& o, bool on) { o.cache.weight = on ? Weight::ward : Weight::tabellion; })
+        .def_prop_rw(
+            "relaxation", [](const IrradianceCacheOptions& o) { return o.cache.relaxation; },
+            [](IrradianceCacheOptions& o, float x) { o.cache.relaxation = x; })
+        .def_prop_rw(
+            "rotation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.rotation_gradient; },
+            [](IrradianceCacheOptions& o, bool on) { o.cache.rotation_gradient = on; })
+        .def_prop_rw(
+            "translation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.translation_gradient; },
+            [](IrradianceCacheOptions& o, bool on) { o.cache.translation_gradient = on; })
+        .def_prop_rw(
+            "neighbor_clamping", [](const IrradianceCacheOptions& o) { return o.cache.neighbor_clamping; },
+            [](IrradianceCacheOptions& o, bool on) { o.cache.neighbor_clamping = on; })
         .def_rw("gradient_limit", &IrradianceCacheOptions::gradient_limit)
         .def_rw("least_pixels", &IrradianceCacheOptions::least_pixels)
         .def_rw("largest_pixels", &IrradianceCacheOptions::largest_pixels)
@@ -63,14 +71,37 @@ void bind_cache(nb::module_& m) {
         .def_rw("seed", &IrradianceCacheOptions::seed)
         .def_rw("threads", &IrradianceCacheOptions::threads);
     nb::class_<SolvedCaches>(m, "SolvedCaches")
-        .def("__init__", [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
-            new (c) SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, o.cache, 0.5f)};
-        })
-        .def_prop_ro("near", [](const SolvedCaches& c) { return to_array(c.near); }, nb::rv_policy::move)
-        .def_prop_ro("far", [](const SolvedCaches& c) { return to_array(c.far); }, nb::rv_policy::move)
+        .def("__init__",
+             [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
+                 new (c)
+                     SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), 0.5f)};
+             })
+        .def(nb::init<>())
+        .def_prop_ro(
+            "near", [](const SolvedCaches& c) { return to_array(c.near); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "far", [](const SolvedCaches& c) { return to_array(c.far); }, nb::rv_policy::move)
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });
-    m.def("solve_irradiance_cache", [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, Progress& progress) {
-        return solve_irradiance_cache(scene.world(), camera, options, progress);
-    }, nb::call_guard<nb::gil_scoped_release>());
+    // They fill `caches` in place: after an interrupt it holds the passes that were finished.
+    m.def(
+        "solve_for_camera",
+        [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, SolvedCaches& caches,
+           Progress& progress) { caches = solve_irradiance_cache(scene.world(), camera, options, progress); },
+        "scene"_a, "camera"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+    m.def(
+        "solve_at_points",
+        [](const CoreScene& scene, Points positions, Points normals, const IrradianceCacheOptions& options,
+           SolvedCaches& caches, Progress& progress) {
+            const auto points = points_with_normals(positions, normals);
+            const nb::gil_scoped_release unlocked;
+            solve_at_points(scene.world(), points, options, caches, progress);
+        },
+        "scene"_a, "positions"_a, "normals"_a, "options"_a, "caches"_a, "progress"_a);
+    m.def(
+        "solve_everywhere",
+        [](const CoreScene& scene, const IrradianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
+            solve_everywhere(scene.world(), options, caches, progress);
+        },
+        "scene"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
 }

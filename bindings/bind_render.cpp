@@ -9,6 +9,7 @@
 
 #include "arrays.h"
 #include "integrators/irradiance_cache.h"
+#include "integrators/point_irradiance.h"
 #include "integrators/render.h"
 #include "world_holder.h"
 
@@ -39,17 +40,40 @@ void render_samples(const CoreScene& scene, const Camera& camera, Film& film, Pr
            film, progress);
 }
 
-std::vector<std::array<float, 3>> irradiance(const CoreScene& scene, std::vector<std::array<float, 3>> positions,
-                                             std::vector<std::array<float, 3>> normals, Progress& progress, int max_depth,
-                                             const SolvedCaches* caches, bool direct, bool indirect, int samples,
-                                             uint32_t seed, int threads) {
-    std::vector<IrradianceQuery> points;
-    for (size_t i = 0; i < positions.size(); ++i) points.push_back({vec3(positions[i]), vec3(normals[i])});
-    std::vector<std::array<float, 3>> out;
-    for (Color c : irradiance_at(scene.world(), points, path_options(max_depth, 3, caches), direct, indirect, samples, seed,
-                                 threads, progress))
-        out.push_back({c.r, c.g, c.b});
-    return out;
+PointIrradianceOptions point_options(int component, int samples, int max_depth, uint32_t seed, int threads) {
+    return {static_cast<Component>(component), samples, max_depth, seed, threads};
+}
+
+auto colors(const std::vector<Color>& values) {
+    return float_array({values.size(), 3}, [&](float* data) {
+        for (size_t i = 0; i < values.size(); ++i)
+            for (int k = 0; k < 3; ++k) data[3 * i + k] = values[i][k];
+    });
+}
+
+auto irradiance_by_paths(const CoreScene& scene, Points positions, Points normals, Progress& progress, int component,
+                         int samples, int max_depth, uint32_t seed, int threads) {
+    const auto points = points_with_normals(positions, normals);
+    std::vector<Color> out;
+    {
+        const nb::gil_scoped_release unlocked;
+        out = path_irradiance(scene.world(), points, point_options(component, samples, max_depth, seed, threads),
+                              progress);
+    }
+    return colors(out);
+}
+
+auto irradiance_from_caches(const CoreScene& scene, Points positions, Points normals, const SolvedCaches& caches,
+                            const IrradianceCacheOptions& cache_options, Progress& progress, int component, int samples,
+                            uint32_t seed, int threads) {
+    const auto points = points_with_normals(positions, normals);
+    CachedPoints out;
+    {
+        const nb::gil_scoped_release unlocked;
+        out = cached_irradiance(scene.world(), points, caches, cache_options,
+                                point_options(component, samples, -1, seed, threads), progress);
+    }
+    return std::make_tuple(colors(out.irradiance), out.served, out.gathered);
 }
 
 template <class Get>
@@ -74,40 +98,56 @@ void bind_render(nb::module_& m) {
         .def_prop_ro("rays", [](const Progress& p) { return p.rays.load(); });
     nb::exception<Cancelled>(m, "Cancelled");
     nb::class_<Camera>(m, "Camera")
-        .def("__init__", [](Camera* c, std::array<float, 3> right, std::array<float, 3> up, std::array<float, 3> backward,
-                            std::array<float, 3> position, std::array<int, 2> size, std::array<float, 2> half,
-                            std::array<float, 2> shift, float aperture_radius, float focus_distance, bool orthographic) {
-            new (c) Camera{vec3(right), vec3(up), vec3(backward), vec3(position), size[0], size[1], half[0], half[1],
-                           {shift[0], shift[1]}, aperture_radius, focus_distance, orthographic};
+        .def("__init__", [](Camera* c, std::array<float, 3> right, std::array<float, 3> up,
+                            std::array<float, 3> backward, std::array<float, 3> position, std::array<int, 2> size,
+                            std::array<float, 2> half, std::array<float, 2> shift, float aperture_radius,
+                            float focus_distance, bool orthographic) {
+            new (c) Camera{vec3(right), vec3(up), vec3(backward),       vec3(position),  size[0],        size[1],
+                           half[0],     half[1],  {shift[0], shift[1]}, aperture_radius, focus_distance, orthographic};
         });
     nb::class_<Film>(m, "Film")
         .def(nb::init<int, int>())
-        .def_prop_ro("radiance", [](const Film& f) {
-            return layer(f, [](const Film::Pixel& p) { return p.radiance * (1 / std::max(1.0f, float(p.samples))); });
-        }, nb::rv_policy::move)
-        .def_prop_ro("even", [](const Film& f) {
-            return layer(f, [](const Film::Pixel& p) { return p.even * (1 / std::max(1.0f, float(p.even_samples))); });
-        }, nb::rv_policy::move)
-        .def_prop_ro("direct", [](const Film& f) {
-            return layer(f, [](const Film::Pixel& p) { return p.direct * (1 / std::max(1.0f, float(p.samples))); });
-        }, nb::rv_policy::move)
-        .def_prop_ro("albedo", [](const Film& f) {
-            return layer(f, [](const Film::Pixel& p) { return p.albedo * (1 / std::max(1.0f, float(p.samples))); });
-        }, nb::rv_policy::move)
-        .def_prop_ro("normal", [](const Film& f) {
-            return layer(f, [](const Film::Pixel& p) { return p.normal * (1 / std::max(1.0f, float(p.samples))); });
-        }, nb::rv_policy::move)
-        .def_prop_ro("depth", [](const Film& f) {
-            return float_array({size_t(f.height()), size_t(f.width())}, [&](float* data) {
-                for (size_t i = 0; i < f.pixels().size(); ++i)
-                    data[i] = f.pixels()[i].hits ? f.pixels()[i].distance / float(f.pixels()[i].hits) : infinity;
-            });
-        }, nb::rv_policy::move)
-        .def_prop_ro("cache_misses", [](const Film& f) {
-            uint64_t sum = 0;
-            for (const auto& p : f.pixels()) sum += p.cache_misses;
-            return sum;
-        })
+        .def("copy", [](const Film& f) { return Film(f); })
+        .def_prop_ro(
+            "radiance",
+            [](const Film& f) {
+                return layer(f,
+                             [](const Film::Pixel& p) { return p.radiance * (1 / std::max(1.0f, float(p.samples))); });
+            },
+            nb::rv_policy::move)
+        .def_prop_ro(
+            "direct",
+            [](const Film& f) {
+                return layer(f, [](const Film::Pixel& p) { return p.direct * (1 / std::max(1.0f, float(p.samples))); });
+            },
+            nb::rv_policy::move)
+        .def_prop_ro(
+            "albedo",
+            [](const Film& f) {
+                return layer(f, [](const Film::Pixel& p) { return p.albedo * (1 / std::max(1.0f, float(p.samples))); });
+            },
+            nb::rv_policy::move)
+        .def_prop_ro(
+            "normal",
+            [](const Film& f) {
+                return layer(f, [](const Film::Pixel& p) { return p.normal * (1 / std::max(1.0f, float(p.samples))); });
+            },
+            nb::rv_policy::move)
+        .def_prop_ro(
+            "depth",
+            [](const Film& f) {
+                return float_array({size_t(f.height()), size_t(f.width())}, [&](float* data) {
+                    for (size_t i = 0; i < f.pixels().size(); ++i)
+                        data[i] = f.pixels()[i].hits ? f.pixels()[i].distance / float(f.pixels()[i].hits) : infinity;
+                });
+            },
+            nb::rv_policy::move)
+        .def_prop_ro("cache_misses",
+                     [](const Film& f) {
+                         uint64_t sum = 0;
+                         for (const auto& p : f.pixels()) sum += p.cache_misses;
+                         return sum;
+                     })
         .def_prop_ro("bad_count", &Film::bad_count)
         .def_prop_ro("bad_samples", [](const Film& f) {
             std::vector<std::tuple<int, int, uint32_t>> out;
@@ -115,9 +155,10 @@ void bind_render(nb::module_& m) {
             return out;
         });
     m.def("render_samples", &render_samples, "scene"_a, "camera"_a, "film"_a, "progress"_a, "max_depth"_a,
-          "roulette_depth"_a, "caches"_a.none(), "samples"_a, "crop"_a, "seed"_a, "threads"_a, "filter"_a, "tile_order"_a,
-          nb::call_guard<nb::gil_scoped_release>());
-    m.def("irradiance", &irradiance, "scene"_a, "positions"_a, "normals"_a, "progress"_a, "max_depth"_a,
-          "caches"_a.none(), "direct"_a, "indirect"_a, "samples"_a, "seed"_a, "threads"_a,
-          nb::call_guard<nb::gil_scoped_release>());
+          "roulette_depth"_a, "caches"_a.none(), "samples"_a, "crop"_a, "seed"_a, "threads"_a, "filter"_a,
+          "tile_order"_a, nb::call_guard<nb::gil_scoped_release>());
+    m.def("irradiance_by_paths", &irradiance_by_paths, "scene"_a, "positions"_a, "normals"_a, "progress"_a,
+          "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);
+    m.def("irradiance_from_caches", &irradiance_from_caches, "scene"_a, "positions"_a, "normals"_a, "caches"_a,
+          "cache_options"_a, "progress"_a, "component"_a, "samples"_a, "seed"_a, "threads"_a);
 }

@@ -6,9 +6,10 @@
 
 #pragma once
 
-#include <atomic>
+#include <algorithm>
 #include <cstdint>
 #include <mutex>
+#include <tuple>
 #include <vector>
 
 #include "base/color.h"
@@ -25,12 +26,20 @@ struct FilmSample {
 struct BadSample {
     int x, y;
     uint32_t sample;
+
+    auto key() const { return std::tuple(sample, y, x); }
 };
 
 class Film {
   public:
-    Film(int width, int height)
-        : width_(width), height_(height), pixels_(size_t(width) * height) {}
+    Film(int width, int height) : width_(width), height_(height), pixels_(size_t(width) * height) {}
+    /// Between passes, while nobody adds.
+    Film(const Film& other)
+        : width_(other.width_),
+          height_(other.height_),
+          pixels_(other.pixels_),
+          bad_count_(other.bad_count_),
+          bad_(other.bad_) {}
 
     void add(int x, int y, uint32_t sample, const FilmSample& s) {
         Pixel& p = pixels_[size_t(y) * width_ + x];
@@ -40,10 +49,6 @@ class Film {
         }
         ++p.samples;
         p.radiance += s.radiance;
-        if (sample % 2 == 0) {
-            ++p.even_samples;
-            p.even += s.radiance;
-        }
         p.direct += s.direct;
         p.albedo += s.albedo;
         p.normal += s.normal;
@@ -55,10 +60,10 @@ class Film {
     }
 
     struct Pixel {
-        Color radiance, even, direct, albedo;
+        Color radiance, direct, albedo;
         Vec3 normal;
         float distance = 0;
-        uint32_t samples = 0, even_samples = 0, hits = 0, cache_misses = 0;
+        uint32_t samples = 0, hits = 0, cache_misses = 0;
     };
 
     int width() const { return width_; }
@@ -68,10 +73,16 @@ class Film {
     const std::vector<BadSample>& bad_samples() const { return bad_; }
 
   private:
+    static constexpr size_t bad_samples_kept = 8;
+
     void report(int x, int y, uint32_t sample) {
         const std::lock_guard lock(mutex_);
         ++bad_count_;
-        if (bad_.size() < 8) bad_.push_back({x, y, sample});
+        // The first by their place, not by time, so that a warning is the same on any number of threads.
+        const BadSample bad{x, y, sample};
+        const auto before = [](const BadSample& a, const BadSample& b) { return a.key() < b.key(); };
+        bad_.insert(std::upper_bound(bad_.begin(), bad_.end(), bad, before), bad);
+        if (bad_.size() > bad_samples_kept) bad_.pop_back();
     }
 
     int width_, height_;

@@ -66,47 +66,4 @@ void render(const World& world, const Camera& camera, const PathOptions& options
     });
 }
 
-std::vector<Color> irradiance_at(const World& world, const std::vector<IrradianceQuery>& points, const PathOptions& options,
-                                 bool direct, bool indirect, int samples, uint32_t seed, int threads, Progress& progress) {
-    progress.begin(points.size());
-    PathOptions paths = options;
-    paths.emission_at_first_hit = false;
-    if (paths.max_depth > 0) paths.max_depth -= 1;
-    return parallel_map<Color>(points.size(), threads, [&](size_t i) {
-        progress.check();
-        SurfacePoint point;
-        point.position = points[i].position;
-        point.normal = points[i].normal;
-        point.frame = Frame::around(points[i].normal);
-        // The point may lie on a surface: start as far from it as the scene's float coordinates resolve.
-        point.offset = 0x1p-20f * (world.geometry.radius() + length(point.position));
-        std::vector<PathRay> rays;
-        std::vector<Ray> shadow_rays;
-        std::vector<Color> contributions;
-        for (int s = 0; s < samples; ++s) {
-            Sampler sampler(seed, static_cast<uint32_t>(i), static_cast<uint32_t>(s));
-            if (direct)
-                if (const auto shadow = sample_irradiance(world, point, point.normal, options.light_set, sampler)) {
-                    shadow_rays.push_back(shadow->ray);
-                    contributions.push_back(shadow->contribution);
-                }
-            sampler.set_dimension(8);
-            rays.push_back({point.ray(point.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))), sampler});
-        }
-        Color sum;
-        std::vector<uint8_t> occluded(shadow_rays.size());
-        world.geometry.rays().occluded(shadow_rays, occluded);
-        progress.count_rays(shadow_rays.size());
-        for (size_t s = 0; s < shadow_rays.size(); ++s)
-            if (!occluded[s]) sum += contributions[s];
-        if (indirect) {
-            std::vector<PathResult> results(rays.size());
-            trace_paths(world, rays, paths, results, progress);
-            for (const PathResult& r : results) sum += r.radiance * pi;
-        }
-        progress.advance();
-        return sum / static_cast<float>(samples);
-    });
-}
-
 }  // namespace eclat

@@ -31,11 +31,4 @@ struct RenderRange {
 void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
             Progress& progress);
 
-/// Total or indirect irradiance at points by `samples` cosine-distributed rays each [W m⁻²].
-struct IrradianceQuery {
-    Vec3 position, normal;
-};
-std::vector<Color> irradiance_at(const World& world, const std::vector<IrradianceQuery>& points, const PathOptions& options,
-                                 bool direct, bool indirect, int samples, uint32_t seed, int threads, Progress& progress);
-
 }  // namespace eclat

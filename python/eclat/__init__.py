@@ -7,21 +7,25 @@ from __future__ import annotations
 import importlib
 from typing import TYPE_CHECKING, Any
 
+__version__ = "0.1.0"
+
 if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.image import Image
     from eclat.loaders import load, load_dict
     from eclat.options import METHODS, Direct, IrradianceCache, Path
-    from eclat.rendering import irradiance, render, solve
+    from eclat.point_irradiance import irradiance
+    from eclat.rendering import render
     from eclat.scene import Scene
     from eclat.solution import Solution, merge
+    from eclat.solving import solve
 
 _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
-    "solve": "eclat.rendering",
+    "solve": "eclat.solving",
     "render": "eclat.rendering",
-    "irradiance": "eclat.rendering",
+    "irradiance": "eclat.point_irradiance",
     "Solution": "eclat.solution",
     "merge": "eclat.solution",
     "Direct": "eclat.options",

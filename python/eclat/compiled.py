@@ -28,7 +28,6 @@ from eclat.scene import (
 )
 
 _WRAPS = ("repeat", "mirror", "clamp")
-MAX_PIXELS = 2**28
 
 
 @dataclass(frozen=True)
@@ -50,31 +49,13 @@ class Compiled:
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
             raise EclatError(f"camera {camera.name!r}: to_world must be a finite 4×4 matrix")
         columns = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
-        half_width, half_height = _half_extent(camera, width / height)
+        half_width, half_height = camera.half_extent(width / height)
         right, up, backward = (tuple(map(float, columns[:, i])) for i in range(3))
         position = tuple(map(float, self.to_core(matrix[:3, 3])))
         return _core.Camera(
             right, up, backward, position, size, (half_width, half_height), camera.shift,
             camera.aperture_radius, camera.focus_distance, camera.projection == "orthographic",
         )  # fmt: skip
-
-
-def _half_extent(camera: Camera, aspect: float) -> tuple[float, float]:
-    if camera.projection == "orthographic":
-        half = camera.fov / 2
-    else:
-        if not 0 < camera.fov < 180:
-            raise EclatError(f"camera {camera.name!r}: fov must be between 0 and 180 degrees, got {camera.fov!r}")
-        half = float(np.tan(np.radians(camera.fov) / 2))
-    axis = camera.fov_axis
-    if axis == "smaller":
-        axis = "y" if aspect >= 1 else "x"
-    elif axis == "larger":
-        axis = "x" if aspect >= 1 else "y"
-    if axis == "diagonal":
-        half_height = half / float(np.hypot(aspect, 1))
-        return half_height * aspect, half_height
-    return (half, half / aspect) if axis == "x" else (half * aspect, half)
 
 
 _cache: weakref.WeakKeyDictionary[Scene, Compiled] = weakref.WeakKeyDictionary()

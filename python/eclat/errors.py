@@ -14,7 +14,7 @@ class EclatError(ValueError):
 
 
 class EclatWarning(UserWarning):
-    """Something was replaced, ignored or guessed; the picture is still meaningful. The CLI prints these, scenes keep them."""
+    """Something was replaced, ignored or guessed; the result still means something. The CLI says it, scenes keep it."""
 
 
 def warn(message: str) -> None:

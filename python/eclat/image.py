@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import os
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
@@ -25,6 +25,9 @@ LAYERS: dict[str, str] = {
     "record_density": "Y",
 }
 """The layers that `render` makes, with the letters of their channels in an EXR file (`indirect.R`, `depth.Z`)."""
+
+RECORD_MARK = (1.0, 0.25, 0.0)
+"""Colour of a mark, times the picture's white: orange is rare in scenes and seen on dark and bright walls."""
 
 MAX_SIDE = 1 << 16
 MAX_PIXELS = 1 << 27
@@ -122,6 +125,27 @@ class Image:
         self._warn_if_not_finite(os.fspath(path), file_format.not_finite)
         content = image_files.Content(self.pixels, self.layers, self.metadata)
         write_file(path, file_format.encode(content, LAYERS, exposure, tone_mapping))
+
+    def show_records(self, exposure: float = 0.0) -> Image:
+        """The picture with a mark over each pixel in which records lie, bright at that `exposure` (stops).
+
+        Raises
+        ------
+        EclatError : the picture was not made with records.
+        """
+        density = self.layers.get("record_density")
+        if density is None:
+            raise EclatError("show_records: expected a picture made with records (layer record_density), got none")
+        marked = density > 0
+        # A pixel in pictures up to 800 pixels high; in larger ones marks would get lost.
+        for _ in range(self.height // 800):
+            taller = marked.copy()
+            taller[1:] |= marked[:-1]
+            marked = taller.copy()
+            marked[:, 1:] |= taller[:, :-1]
+        pixels = self.pixels.copy()
+        pixels[marked] = np.float32(2.0**-exposure) * np.array(RECORD_MARK, dtype=np.float32)
+        return replace(self, pixels=pixels)
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Image:

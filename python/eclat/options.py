@@ -95,7 +95,9 @@ def method_name(options: Options) -> str:
 def make_options(method: str, **settings: object) -> Options:
     """Options of `method` with some fields set. Raises EclatError for an unknown method or field."""
     if method not in METHODS:
-        raise EclatError(f"unknown method {method!r}, expected one of {', '.join(METHODS)}{did_you_mean(method, METHODS)}")
+        raise EclatError(
+            f"unknown method {method!r}, expected one of {', '.join(METHODS)}{did_you_mean(method, METHODS)}"
+        )
     known = [f.name for f in fields(METHODS[method])]
     for key in settings:
         if key not in known:

@@ -16,8 +16,10 @@ LUMINANCE = (0.2126, 0.7152, 0.0722)
 def illuminance(irradiance: ArrayLike, photometric: bool) -> NDArray[np.float64]:
     """(N,) lux of (N, 3) RGB irradiance.
 
-    In a photometric scene lights are in candela, so that RGB is in lux already and only its luminance is taken;
-    in a radiometric one each W·m⁻² counts as `LUMENS_PER_WATT`, the efficacy of white light that Radiance uses too.
+    A photometric scene (`Scene.photometric`) keeps candela, lux and cd·m⁻² as its file gives them, never divided by
+    683 lm/W: its RGB is weighted by the eye already, and lux is its luminance Y. (Dividing on the way in and
+    multiplying by 683 on the way out would be the same.) In a radiometric one RGB is in W·m⁻² of visible light, and
+    each W·m⁻² of Y counts as `LUMENS_PER_WATT`, the efficacy of white light that Radiance uses too.
     """
     luminance = np.asarray(irradiance, dtype=np.float64) @ np.array(LUMINANCE)
     return np.asarray(luminance if photometric else LUMENS_PER_WATT * luminance)

@@ -4,7 +4,7 @@
 
 Both classes are the `progress` argument of `solve`, `render` and `irradiance`: they are called as
 `progress(phase, fraction, statistics)` about ten times a second, with `fraction` (0..1) of that phase. A fraction that
-falls means that the phase began anew (another pass).
+falls means that more is to be done than was expected (pictures whose error falls slowly), or that the phase began anew.
 """
 
 from __future__ import annotations
@@ -36,7 +36,7 @@ class Meter:
     def __init__(self, clock: Clock = time.monotonic) -> None:
         self._clock = clock
         self._phase: str | None = None
-        self._fraction = 0.0
+        self._first_fraction = self._fraction = 0.0
         self._started = clock()
         self._counts: deque[tuple[float, float]] = deque()
 
@@ -44,7 +44,7 @@ class Meter:
         """Take one report into account."""
         now = self._clock()
         if phase != self._phase or fraction < self._fraction:
-            self._phase, self._started = phase, now
+            self._phase, self._started, self._first_fraction = phase, now, fraction
             self._counts.clear()
         # A count that falls belongs to another call.
         if self._counts and rays < self._counts[-1][1]:
@@ -65,8 +65,8 @@ class Meter:
     @property
     def seconds_left(self) -> float | None:
         """Of this phase, were its pace to stay; None where nothing is done yet."""
-        spent = self._clock() - self._started
-        return spent * (1.0 - self._fraction) / self._fraction if self._fraction > 0 and spent > 0 else None
+        spent, done = self._clock() - self._started, self._fraction - self._first_fraction
+        return spent * (1.0 - self._fraction) / done if done > 0 and spent > 0 else None
 
 
 class ProgressBar:

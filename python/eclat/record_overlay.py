@@ -1,20 +1,14 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where records lie in a picture: how many a pixel holds, and marks drawn over it."""
+"""Where records lie in a picture: the layer `record_density`, which `Image.show_records` draws."""
 
 from __future__ import annotations
-
-from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.compiled import _half_extent
 from eclat.image import Image
 from eclat.scene import Camera, FloatArray
-
-MARK = (1.0, 0.25, 0.0)
-"""Colour of a mark, times the picture's white: orange is rare in scenes and seen on dark and bright walls."""
 
 DEPTH_TOLERANCE = 0.02
 """A record counts as visible up to this much (relative) behind what the pixel sees, since a pixel is not a point."""
@@ -35,7 +29,7 @@ def project(camera: Camera, points: FloatArray, size: tuple[int, int]) -> tuple[
         scale, distance = np.where(np.isnan(ahead), np.nan, 1.0), ahead
     else:
         scale, distance = ahead, np.where(np.isnan(ahead), np.nan, np.linalg.norm(local, axis=1))
-    half_width, half_height = _half_extent(camera, width / height)
+    half_width, half_height = camera.half_extent(width / height)
     x = (local[:, 0] / scale / half_width + 1) / 2 - camera.shift[0]
     y = (1 - local[:, 1] / scale / half_height) / 2 - camera.shift[1]
     return np.stack([x * width, y * height], axis=1), distance
@@ -59,26 +53,3 @@ def record_density(image: Image, camera: Camera, positions: FloatArray) -> NDArr
     density = np.zeros((image.height, image.width), dtype=np.float32)
     np.add.at(density, (pixels[:, 1], pixels[:, 0]), np.float32(1))
     return density
-
-
-def mark_records(image: Image, camera: Camera, positions: FloatArray, white: float = 1.0) -> Image:
-    """The picture with a mark over each visible record, and the layer `record_density`.
-
-    A mark is one pixel in pictures up to 800 pixels high, and grows with them.
-
-    Parameters
-    ----------
-    positions : (N, 3) world positions, `Solution.positions`.
-    white : the radiance that the display shows as white, 2^−exposure.
-    """
-    density = record_density(image, camera, positions)
-    reach = image.height // 800
-    marked = density > 0
-    for _ in range(reach):
-        taller = marked.copy()
-        taller[1:] |= marked[:-1]
-        marked = taller.copy()
-        marked[:, 1:] |= taller[:, :-1]
-    pixels = image.pixels.copy()
-    pixels[marked] = np.float32(white) * np.array(MARK, dtype=np.float32)
-    return replace(image, pixels=pixels, layers={**image.layers, "record_density": density})

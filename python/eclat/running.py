@@ -17,9 +17,11 @@ ProgressReport = Callable[[str, float, dict[str, float]], None]
 T = TypeVar("T")
 
 
-def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None = None) -> tuple[T, _core.Progress]:
-    """`call(progress)` on a thread of its own; an exception in `report`, or Ctrl-C, cancels it and is raised."""
-    progress = _core.Progress()
+def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None, progress: _core.Progress) -> T:
+    """`call(progress)` on a thread of its own; an exception in `report`, or Ctrl-C, cancels it and is raised.
+
+    When this returns or raises, the call has ended.
+    """
     outcome: list[T] = []
     failure: list[BaseException] = []
     # Not Thread.join: interrupted by Ctrl-C, it may take a running thread for a finished one (CPython 3.11).
@@ -48,4 +50,4 @@ def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport 
         raise
     if failure:
         raise failure[0]
-    return outcome[0], progress
+    return outcome[0]

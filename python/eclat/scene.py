@@ -18,6 +18,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.errors import EclatError
+
 FloatArray = NDArray[np.floating]
 
 
@@ -159,6 +161,8 @@ class Material:
     emission: Value | None = None
     """Emitted radiance on the normal's side; None = does not emit."""
     emission_two_sided: bool = False
+    """Emits on both sides: only where a format says so. glTF's `doubleSided` does, since a back face is shaded as a
+    front with its normal reversed, emission included [glTF 2.0 specification, section 3.9.6, Double Sided]."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -249,6 +253,27 @@ class Camera:
     shift: tuple[float, float] = (0.0, 0.0)
     name: str = ""
 
+    def half_extent(self, aspect: float) -> tuple[float, float]:
+        """Half width and height of the image plane at distance 1 (orthographic: in metres); `aspect` is width / height.
+
+        Raises EclatError for a field of view that is not between 0 and 180 degrees.
+        """
+        if self.projection == "orthographic":
+            half = self.fov / 2
+        else:
+            if not 0 < self.fov < 180:
+                raise EclatError(f"camera {self.name!r}: fov must be between 0 and 180 degrees, got {self.fov!r}")
+            half = float(np.tan(np.radians(self.fov) / 2))
+        axis = self.fov_axis
+        if axis == "smaller":
+            axis = "y" if aspect >= 1 else "x"
+        elif axis == "larger":
+            axis = "x" if aspect >= 1 else "y"
+        if axis == "diagonal":
+            half_height = half / float(np.hypot(aspect, 1))
+            return half_height * aspect, half_height
+        return (half, half / aspect) if axis == "x" else (half * aspect, half)
+
 
 def look_at(
     origin: tuple[float, float, float], target: tuple[float, float, float], up: tuple[float, float, float] = (0, 1, 0)
@@ -282,6 +307,6 @@ class Scene:
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
     """Used by defaults (framed view, sun and sky) only."""
     photometric: bool = False
-    """Lights are in candela and lux, so radiance means luminance."""
+    """Lights are in candela, lux and cd·m⁻², so radiance means luminance and irradiance is in lux."""
     warnings: tuple[str, ...] = ()
     """What the loader replaced, ignored or guessed."""

@@ -4,18 +4,18 @@
 
 from __future__ import annotations
 
+import io
 import json
 import os
-import tempfile
 import zipfile
 from dataclasses import asdict, dataclass, field
-from pathlib import Path as FilePath
 
 import numpy as np
 
 from eclat import _core
+from eclat.atomic_file import write_file
 from eclat.compiled import compiled, fingerprint
-from eclat.errors import EclatError
+from eclat.errors import EclatError, warn
 from eclat.options import IrradianceCache
 from eclat.scene import FloatArray, Scene
 
@@ -33,7 +33,9 @@ _COLUMNS = {
 }
 
 
-def core_options(options: IrradianceCache, *, max_depth: int = -1, seed: int = 0, threads: int = 0) -> _core.IrradianceCacheOptions:
+def core_options(
+    options: IrradianceCache, *, max_depth: int = -1, seed: int = 0, threads: int = 0
+) -> _core.IrradianceCacheOptions:
     """The core's options. `max_error` sets what is None: the error of first-order extrapolation grows with the square
     of a record's radius, a gather's noise falls with the number of its rows."""
     out = _core.IrradianceCacheOptions()
@@ -56,7 +58,8 @@ class Solution:
     """A solved irradiance cache of one scene.
 
     `near` and `far` are (records, floats) float32 arrays in the core's frame; use `positions`, `normals`, `radii`,
-    `irradiance` and the gradients to look inside.
+    `irradiance` and the gradients to look inside. `max_depth` is what it was solved with. One that is not `complete`
+    was interrupted: its records are right, but where some are missing, reading takes longer and is noisier.
     """
 
     options: IrradianceCache
@@ -65,6 +68,8 @@ class Solution:
     far: np.ndarray
     center: FloatArray
     statistics: dict[str, float] = field(default_factory=dict)
+    max_depth: int = -1
+    complete: bool = True
 
     def __len__(self) -> int:
         return len(self.near)
@@ -110,54 +115,75 @@ class Solution:
     def core(self) -> _core.SolvedCaches:
         """The caches as the core reads them."""
         return _core.SolvedCaches(
-            np.ascontiguousarray(self.near, np.float32), np.ascontiguousarray(self.far, np.float32), core_options(self.options)
+            np.ascontiguousarray(self.near, np.float32),
+            np.ascontiguousarray(self.far, np.float32),
+            core_options(self.options),
         )
 
-    def check(self, scene: Scene) -> None:
-        """Raises EclatError where the scene is not the one that was solved."""
-        if self.fingerprint != fingerprint(scene):
-            raise EclatError("this cache was solved for another scene (geometry, materials or lights differ): solve it again")
+    def check(self, scene: Scene, max_depth: int) -> None:
+        """Raises EclatError where the scene or the depth is not what was solved; warns of an incomplete cache."""
+        if self.fingerprint != fingerprint(scene) or not np.array_equal(self.center, compiled(scene).center):
+            raise EclatError(
+                "this cache was solved for another scene: geometry, materials or lights differ; solve it again"
+            )
+        if self.max_depth != max_depth:
+            raise EclatError(
+                f"this cache was solved with max_depth {self.max_depth}: expected the same, got {max_depth}"
+            )
+        if not self.complete:
+            warn("this cache is incomplete, since its solve was interrupted: more is traced, with more noise")
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write to an `.npz` file, whole or not at all."""
-        target = FilePath(path)
+        """Write to an `.npz` file, whole or not at all. Raises EclatError where it cannot be written."""
         header = {
             "format": FORMAT_VERSION,
             "fingerprint": self.fingerprint,
             "options": asdict(self.options),
+            "max_depth": self.max_depth,
+            "complete": self.complete,
             "statistics": self.statistics,
         }
-        descriptor, temporary = tempfile.mkstemp(dir=target.parent or ".", prefix=f".{target.name}.", suffix=".part")
-        try:
-            with os.fdopen(descriptor, "wb") as file:
-                np.savez(file, header=json.dumps(header), near=self.near, far=self.far, center=self.center)
-            os.replace(temporary, target)
-        except BaseException:
-            FilePath(temporary).unlink(missing_ok=True)
-            raise
+        file = io.BytesIO()
+        np.savez(file, header=json.dumps(header), near=self.near, far=self.far, center=self.center)
+        write_file(path, file.getvalue())
 
     @staticmethod
     def load(path: str | os.PathLike[str], scene: Scene | None = None) -> Solution:
         """Read a saved cache; with `scene`, refuse one that was solved for another. Raises EclatError."""
+        name = os.fspath(path)
         try:
             with np.load(path, allow_pickle=False) as data:
                 header = json.loads(str(data["header"]))
                 near, far, center = data["near"], data["far"], data["center"]
-        except FileNotFoundError as error:
-            raise EclatError(f"{path}: no such file") from error
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError) as error:
-            raise EclatError(f"{path}: not a cache that Éclat saved, or damaged ({error})") from error
+        except FileNotFoundError:
+            raise EclatError(f"{name}: no such file") from None
+        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:
+            raise EclatError(f"{name}: not a cache that Éclat saved, or damaged ({error})") from error
         if not isinstance(header, dict) or header.get("format") != FORMAT_VERSION:
-            raise EclatError(f"{path}: a cache of another version of Éclat: solve the scene again")
-        for name, array in (("near", near), ("far", far)):
-            if array.ndim != 2 or array.dtype != np.float32 or not np.isfinite(array[:, :12]).all():
-                raise EclatError(f"{path}: the array {name!r} is damaged")
-        solution = Solution(
-            IrradianceCache(**header["options"]), header["fingerprint"], near, far, center, header.get("statistics", {})
-        )
+            raise EclatError(f"{name}: a cache of another version of Éclat: solve the scene again")
+        if center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all():
+            raise EclatError(f"{name}: the array 'center' is damaged")
+        for label, array in (("near", near), ("far", far)):
+            if _damaged(array):
+                raise EclatError(f"{name}: the array {label!r} is damaged")
+        try:
+            solution = Solution(
+                IrradianceCache(**header["options"]), str(header["fingerprint"]), near, far, center,
+                dict(header["statistics"]), int(header["max_depth"]), bool(header["complete"]),
+            )  # fmt: skip
+        except (KeyError, TypeError, ValueError) as error:
+            raise EclatError(f"{name}: its header is damaged ({error})") from error
         if scene is not None:
-            solution.check(scene)
+            solution.check(scene, solution.max_depth)
         return solution
+
+
+def _damaged(array: np.ndarray) -> bool:
+    if array.ndim != 2 or array.dtype != np.float32 or array.shape[1] < _COLUMNS["radii"].stop:
+        return True
+    # Distances may be infinite, under an open sky.
+    known = np.delete(array, _COLUMNS["distances"], axis=1)[:, : _COLUMNS["radii"].stop - 1]
+    return not np.isfinite(known).all() or bool((array[:, _COLUMNS["radii"]] < 0).any())
 
 
 def merge(first: Solution, second: Solution) -> Solution:
@@ -167,7 +193,7 @@ def merge(first: Solution, second: Solution) -> Solution:
     """
     if first.fingerprint != second.fingerprint:
         raise EclatError("these caches were solved for different scenes")
-    if first.options != second.options:
+    if (first.options, first.max_depth) != (second.options, second.max_depth):
         raise EclatError("these caches were solved with different options")
 
     def union(a: np.ndarray, b: np.ndarray) -> np.ndarray:
@@ -176,12 +202,20 @@ def merge(first: Solution, second: Solution) -> Solution:
         return both[np.unique(keys, return_index=True)[1]] if len(both) else both
 
     return Solution(
-        first.options, first.fingerprint, union(first.near, second.near), union(first.far, second.far), first.center
-    )
+        first.options, first.fingerprint, union(first.near, second.near), union(first.far, second.far), first.center,
+        max_depth=first.max_depth, complete=first.complete and second.complete,
+    )  # fmt: skip
 
 
 def solved_from_core(
-    scene: Scene, options: IrradianceCache, caches: _core.SolvedCaches, statistics: dict[str, float]
+    scene: Scene,
+    options: IrradianceCache,
+    caches: _core.SolvedCaches,
+    statistics: dict[str, float],
+    *,
+    max_depth: int,
+    complete: bool,
 ) -> Solution:
     """A Solution from what the core solved."""
-    return Solution(options, fingerprint(scene), caches.near, caches.far, compiled(scene).center, statistics)
+    center = compiled(scene).center
+    return Solution(options, fingerprint(scene), caches.near, caches.far, center, statistics, max_depth, complete)

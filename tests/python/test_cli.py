@@ -208,8 +208,9 @@ def test_bad_command_lines(arguments: str, message: str | None, capsys: Output) 
 
 
 def test_usage_errors_name_the_help(capsys: Output) -> None:
-    assert main(["render", "x", "--sampels"]) == 2
-    assert errors(capsys).splitlines()[1] == "       try: eclat render --help"
+    for flag in ("--sampels", "--samples"):
+        assert main(["render", "x", flag]) == 2
+        assert errors(capsys).splitlines()[1] == "       try: eclat render --help"
 
 
 def test_an_unwritable_output_is_said_before_any_work(api: FakeApi, capsys: Output) -> None:
@@ -236,6 +237,13 @@ def test_keep_partial_writes_what_the_interrupt_carries(api: FakeApi, keep: bool
     assert Path("a.exr").exists() == keep
     if keep:
         assert Image.load("a.exr").metadata["samples_done"] == 3
+
+
+def test_keep_partial_says_when_there_is_nothing(api: FakeApi, capsys: Output) -> None:
+    api.raises = KeyboardInterrupt()
+    assert main(["render", "cornell-box", "--keep-partial"]) == 130
+    assert errors(capsys) == "eclat: there is nothing to keep yet\neclat: interrupted\n"
+    assert os.listdir() == []
 
 
 def test_json_is_all_that_stands_on_standard_output(capsys: Output) -> None:
@@ -383,6 +391,59 @@ def test_ctrl_c_in_each_phase_of_the_real_thing(phase: str) -> None:
     assert complaint == "eclat: interrupted\n"
     assert Path("cornell-box.png").read_bytes() == b"old"
     assert os.listdir() == ["cornell-box.png"]
+
+
+def test_irradiance_from_a_solved_file_says_what_served_each_point() -> None:
+    Path("floor.csv").write_text("0,-1,0, 0,1,0\n0.5,-1,0.5, 0,1,0\n")
+    Path("air.csv").write_text("0,-1,0, 0,1,0\n0,0,0, 1,0,0\n")
+    runs = [
+        ["solve", "cornell-box", "--points", "floor.csv", "--max-error", "0.1", "-o", "floor.npz"],
+        ["irradiance", "cornell-box", "--points", "air.csv", "--cache", "floor.npz", "--samples", "16"],
+    ]
+    for run in runs:
+        with start(run) as process:
+            out, said = process.communicate(timeout=60)
+        assert process.returncode == 0
+    assert len(out.splitlines()) == 3
+    assert said == "eclat: 2 points, 1 served by records, 1 gathered, RGB in W/m², lux by 179 lm/W\n"
+
+
+def interrupted(arguments: list[str], phase: str, fraction: float) -> subprocess.Popen[str]:
+    """A run with --json, stopped by Ctrl-C once that phase is that far; ended when this returns."""
+    with start([*arguments, "--json"]) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            event = json.loads(line)
+            if event.get("phase") == phase and event["fraction"] >= fraction:
+                break
+        process.send_signal(signal.SIGINT)
+        process.communicate(timeout=30)
+    return process
+
+
+def test_keep_partial_of_a_picture_is_the_picture_of_fewer_samples() -> None:
+    flags = ["--method", "path", "--size", "64x64", "--seed", "5"]
+    arguments = ["render", "cornell-box", *flags, "--samples", "100000", "--keep-partial", "-o", "a.exr"]
+    # A sample of 64 × 64 pixels takes milliseconds, and 0.02 % are twenty.
+    assert interrupted(arguments, "render", 0.0002).returncode == 130
+    image = Image.load("a.exr")
+    done = image.metadata["samples_done"]
+    assert done > 0 and image.metadata["settings"]["samples"] == done
+    with start(["render", "cornell-box", *flags, "--samples", str(done), "-o", "b.exr"]) as process:
+        assert process.wait(timeout=120) == 0
+    assert np.array_equal(Image.load("b.exr").pixels, image.pixels)
+
+
+def test_keep_partial_of_a_solve_is_marked_incomplete() -> None:
+    arguments = ["solve", "cornell-box", "--view-independent", "--max-error", "0.002", "-o", "a.npz"]
+    assert interrupted([*arguments, "--keep-partial"], "solve", 0.3).returncode == 130
+    scene = load("cornell-box")
+    with pytest.warns(eclat.EclatWarning, match="this cache is incomplete, since its solve was interrupted"):
+        solution = eclat.Solution.load("a.npz", scene)
+    assert len(solution) > 0 and not solution.complete
+    os.remove("a.npz")
+    assert interrupted(arguments, "solve", 0.3).returncode == 130
+    assert os.listdir() == []
 
 
 def test_a_closed_standard_output_is_no_crash() -> None:

@@ -270,6 +270,13 @@ def lit(file: GltfFile, light: dict[str, Any], **node: Any) -> None:
     file.append("nodes", {"extensions": {"KHR_lights_punctual": {"light": index}}, **node})
 
 
+def test_emission_is_photometric(tmp_path: Path) -> None:
+    file = GltfFile()
+    material = file.append("materials", {"emissiveFactor": [1, 1, 1]})
+    file.mesh_node(file.primitive() | {"material": material})
+    assert load(file, tmp_path).photometric
+
+
 def test_punctual_lights_are_photometric(tmp_path: Path) -> None:
     file = GltfFile()
     file.mesh_node()

@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from eclat.image import Image
-from eclat.record_overlay import MARK, mark_records, project, record_density
+from eclat.errors import EclatError
+from eclat.image import RECORD_MARK, Image
+from eclat.record_overlay import project, record_density
 from eclat.scene import Camera, look_at
 
 CAMERA = Camera(look_at((0, 0, 4), (0, 0, 0)), fov=90.0, fov_axis="y")
@@ -45,18 +48,27 @@ def test_hidden_records_are_not_counted() -> None:
     assert record_density(picture(np.inf), CAMERA, points).sum() == 3
 
 
+def with_records(image: Image, *points: tuple[float, float, float]) -> Image:
+    return replace(image, layers={**image.layers, "record_density": record_density(image, CAMERA, np.array(points))})
+
+
 def test_marks_show_at_the_exposure_asked_for() -> None:
-    marked = mark_records(picture(4.0), CAMERA, np.array([[0.01, -0.01, 0]]), white=0.25)
-    assert marked.pixels[20, 40] == pytest.approx(0.25 * np.array(MARK))
+    marked = with_records(picture(4.0), (0.01, -0.01, 0)).show_records(exposure=2.0)
+    assert marked.pixels[20, 40] == pytest.approx(0.25 * np.array(RECORD_MARK))
     assert np.count_nonzero(marked.pixels.any(axis=2)) == 1
     assert marked.layers["record_density"][20, 40] == 1
 
 
 def test_marks_grow_with_the_picture() -> None:
-    large = Image(np.zeros((1600, 3200, 3), np.float32))
-    marked = mark_records(large, CAMERA, np.array([[0.0, 0, 0]]))
-    assert np.count_nonzero(marked.pixels.any(axis=2)) == 9
+    large = with_records(Image(np.zeros((1600, 3200, 3), np.float32)), (0, 0, 0))
+    assert np.count_nonzero(large.show_records().pixels.any(axis=2)) == 9
 
 
 def test_no_records_no_marks() -> None:
-    assert not mark_records(picture(4.0), CAMERA, np.zeros((0, 3))).pixels.any()
+    marked = with_records(picture(4.0), (0, 0, 5)).show_records()
+    assert not marked.pixels.any() and not marked.layers["record_density"].any()
+
+
+def test_a_picture_made_without_records_is_refused() -> None:
+    with pytest.raises(EclatError, match="expected a picture made with records"):
+        picture(4.0).show_records()

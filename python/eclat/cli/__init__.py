@@ -14,6 +14,7 @@ from typing import Any
 
 import click
 
+import eclat
 from eclat.cli.command import Group
 from eclat.cli.reporting import message_of, say_error
 from eclat.errors import EclatError
@@ -35,9 +36,7 @@ DONE, BROKEN_PIPE, MISTAKE, INTERRUPTED = 0, 1, 2, 130
 
 def _version(context: click.Context, parameter: click.Parameter, wanted: bool) -> Any:
     if wanted:
-        from eclat.rendering import VERSION
-
-        click.echo(f"eclat {VERSION}")
+        click.echo(f"eclat {eclat.__version__}")
         context.exit()
 
 

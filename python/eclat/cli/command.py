@@ -28,6 +28,17 @@ def option(*names: str, section: str, **keywords: Any) -> Callable[[F], F]:
     return click.option(*names, cls=Option, section=section, **keywords)
 
 
+def together(*decorators: Callable[[F], F]) -> Callable[[F], F]:
+    """Flags as one decorator, listed in the order in which the help shows them."""
+
+    def decorate(function: F) -> F:
+        for decorator in reversed(decorators):
+            function = decorator(function)
+        return function
+
+    return decorate
+
+
 class Command(click.Command):
     """A command with `examples` (command line → what it does) and `notes` (more sections of the help)."""
 
@@ -67,6 +78,10 @@ class Command(click.Command):
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
             raise _unknown_option(error, self, ctx) from None
+        except click.UsageError as error:
+            # Some of click's own do not say whose help to read.
+            error.ctx = error.ctx or ctx
+            raise
 
 
 def _unknown_option(error: click.NoSuchOption, command: click.Command, context: click.Context) -> click.UsageError:

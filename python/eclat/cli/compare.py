@@ -12,11 +12,16 @@ import click
 from eclat.atomic_file import check_writable, write_file
 from eclat.cli.command import Command, option
 from eclat.cli.parameters import Number
+from eclat.cli.quality_options import (
+    exposure_option,
+    max_depth_option,
+    max_error_option,
+    output_option,
+    samples_option,
+    time_option,
+)
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
-    MAX_DEPTH,
-    MAX_ERROR,
-    SAMPLES,
     camera_index,
     camera_options,
     light_options,
@@ -49,17 +54,15 @@ EXAMPLES = {
     is two independent path-traced pictures.""",
 )
 @scene_argument
-@option("-o", "--output", metavar="FILE", section="Output", help="A file ending in .html [SCENE.html].")
-@option("--exposure", type=Number(float, -64, 64), section="Output", help="Stops [found from the reference].")
+@output_option("A file ending in .html [SCENE.html].")
+@exposure_option("Stops [found from the reference].", default=None)
 @option("--methods", metavar="A,B,…", section="Method", help="Some methods [all of them].")
 @option("--levels", type=Number(int, 1, 10), default=4, section="Quality", help="Levels of effort [4].")
-@option("--samples", type=SAMPLES, default=64, section="Quality", help="Paths per pixel at the last level [64].")
-@option("--max-error", type=MAX_ERROR, default=0.01, section="Quality", help="Of caches at the last level [0.01].")
-@option("--time", type=Number(float, 0, 1e7, above=True), section="Quality", help="Seconds at the last level instead.")
-@option("--max-depth", type=MAX_DEPTH, default=-1, section="Quality", help="As for render; -1 no limit [-1].")
-@option(
-    "--reference-samples", type=SAMPLES, default=256, section="Reference", help="Paths per pixel of each of two [256]."
-)
+@samples_option("Paths per pixel at the last level", default=64)
+@max_error_option("Of caches at the last level")
+@time_option("Seconds at the last level instead.")
+@max_depth_option()
+@samples_option("Paths per pixel of each of two", default=256, name="--reference-samples", section="Reference")
 @option("--reference", metavar="FILE", multiple=True, section="Reference", help="An .exr instead; better two.")
 @camera_options
 @light_options

@@ -14,25 +14,27 @@ import numpy as np
 import eclat
 from eclat.atomic_file import check_writable, write_file
 from eclat.cli.command import Command, option
-from eclat.cli.method_options import METHOD, method_notes, method_option, options_of, set_option
+from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import Name
 from eclat.cli.point_files import encode_irradiance, read_points
-from eclat.cli.reporting import Reporter, reporting_options
-from eclat.cli.scene_options import (
-    MAX_DEPTH,
-    MAX_ERROR,
-    SAMPLES,
-    light_options,
-    load_scene,
-    scene_argument,
-    work_options,
+from eclat.cli.quality_options import (
+    cache_option,
+    check_cache_alone,
+    max_depth_option,
+    max_error_option,
+    output_option,
+    samples_option,
 )
+from eclat.cli.reporting import Reporter, reporting_options
+from eclat.cli.scene_options import light_options, load_scene, scene_argument, work_options
 from eclat.errors import EclatError
 from eclat.photometry import illuminance
+from eclat.sky import LUMENS_PER_WATT
 
 EXAMPLES = {
     "echo 0 0.8 0 0 0 1 | eclat irradiance cornell-box": "One point, by hand:",
     "eclat irradiance room.glb --points desks.csv -o desks-lux.csv": "All desks:",
+    "eclat irradiance room.glb --points desks.csv --cache room.npz": "From records that `eclat solve` wrote:",
     "eclat irradiance room.glb --points grid.npy --component indirect -o grid.npy": "NumPy in and out:",
 }
 
@@ -51,7 +53,7 @@ EXAMPLES = {
 )
 @scene_argument
 @option("--points", metavar="FILE", default="-", section="Input", help="Text, .csv or .npy [- is standard input].")
-@option("-o", "--output", metavar="FILE", default="-", section="Output", help="A .csv or .npy file [standard output].")
+@output_option("A .csv or .npy file [standard output].", default="-")
 @option(
     "--component",
     type=Name("NAME", "total", "direct", "indirect"),
@@ -59,37 +61,55 @@ EXAMPLES = {
     section="Quality",
     help="total, direct or indirect light [total].",
 )
-@option("--samples", type=SAMPLES, section="Quality", help="Paths per point [the method's default].")
-@option("--max-error", type=MAX_ERROR, section=METHOD, help="Of a cached method: relative error of indirect light.")
-@option("--max-depth", type=MAX_DEPTH, default=-1, section="Quality", help="As for render; -1 no limit [-1].")
+@samples_option("Of the lights, and paths of `path`, per point", default=1024)
+@max_error_option("Of a cached method: relative error of indirect light")
+@max_depth_option()
+@cache_option()
 @method_option
 @set_option
 @light_options
 @work_options
 @reporting_options
-def command(**flags: Any) -> None:
+@click.pass_context
+def command(context: click.Context, /, **flags: Any) -> None:
     """Read, ask, write."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         output = flags["output"]
         _check_output(output, flags["as_json"])
-        options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)
+        what: Any = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
         points, normals = read_points(flags["points"])
         scene = load_scene(flags)
-        keywords = {name: flags[name] for name in ("component", "max_depth", "seed", "threads")}
-        if flags["samples"] is not None:
-            keywords["samples"] = flags["samples"]
-        irradiance = eclat.irradiance(scene, points, normals, options, progress=reporter.progress, **keywords)
+        if flags["cache"]:
+            what = eclat.Solution.load(flags["cache"], scene)
+        statistics: dict[str, float] = {}
+        keywords = {name: flags[name] for name in ("component", "samples", "max_depth", "seed", "threads")}
+        irradiance = eclat.irradiance(
+            scene, points, normals, what, progress=reporter.progress, statistics=statistics, **keywords
+        )
         table = np.column_stack([irradiance, illuminance(irradiance, scene.photometric)]).astype(np.float32)
         data = encode_irradiance(table, Path(output).suffix.lower())
+        how = _how(statistics, scene.photometric)
         if output == "-":
             reporter.end_progress()
             sys.stdout.buffer.write(data)
             sys.stdout.buffer.flush()
+            reporter.note(f"{len(table):,} points, {how}")
             return
         write_file(output, data)
-        mean = float(table[:, 3].mean()) if len(table) else 0.0
-        text = f"{output}: {len(table):,} points, {mean:.4g} lux on average"
-        reporter.result(text, file=output, points=len(table), mean_lux=mean)
+        mean = float(table[:, 3].mean())
+        text = f"{output}: {len(table):,} points, {mean:.4g} lux on average, {how}"
+        unit = "lux" if scene.photometric else "W/m2"
+        reporter.result(text, file=output, points=len(table), mean_lux=mean, unit=unit, statistics=statistics)
+
+
+def _how(statistics: dict[str, float], photometric: bool) -> str:
+    """Where the points' light is from, and what lux means here."""
+    parts = []
+    if "served" in statistics:
+        parts.append(f"{statistics['served']:,.0f} served by records, {statistics['gathered']:,.0f} gathered")
+    parts.append("RGB in lux" if photometric else f"RGB in W/m², lux by {LUMENS_PER_WATT:g} lm/W")
+    return ", ".join(parts)
 
 
 def _check_output(output: str, as_json: bool) -> None:

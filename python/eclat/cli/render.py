@@ -10,16 +10,25 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import eclat
-from eclat.cli.command import Command, F, option
-from eclat.cli.method_options import METHOD, method_notes, method_option, options_of, set_option
-from eclat.cli.parameters import CROP, REPLAY, Name, Number
+from eclat.cli.command import Command, option, together
+from eclat.cli.method_options import method_notes, method_option, options_of, set_option
+from eclat.cli.parameters import CROP, REPLAY, Name
+from eclat.cli.partial import keep_partial_option, keeping_partial
+from eclat.cli.quality_options import (
+    QUALITY,
+    cache_option,
+    check_cache_alone,
+    exposure_option,
+    max_depth_option,
+    max_error_option,
+    output_option,
+    samples_option,
+    time_option,
+)
 from eclat.cli.replay import REPEATED, replayed_flags, say_replayed_sample, settings_of
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
     CAMERA,
-    MAX_DEPTH,
-    MAX_ERROR,
-    SAMPLES,
     camera_index,
     camera_options,
     light_options,
@@ -33,10 +42,9 @@ from eclat.errors import EclatError
 if TYPE_CHECKING:
     from eclat.image import Image
     from eclat.options import Options
-    from eclat.scene import Scene
-    from eclat.solution import Solution
 
-OUTPUT, QUALITY = "Output", "Quality"
+REACHING_RENDER = ("samples", "max_error", "time", "size", "crop", "max_depth", "seed", "threads", "keep_partial")
+"""Flags that are arguments of `eclat.render` as they are."""
 
 EXAMPLES = {
     "eclat render cornell-box": "A built-in scene, as cornell-box.png in this folder:",
@@ -48,57 +56,37 @@ EXAMPLES = {
 }
 
 
-def _output_options(function: F) -> F:
-    for decorate in (
-        option("--show-records", is_flag=True, section=OUTPUT, help="Mark where the cache's records lie."),
-        option("--keep-partial", is_flag=True, section=OUTPUT, help="On Ctrl-C write what there is."),
-        option(
-            "--tone-mapping",
-            type=Name("NAME", "none", "filmic"),
-            default="none",
-            section=OUTPUT,
-            help="Of .png: none clips at white, filmic rolls off [none].",
-        ),
-        option(
-            "--exposure",
-            type=Number(float, -64, 64),
-            default=0.0,
-            section=OUTPUT,
-            help="Of .png, in stops (1 = twice).",
-        ),
-        option(
-            "-o",
-            "--output",
-            multiple=True,
-            metavar="FILE",
-            section=OUTPUT,
-            help="A file ending in .png, .exr (layers, metadata), .pfm or .npy; repeatable [SCENE.png].",
-        ),
-    ):
-        function = decorate(function)
-    return function
+_output_options = together(
+    output_option(
+        "A file ending in .png, .exr (layers, metadata), .pfm or .npy; repeatable [SCENE.png].", multiple=True
+    ),
+    exposure_option("Of .png, in stops (1 = twice) [0].", default=0.0),
+    option(
+        "--tone-mapping",
+        type=Name("NAME", "none", "filmic"),
+        default="none",
+        section="Output",
+        help="Of .png: none clips at white, filmic rolls off [none].",
+    ),
+    keep_partial_option("On Ctrl-C write the picture of the samples that are done."),
+    option("--show-records", is_flag=True, section="Output", help="Mark where the cache's records lie."),
+)
 
-
-def _quality_options(function: F) -> F:
-    for decorate in (
-        option("--replay", type=REPLAY, section=QUALITY, help="Only this pixel, up to this sample; says its value."),
-        option(
-            "--replay-settings",
-            metavar="FILE",
-            section=QUALITY,
-            help="Repeat the run that made this .exr or .png bit for bit.",
-        ),
-        option(
-            "--max-depth", type=MAX_DEPTH, default=-1, section=QUALITY, help="1 emission, 2 direct, -1 no limit [-1]."
-        ),
-        option("--crop", type=CROP, section=CAMERA, help="Only these pixels; the rest stays black."),
-        option("--time", type=Number(float, 0, 1e7, above=True), section=QUALITY, help="Seconds to spend instead."),
-        option("--samples", type=SAMPLES, section=QUALITY, help="Exactly so many paths per pixel instead."),
-        option("--max-error", type=MAX_ERROR, default=0.01, section=QUALITY, help="Relative error to reach [0.01]."),
-        option("--cache", metavar="FILE", section=METHOD, help="Read the records that `eclat solve` wrote."),
-    ):
-        function = decorate(function)
-    return function
+_quality_options = together(
+    cache_option(),
+    max_error_option("Relative error to reach"),
+    samples_option("Exactly so many paths per pixel instead"),
+    time_option("Seconds to spend instead."),
+    option("--crop", type=CROP, section=CAMERA, help="Only these pixels; the rest stays black."),
+    max_depth_option(),
+    option(
+        "--replay-settings",
+        metavar="FILE",
+        section=QUALITY,
+        help="Repeat the run that made this .exr or .png bit for bit.",
+    ),
+    option("--replay", type=REPLAY, section=QUALITY, help="Only this pixel, up to this sample; says its value."),
+)
 
 
 @click.command(
@@ -132,21 +120,21 @@ def command(context: click.Context, /, **flags: Any) -> None:
         scene = load_scene(flags)
         index = camera_index(scene, flags["camera"])
         _check_pixels(flags, scene.cameras[index].size)
-        try:
-            image, what = _render(scene, index, options, flags, reporter)
-        except KeyboardInterrupt as stop:
-            partial = getattr(stop, "partial", None)
-            if flags["keep_partial"] and partial is not None:
-                _save(partial, outputs, flags)
-            raise
-        image.metadata["settings"] = settings_of(flags, image.metadata)
-        if flags["show_records"]:
-            image = _with_records(image, scene, index, what, flags["exposure"])
-        _save(image, outputs, flags)
-        if flags["replay"]:
-            say_replayed_sample(reporter, image, flags["replay"])
-        else:
-            _say_result(reporter, image, outputs)
+        common = {name: flags[name] for name in REACHING_RENDER} | {"camera": index, "progress": reporter.progress}
+        what = eclat.Solution.load(flags["cache"], scene) if options is None else options
+
+        def keep(image: Image) -> None:
+            image = _finished(image, flags)
+            for output in outputs:
+                image.save(output, exposure=flags["exposure"], tone_mapping=flags["tone_mapping"])
+            if flags["replay"]:
+                say_replayed_sample(reporter, image, flags["replay"])
+            else:
+                _say_result(reporter, image, outputs)
+
+        with keeping_partial(flags["keep_partial"], keep, reporter):
+            image = eclat.render(scene, what, **common)
+        keep(image)
 
 
 def _outputs(flags: dict[str, Any]) -> list[str]:
@@ -162,11 +150,16 @@ def _outputs(flags: dict[str, Any]) -> list[str]:
 
 def _options(flags: dict[str, Any], context: click.Context) -> Options | None:
     """The method's options, or None where a solved cache brings its own."""
+    if flags["samples"] is not None and flags["time"] is not None:
+        raise EclatError("--time: expected no --samples beside it")
+    given = context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT
+    check_cache_alone(flags, given and not flags["replay_settings"])
+    options = None
     if not flags["cache"]:
-        return options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
-    if flags["settings"] or context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT:
-        raise EclatError("--cache: expected no --method and no --set beside it, since the cache brings its own")
-    return None
+        options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        if flags["show_records"] and not hasattr(options, "max_error"):
+            raise EclatError(f"--show-records: expected a method with records, got {flags['method']}")
+    return options
 
 
 def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
@@ -182,35 +175,10 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
             raise EclatError(f"--{flag}: expected pixels inside the picture of {size[0]}x{size[1]}, got {got}")
 
 
-def _render(
-    scene: Scene, camera: int, options: Options | None, flags: dict[str, Any], reporter: Reporter
-) -> tuple[Image, Solution | Options]:
-    common = {name: flags[name] for name in ("size", "max_depth", "seed", "threads")}
-    common |= {"camera": camera, "progress": reporter.progress}
-    what: Any = options if options is not None else eclat.Solution.load(flags["cache"], scene)
-    if flags["show_records"] and options is not None:
-        from eclat.options import IrradianceCache
-
-        if not isinstance(options, IrradianceCache):
-            raise EclatError(f"--show-records: expected a method with records, got {flags['method']}")
-        what = eclat.solve(scene, options, **common)
-    bounds = {name: flags[name] for name in ("samples", "max_error", "time", "crop")}
-    image = eclat.render(scene, what, **bounds, **common)
-    if what is not options and options is not None:
-        # Solved here, so its time belongs to this picture.
-        image.metadata["statistics"]["seconds"] += what.statistics["seconds"]
-    return image, what
-
-
-def _with_records(image: Image, scene: Scene, camera: int, what: Any, exposure: float) -> Image:
-    from eclat.record_overlay import mark_records
-
-    return mark_records(image, scene.cameras[camera], what.positions, white=2.0**-exposure)
-
-
-def _save(image: Image, outputs: list[str], flags: dict[str, Any]) -> None:
-    for output in outputs:
-        image.save(output, exposure=flags["exposure"], tone_mapping=flags["tone_mapping"])
+def _finished(image: Image, flags: dict[str, Any]) -> Image:
+    """With what else goes into the files."""
+    image.metadata["settings"] = settings_of(flags, image.metadata)
+    return image.show_records(flags["exposure"]) if flags["show_records"] else image
 
 
 def _say_result(reporter: Reporter, image: Image, outputs: list[str]) -> None:
@@ -221,6 +189,8 @@ def _say_result(reporter: Reporter, image: Image, outputs: list[str]) -> None:
     for name in ("samples", "rays", "records"):
         if statistics.get(name):
             parts.append(f"{statistics[name]:,.0f} {name}")
+    if "samples_done" in image.metadata:
+        parts.append("interrupted")
     text = f"{', '.join(map(str, outputs))}: {', '.join(filter(None, parts))}"
     reporter.result(text, files=[str(Path(o)) for o in outputs], metadata=image.metadata)
 

@@ -16,31 +16,27 @@ from typing import Any, Self, TextIO
 
 import click
 
-from eclat.cli.command import F, option
+from eclat.cli.command import option, together
 from eclat.errors import EclatError, EclatWarning
 from eclat.progress import JsonEvents, ProgressBar
 
-
-def reporting_options(function: F) -> F:
-    """`--quiet` and `--json`."""
-    for decorate in (
-        option(
-            "--json",
-            "as_json",
-            is_flag=True,
-            section="Reporting",
-            help="Progress, warnings and results as JSON, one object a line, on standard output.",
-        ),
-        option(
-            "--quiet",
-            "-q",
-            is_flag=True,
-            section="Reporting",
-            help="No progress bar and no summary; warnings and errors stay.",
-        ),
-    ):
-        function = decorate(function)
-    return function
+reporting_options = together(
+    option(
+        "--quiet",
+        "-q",
+        is_flag=True,
+        section="Reporting",
+        help="No progress bar and no summary; warnings and errors stay.",
+    ),
+    option(
+        "--json",
+        "as_json",
+        is_flag=True,
+        section="Reporting",
+        help="Progress, warnings and results as JSON, one object a line, on standard output.",
+    ),
+)
+"""`--quiet` and `--json`."""
 
 
 class Reporter:
@@ -72,6 +68,12 @@ class Reporter:
             self.events.emit("result", **fields)
         elif not self.quiet:
             click.echo(text)
+
+    def note(self, text: str) -> None:
+        """Say something beside a result that stands on standard output."""
+        self.end_progress()
+        if not self.quiet and self.events is None:
+            click.echo(f"eclat: {text}", err=True)
 
     def warn(self, message: str) -> None:
         """Say a warning, once."""

@@ -11,8 +11,8 @@ from typing import TYPE_CHECKING, Any
 import click
 
 import eclat
-from eclat.cli.command import F, option
-from eclat.cli.parameters import ENVIRONMENT, POINT, SIZE, SUN, Depth, Number
+from eclat.cli.command import F, option, together
+from eclat.cli.parameters import ENVIRONMENT, POINT, SIZE, SUN, Number
 from eclat.errors import EclatError, did_you_mean
 
 if TYPE_CHECKING:
@@ -20,54 +20,34 @@ if TYPE_CHECKING:
 
 CAMERA, LIGHT, WORK = "Camera", "Light", "Work"
 
-SEED = Number(int, 0, 2**32 - 1)
-THREADS = Number(int, 1, 1024)
-SAMPLES = Number(int, 1, 2**24)
-MAX_DEPTH = Depth(int, -1, 10**6)
-MAX_ERROR = Number(float, 0.0005, 0.5)
+light_options = together(
+    option("--sun", type=SUN, section=LIGHT, help="Sun and sky instead of the scene's; degrees, azimuth from north."),
+    option("--environment", type=ENVIRONMENT, section=LIGHT, help="Light from all around, instead of the scene's."),
+)
+"""Flags that replace the scene's sun and surroundings."""
 
+camera_options = together(
+    option(
+        "--camera", metavar="N|NAME", section=CAMERA, help="One of the scene's cameras [0]; `eclat info` lists them."
+    ),
+    option("--camera-from", type=POINT, section=CAMERA, help="Look from this point."),
+    option("--camera-to", type=POINT, section=CAMERA, help="Look at this point [the scene's middle]."),
+    option("--camera-up", type=POINT, section=CAMERA, help="What is up in the picture [the scene's up]."),
+    option("--fov", type=Number(float, 0, 179.9, above=True), section=CAMERA, help="Vertical field of view, degrees."),
+    option("--size", type=SIZE, section=CAMERA, help="Width and height in pixels [the scene's, else 1280x720]."),
+)
+"""Flags that choose or replace the camera."""
 
-def light_options(function: F) -> F:
-    """Flags that replace the scene's sun and surroundings."""
-    for decorate in (
-        option("--environment", type=ENVIRONMENT, section=LIGHT, help="Light from all around, instead of the scene's."),
-        option(
-            "--sun", type=SUN, section=LIGHT, help="Sun and sky instead of the scene's; degrees, azimuth from north."
-        ),
-    ):
-        function = decorate(function)
-    return function
-
-
-def camera_options(function: F) -> F:
-    """Flags that choose or replace the camera."""
-    for decorate in (
-        option("--size", type=SIZE, section=CAMERA, help="Width and height in pixels [the scene's, else 1280x720]."),
-        option(
-            "--fov", type=Number(float, 0, 179.9, above=True), section=CAMERA, help="Vertical field of view, degrees."
-        ),
-        option("--camera-up", type=POINT, section=CAMERA, help="What is up in the picture [the scene's up]."),
-        option("--camera-to", type=POINT, section=CAMERA, help="Look at this point [the scene's middle]."),
-        option("--camera-from", type=POINT, section=CAMERA, help="Look from this point."),
-        option(
-            "--camera",
-            metavar="N|NAME",
-            section=CAMERA,
-            help="One of the scene's cameras [0]; `eclat info` lists them.",
-        ),
-    ):
-        function = decorate(function)
-    return function
-
-
-def work_options(function: F) -> F:
-    """Seed and threads."""
-    for decorate in (
-        option("--threads", type=THREADS, section=WORK, help="Threads [all processors]; the picture is the same."),
-        option("--seed", type=SEED, default=0, section=WORK, help="Another seed, other noise."),
-    ):
-        function = decorate(function)
-    return function
+work_options = together(
+    option("--seed", type=Number(int, 0, 2**32 - 1), default=0, section=WORK, help="Another seed, other noise [0]."),
+    option(
+        "--threads",
+        type=Number(int, 1, 1024),
+        section=WORK,
+        help="Threads [all processors]; the result is the same.",
+    ),
+)
+"""Seed and threads."""
 
 
 def scene_argument(function: F) -> F:

@@ -13,10 +13,11 @@ import eclat
 from eclat.atomic_file import check_writable
 from eclat.cli.command import Command, option
 from eclat.cli.method_options import DEFAULT_METHOD, method_notes, options_of, set_option
+from eclat.cli.partial import keep_partial_option, keeping_partial
+from eclat.cli.point_files import read_points
+from eclat.cli.quality_options import max_depth_option, max_error_option, output_option
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
-    MAX_DEPTH,
-    MAX_ERROR,
     camera_index,
     camera_options,
     light_options,
@@ -31,6 +32,8 @@ EXAMPLES = {
     "eclat solve room.glb": "Writes room.npz:",
     "eclat solve room.glb -o fine.npz --max-error 0.005": "Finer records:",
     "eclat render room.glb --cache fine.npz --samples 64": "Read them; the scene must be the same:",
+    "eclat solve room.glb --view-independent": "For views that are not chosen yet:",
+    "eclat solve room.glb --points desks.csv": "For points with normals, as `eclat irradiance` takes them:",
 }
 
 
@@ -40,15 +43,18 @@ EXAMPLES = {
     short_help="Compute the records of a scene and keep them.",
     examples=EXAMPLES,
     notes=lambda: method_notes(DEFAULT_METHOD),
-    help="""Compute the irradiance records that a view of SCENE needs, and keep them in a file.
+    help="""Compute the irradiance records that a view of SCENE needs (or points, or all surfaces), and keep them.
 
     The file is a NumPy .npz archive with positions, normals, radii, irradiance and its gradients; `eclat render
     --cache` and `eclat.Solution.load` read it. A scene that has changed since is refused.""",
 )
 @scene_argument
-@option("-o", "--output", metavar="FILE", section="Output", help="A file ending in .npz [SCENE.npz].")
-@option("--max-error", type=MAX_ERROR, default=0.01, section="Quality", help="Relative error of indirect light [0.01].")
-@option("--max-depth", type=MAX_DEPTH, default=-1, section="Quality", help="As for render; -1 no limit [-1].")
+@output_option("A file ending in .npz [SCENE.npz].")
+@keep_partial_option("On Ctrl-C write the records of the passes that are done, marked incomplete.")
+@option("--view-independent", is_flag=True, section="Input", help="Records on all surfaces instead of in a view.")
+@option("--points", metavar="FILE", section="Input", help="Records for points x y z nx ny nz; text, .csv or .npy.")
+@max_error_option("Relative error of indirect light")
+@max_depth_option()
 @set_option
 @camera_options
 @light_options
@@ -63,18 +69,28 @@ def command(**flags: Any) -> None:
         check_writable(output)
         options = options_of(DEFAULT_METHOD, flags["settings"], max_error=flags["max_error"])
         assert isinstance(options, eclat.IrradianceCache)
+        points = read_points(flags["points"]) if flags["points"] else None
+        if points is not None and flags["view_independent"]:
+            raise EclatError("--points: expected no --view-independent beside it")
         scene = load_scene(flags)
-        solution = eclat.solve(
-            scene,
-            options,
-            camera=camera_index(scene, flags["camera"]),
-            size=flags["size"],
-            max_depth=flags["max_depth"],
-            seed=flags["seed"],
-            threads=flags["threads"],
-            progress=reporter.progress,
-        )
-        solution.save(output)
-        seconds = solution.statistics.get("seconds", 0.0)
-        text = f"{output}: {len(solution):,} records, {seconds:.1f} s"
-        reporter.result(text, file=output, records=len(solution), statistics=dict(solution.statistics))
+        where: dict[str, Any] = {"points": points, "view_independent": flags["view_independent"]}
+        if points is None and not flags["view_independent"]:
+            where |= {"camera": camera_index(scene, flags["camera"]), "size": flags["size"]}
+        elif flags["camera"] is not None or flags["size"] is not None:
+            raise EclatError("--camera, --size: expected neither beside --points or --view-independent")
+        common = {name: flags[name] for name in ("max_depth", "seed", "threads", "keep_partial")}
+
+        def keep(solution: eclat.Solution) -> None:
+            solution.save(output)
+            _say_result(reporter, solution, output)
+
+        with keeping_partial(flags["keep_partial"], keep, reporter):
+            solution = eclat.solve(scene, options, progress=reporter.progress, **where, **common)
+        keep(solution)
+
+
+def _say_result(reporter: Reporter, solution: eclat.Solution, output: str) -> None:
+    seconds = solution.statistics.get("seconds", 0.0)
+    text = f"{output}: {len(solution):,} records, {seconds:.1f} s{'' if solution.complete else ', incomplete'}"
+    statistics = dict(solution.statistics)
+    reporter.result(text, file=output, records=len(solution), complete=solution.complete, statistics=statistics)

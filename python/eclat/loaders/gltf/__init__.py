@@ -34,8 +34,9 @@ MESH_COST = 256
 def load_gltf(path: str | Path) -> Scene:
     """The default scene of a glTF 2.0 file, all instances in world space.
 
-    Lengths are metres. Punctual lights are in candela and lux, and then `Scene.photometric` is set. Whatever is
-    replaced or ignored is told by an `EclatWarning`.
+    Lengths are metres. Punctual lights are in candela and lux, emission is in cd·m⁻² [KHR_lights_punctual,
+    KHR_materials_emissive_strength]: a file with either sets `Scene.photometric`. Double-sided materials emit on both
+    sides. Whatever is replaced or ignored is told by an `EclatWarning`.
 
     Parameters
     ----------
@@ -81,7 +82,7 @@ class _Builder:
             lights=tuple(self._lights),
             cameras=tuple(self._cameras),
             name=name,
-            photometric=bool(self._lights),
+            photometric=bool(self._lights) or any(mesh.material.emission is not None for mesh in self._meshes),
         )
 
     def _add_mesh(self, node: Element, to_world: Matrix) -> None:

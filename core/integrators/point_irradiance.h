@@ -1,0 +1,49 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Irradiance at points that a user names; they need not lie on a surface.
+
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "integrators/irradiance_cache.h"
+
+namespace eclat {
+
+/// A point, and the unit normal on whose side light is asked for.
+struct PointNormal {
+    Vec3 position, normal;
+};
+
+/// As a surface without a material: rays start as far from it as the scene's float coordinates resolve.
+SurfacePoint bare_point(const World& world, const PointNormal& at);
+
+/// Light straight from lights (environment and suns included), all other light, or both.
+enum class Component : uint8_t { total, direct, indirect };
+
+struct PointIrradianceOptions {
+    Component component = Component::total;
+    int samples = 1024;  // of the lights, and paths where there is no cache, per point
+    int max_depth = -1;  // as for pictures: 2 is direct light
+    uint32_t seed = 0;
+    int threads = 0;
+};
+
+/// Unbiased: samples of the lights, and cosine-distributed paths for the rest [W m⁻²].
+std::vector<Color> path_irradiance(const World& world, std::span<const PointNormal> points,
+                                   const PointIrradianceOptions& options, Progress& progress);
+
+struct CachedPoints {
+    std::vector<Color> irradiance;
+    size_t served = 0, gathered = 0;  // points whose indirect light the near cache knew, and the others
+};
+
+/// Indirect light from the near cache; where that does not serve a point, from a gather that ends in the far cache.
+CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
+                               const IrradianceCacheOptions& cache_options, const PointIrradianceOptions& options,
+                               Progress& progress);
+
+}  // namespace eclat

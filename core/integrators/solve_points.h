@@ -1,0 +1,27 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Irradiance caches without a camera: for points that are given, or for all diffuse surfaces.
+
+#pragma once
+
+#include <span>
+
+#include "integrators/point_irradiance.h"
+
+namespace eclat {
+
+/// How far records are read from where gather rays end: coarsely, and without turning, since only averages matter.
+CacheOptions far_reading(const CacheOptions& near);
+
+/// Fills `caches`, which must be empty, with what serves each point on the side of its normal. Whatever stops it (an
+/// exception, a cancelled progress) leaves the passes that were finished. `progress` counts passes.
+void solve_at_points(const World& world, std::span<const PointNormal> points, const IrradianceCacheOptions& options,
+                     SolvedCaches& caches, Progress& progress);
+
+/// The same for all diffuse surfaces, on each side that reflects: candidates are spread evenly over their area, and
+/// doubled until the records serve almost all new ones.
+void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
+                      Progress& progress);
+
+}  // namespace eclat

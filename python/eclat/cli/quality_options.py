@@ -1,0 +1,63 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Flags about quality and effort, each defined once: the commands differ only in what they say and in defaults."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from eclat.cli.command import F, option
+from eclat.cli.parameters import Depth, Number
+from eclat.errors import EclatError
+
+QUALITY = "Quality"
+
+
+def max_error_option(help: str, default: float | None = 0.01) -> Callable[[F], F]:
+    """`--max-error`."""
+    kind = Number(float, 0.0005, 0.5)
+    return option("--max-error", type=kind, default=default, section=QUALITY, help=help + _shown(default))
+
+
+def max_depth_option() -> Callable[[F], F]:
+    """`--max-depth`."""
+    help = "Edges of light paths: 1 emission, 2 direct, -1 no limit [-1]."
+    return option("--max-depth", type=Depth(int, -1, 10**6), default=-1, section=QUALITY, help=help)
+
+
+def samples_option(
+    help: str, default: int | None = None, name: str = "--samples", section: str = QUALITY
+) -> Callable[[F], F]:
+    """`--samples`, or another number of samples."""
+    return option(name, type=Number(int, 1, 2**24), default=default, section=section, help=help + _shown(default))
+
+
+def time_option(help: str) -> Callable[[F], F]:
+    """`--time`."""
+    return option("--time", type=Number(float, 0, 1e7, above=True), section=QUALITY, help=help)
+
+
+def exposure_option(help: str, default: float | None) -> Callable[[F], F]:
+    """`--exposure`."""
+    return option("--exposure", type=Number(float, -64, 64), default=default, section="Output", help=help)
+
+
+def output_option(help: str, *, default: str | None = None, multiple: bool = False) -> Callable[[F], F]:
+    """`-o`, `--output`."""
+    return option("-o", "--output", metavar="FILE", default=default, multiple=multiple, section="Output", help=help)
+
+
+def cache_option() -> Callable[[F], F]:
+    """`--cache`."""
+    help = "Read the records that `eclat solve` wrote."
+    return option("--cache", metavar="FILE", section="Method", help=help)
+
+
+def check_cache_alone(flags: dict[str, object], method_given: bool) -> None:
+    """Raise EclatError where `--cache` stands beside flags that it makes void."""
+    if flags["cache"] and (flags["settings"] or method_given):
+        raise EclatError("--cache: expected no --method and no --set beside it, since the cache brings its own")
+
+
+def _shown(default: float | None) -> str:
+    return "." if default is None else f" [{default:g}]."

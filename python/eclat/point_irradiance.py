@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verb irradiance: how much light falls on points."""
+
+from __future__ import annotations
+
+import time as clock
+from typing import Literal, get_args
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat import _core
+from eclat.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
+from eclat.compiled import compiled
+from eclat.errors import EclatError, did_you_mean
+from eclat.options import Direct, IrradianceCache, Options
+from eclat.running import ProgressReport, run
+from eclat.scene import FloatArray, Scene
+from eclat.solution import Solution, core_options
+from eclat.solving import solve
+
+Component = Literal["total", "direct", "indirect"]
+
+
+def irradiance(
+    scene: Scene,
+    points: FloatArray,
+    normals: FloatArray,
+    what: Solution | Options | None = None,
+    *,
+    component: Component = "total",
+    samples: int = 1024,
+    max_depth: int = -1,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: ProgressReport | None = None,
+    statistics: dict[str, float] | None = None,
+) -> NDArray[np.float32]:
+    """Irradiance at `points` on the side of their `normals`: (N, 3) RGB in W·m⁻², lux where the scene is photometric.
+
+    Parameters
+    ----------
+    points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
+    what : a Solution, the options of a method, or None for irradiance caching.
+
+        ====================  ==================================================================================
+        `Solution`            indirect light is read from its records; a point that none of them serves is
+                              gathered, its rays ending in the Solution's far records
+        `IrradianceCache`     the same, with records solved for these points first
+        `Path`                unbiased: each point is gathered by `samples` paths
+        `Direct`              light straight from lights only
+        ====================  ==================================================================================
+
+    component : "direct" is what arrives straight from lights, the environment and suns included; "indirect" the rest;
+        the same for every method.
+    samples : of the lights, and paths of `Path`, per point.
+    max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. A Solution must have been solved
+        with the same.
+    statistics : a dict that is filled with `points`, `served` (by records) and `gathered` (both only where a cache
+        was read), `rays` and `seconds`.
+
+    Raises
+    ------
+    EclatError : arrays that do not fit or are not finite, a Solution of another scene or depth, arguments out of range.
+
+    Examples
+    --------
+    >>> import eclat
+    >>> scene = eclat.load("furnace")  # closed, emits 1, reflects half: its radiance is 2 everywhere
+    >>> E = eclat.irradiance(scene, [[0.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
+    >>> bool(abs(E[0, 0] / (2 * np.pi) - 1) < 0.02)
+    True
+    """
+    if component not in get_args(Component):
+        known = get_args(Component)
+        raise EclatError(
+            f"component must be one of {', '.join(known)}, got {component!r}{did_you_mean(str(component), known)}"
+        )
+    started = clock.perf_counter()
+    places, sides = points_with_normals(points, normals)
+    common = checked_samples(samples), checked_seed(seed), thread_count(threads)
+    depth = 2 if isinstance(what, Direct) else checked_max_depth(max_depth)
+    counts: dict[str, float] = {"points": float(len(places)), "rays": 0.0}
+    if what is None:
+        what = IrradianceCache()
+    if isinstance(what, Solution):
+        what.check(scene, max_depth)
+    indirect = component != "direct" and (depth < 0 or depth > 2)
+    if indirect and isinstance(what, IrradianceCache):
+        what = solve(
+            scene, what, points=(places, sides), max_depth=depth, seed=seed, threads=threads, progress=progress
+        )
+        counts["rays"] += what.statistics["rays"]
+    prepared = compiled(scene)
+    positions, directions = prepared.to_core(places), np.ascontiguousarray(sides, np.float32)
+    number = get_args(Component).index(component)
+    counted = _core.Progress()
+    if indirect and isinstance(what, Solution):
+        caches = what.core()
+        settings = core_options(what.options, max_depth=depth, seed=seed, threads=common[-1])
+        result, served, gathered = run(
+            "irradiance",
+            lambda p: _core.irradiance_from_caches(
+                prepared.core, positions, directions, caches, settings, p, number, *common
+            ),
+            progress,
+            counted,
+        )
+        counts |= {"served": float(served), "gathered": float(gathered)}
+    else:
+        result = run(
+            "irradiance",
+            lambda p: _core.irradiance_by_paths(
+                prepared.core, positions, directions, p, number, samples, depth, *common[1:]
+            ),
+            progress,
+            counted,
+        )
+    counts["rays"] += float(counted.rays)
+    if statistics is not None:
+        statistics.update(counts, seconds=clock.perf_counter() - started)
+    return np.asarray(result, np.float32).reshape(-1, 3)

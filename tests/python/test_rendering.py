@@ -1,0 +1,132 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""What render promises beside radiance: layers, metadata, partial pictures, messages."""
+
+from __future__ import annotations
+
+import importlib
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.image import RECORD_MARK
+from eclat.scenes import build
+
+SIZE = (48, 48)
+
+# The attribute of the package is the function of that name.
+rendering = importlib.import_module("eclat.rendering")
+
+
+@pytest.fixture(scope="module")
+def cornell() -> eclat.Scene:
+    return build("cornell-box")
+
+
+@pytest.fixture(scope="module")
+def solution(cornell: eclat.Scene) -> eclat.Solution:
+    return eclat.solve(cornell, eclat.IrradianceCache(max_error=0.05), size=SIZE)
+
+
+def test_layers_say_what_they_hold(cornell: eclat.Scene, solution: eclat.Solution) -> None:
+    image = eclat.render(cornell, solution, samples=4, size=SIZE)
+    assert list(image.layers) == ["direct", "indirect", "albedo", "normal", "depth", "record_density"]
+    np.testing.assert_allclose(image.layers["direct"] + image.layers["indirect"], image.pixels, atol=1e-5)
+    assert "record_density" not in eclat.render(cornell, eclat.Path(), samples=1, size=SIZE).layers
+    assert image.metadata["version"] == eclat.__version__
+
+
+def test_each_record_that_is_seen_is_counted_once(cornell: eclat.Scene, solution: eclat.Solution) -> None:
+    """Candidates come from the camera, so that almost all records are in view; the rest are at silhouettes, where a
+    pixel's mean depth lies in front of them."""
+    image = eclat.render(cornell, solution, samples=4, size=SIZE)
+    density = image.layers["record_density"]
+    assert 0.9 * len(solution) < density.sum() <= len(solution)
+    crop = eclat.render(cornell, solution, samples=4, size=SIZE, crop=(8, 8, 24, 40)).layers["record_density"]
+    assert np.array_equal(crop[8:40, 8:24], density[8:40, 8:24]) and crop.sum() == density[8:40, 8:24].sum()
+
+
+def test_records_are_shown_where_they_are(cornell: eclat.Scene, solution: eclat.Solution) -> None:
+    image = eclat.render(cornell, solution, samples=1, size=SIZE)
+    shown = image.show_records(exposure=1.0)
+    marked = (shown.pixels == np.float32(0.5) * np.array(RECORD_MARK, np.float32)).all(axis=2)
+    assert np.array_equal(marked, image.layers["record_density"] > 0) and marked.any()
+    assert np.array_equal(shown.pixels[~marked], image.pixels[~marked])
+
+
+def interrupt_at(fraction: float) -> Any:
+    """A progress report that is Ctrl-C once the rendering is that far."""
+
+    def report(phase: str, done: float, statistics: dict[str, float]) -> None:
+        if phase == "render" and done >= fraction:
+            raise KeyboardInterrupt
+
+    return report
+
+
+def test_a_partial_picture_is_that_of_fewer_samples(cornell: eclat.Scene) -> None:
+    with pytest.raises(KeyboardInterrupt) as stop:
+        eclat.render(cornell, eclat.Path(), samples=10**6, size=SIZE, keep_partial=True, progress=interrupt_at(5e-6))
+    partial = stop.value.partial  # type: ignore[attr-defined]
+    done = partial.metadata["samples_done"]
+    assert 0 < done < 10**6 and partial.metadata["statistics"]["samples"] == done
+    whole = eclat.render(cornell, eclat.Path(), samples=done, size=SIZE)
+    assert np.array_equal(partial.pixels, whole.pixels)
+    assert all(np.array_equal(partial.layers[name], layer) for name, layer in whole.layers.items())
+
+
+def test_without_the_flag_nothing_is_kept(cornell: eclat.Scene) -> None:
+    with pytest.raises(KeyboardInterrupt) as stop:
+        eclat.render(cornell, eclat.Path(), samples=10**6, size=SIZE, progress=interrupt_at(0.0))
+    assert not hasattr(stop.value, "partial")
+
+
+def test_keeping_partial_pictures_changes_no_bits(cornell: eclat.Scene) -> None:
+    plain, kept = (eclat.render(cornell, eclat.Path(), samples=8, size=SIZE, keep_partial=k) for k in (False, True))
+    assert np.array_equal(plain.pixels, kept.pixels)
+    assert "samples_done" not in kept.metadata
+
+
+def test_samples_that_are_not_finite_are_told_with_both_replays(
+    cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Film(rendering._core.Film):
+        bad_count = 3
+        bad_samples = ((4, 7, 19), (5, 7, 19))
+
+    monkeypatch.setattr(rendering._core, "Film", Film)
+    with pytest.warns(eclat.EclatWarning) as warnings:
+        eclat.render(cornell, eclat.Path(), samples=20, size=(8, 8), seed=7)
+    assert str(warnings[0].message) == (
+        "3 of 1,280 samples were not finite; first at pixel (4, 7), sample 19\n"
+        "         replay: eclat render cornell-box --method path --size 8x8 --seed 7 --replay 4,7,19\n"
+        "         or: eclat.render(scene, eclat.Path(), samples=20, seed=7, crop=(4, 7, 5, 8), size=(8, 8))"
+    )
+
+
+@pytest.mark.parametrize(
+    ("keywords", "message"),
+    [
+        ({"samples": 1, "time": 1.0}, "expected samples or time, got both"),
+        ({"samples": 0}, "samples must be between 1 and 16777216, got 0"),
+        ({"time": 0.0}, "time must be a finite number of seconds above 0, got 0.0"),
+        ({"time": float("nan")}, "time must be a finite number"),
+        ({"max_depth": 0}, r"max_depth must be -1 \(unlimited\) or at least 1, got 0"),
+        ({"filter": "tentt"}, r"filter must be one of box, tent, got 'tentt'; did you mean 'tent'\?"),
+        ({"size": (70000, 1)}, "expected a width and a height between 1 and 65,536 pixels, got 70000x1"),
+        ({"crop": (0, 0, 49, 1)}, r"must lie inside the picture of 48x48"),
+        ({"camera": 3}, "camera 3 of 1: cornell-box has no such camera"),
+        ({"seed": -1}, "seed must be between 0 and"),
+        ({"threads": 0}, "threads must be between 1 and 1024, got 0"),
+    ],
+)
+def test_bad_arguments(cornell: eclat.Scene, keywords: dict[str, Any], message: str) -> None:
+    with pytest.raises(eclat.EclatError, match=message):
+        eclat.render(cornell, eclat.Path(), **{"size": SIZE, **keywords})
+
+
+def test_time_is_kept_roughly_and_told_in_samples(cornell: eclat.Scene) -> None:
+    statistics = eclat.render(cornell, eclat.Path(), time=0.5, size=SIZE).metadata["statistics"]
+    assert statistics["samples"] >= 4

@@ -1,0 +1,98 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Caches as values: files that are whole, refused where they do not fit, and merged."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.scenes import build
+
+POINTS = (np.array([[0.0, -1.0, 0.0], [0.5, -1.0, 0.5]]), np.array([[0.0, 1.0, 0.0]] * 2))
+
+
+@pytest.fixture(scope="module")
+def scene() -> eclat.Scene:
+    return build("cornell-box")
+
+
+@pytest.fixture(scope="module")
+def solution(scene: eclat.Scene) -> eclat.Solution:
+    return eclat.solve(scene, eclat.IrradianceCache(max_error=0.1), points=POINTS, max_depth=4)
+
+
+def test_what_is_saved_is_loaded(scene: eclat.Scene, solution: eclat.Solution, tmp_path: Path) -> None:
+    solution.save(tmp_path / "a.npz")
+    assert [p.name for p in tmp_path.iterdir()] == ["a.npz"]
+    loaded = eclat.Solution.load(tmp_path / "a.npz", scene)
+    assert (loaded.options, loaded.max_depth, loaded.complete) == (solution.options, 4, True)
+    assert loaded.statistics == solution.statistics
+    for name in ("near", "far", "center"):
+        assert np.array_equal(getattr(loaded, name), getattr(solution, name))
+
+
+def test_a_file_that_cannot_be_written_is_told(solution: eclat.Solution, tmp_path: Path) -> None:
+    with pytest.raises(eclat.EclatError, match=r"cannot be written: the folder .* does not exist"):
+        solution.save(tmp_path / "no" / "a.npz")
+
+
+def _write(path: Path, solution: eclat.Solution, **changes: Any) -> None:
+    solution.save(path)
+    with np.load(path) as data:
+        arrays = dict(data)
+    header = json.loads(str(arrays["header"]))
+    for name, value in changes.items():
+        if name in arrays:
+            arrays[name] = value
+        else:
+            header[name] = value
+    arrays["header"] = np.array(json.dumps(header))
+    np.savez(path, **arrays)
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"format": 99}, "a cache of another version"),
+        ({"options": {"sharpness": 3}}, "its header is damaged"),
+        ({"options": {"max_error": 7}}, "its header is damaged"),
+        ({"max_depth": "deep"}, "its header is damaged"),
+        ({"near": np.zeros((3, 2), np.float32)}, "the array 'near' is damaged"),
+        ({"far": np.full((1, 45), np.nan, np.float32)}, "the array 'far' is damaged"),
+        ({"center": np.zeros(2)}, "the array 'center' is damaged"),
+    ],
+)
+def test_damage_is_named(solution: eclat.Solution, tmp_path: Path, changes: dict[str, Any], message: str) -> None:
+    path = tmp_path / "a.npz"
+    _write(path, solution, **changes)
+    with pytest.raises(eclat.EclatError, match=message) as error:
+        eclat.Solution.load(path)
+    assert str(error.value).startswith(f"{path}: ")
+
+
+def test_records_under_an_open_sky_survive(tmp_path: Path) -> None:
+    """They see nothing, at an infinite distance."""
+    scene = build("cornell-box")
+    sky = eclat.scene.Environment(np.ones((1, 1, 3), np.float32))
+    open_floor = eclat.Scene(meshes=tuple(m for m in scene.meshes if m.name == "floor"), environment=sky)
+    solution = eclat.solve(open_floor, points=POINTS)
+    assert np.isinf(solution.near).any()
+    solution.save(tmp_path / "a.npz")
+    assert len(eclat.Solution.load(tmp_path / "a.npz", open_floor)) == len(solution)
+
+
+def test_merging_an_incomplete_cache_gives_an_incomplete_one(scene: eclat.Scene, solution: eclat.Solution) -> None:
+    from dataclasses import replace
+
+    both = eclat.merge(solution, replace(solution, complete=False))
+    assert not both.complete and both.max_depth == 4 and len(both) == len(solution)
+    with pytest.raises(eclat.EclatError, match="different options"):
+        eclat.merge(solution, replace(solution, max_depth=3))
+    with pytest.warns(eclat.EclatWarning, match="incomplete"):
+        eclat.irradiance(scene, *POINTS, both, max_depth=4, samples=1)
