@@ -11,11 +11,15 @@ from numpy.typing import NDArray
 Floats = NDArray[np.floating]
 
 
-def block_means(image: Floats, size: int) -> NDArray[np.float64]:
-    """Means over blocks of size × size pixels, (rows, columns, 3), in double; sides must be multiples of `size`."""
+def block_means(image: Floats, size: int | tuple[int, int]) -> NDArray[np.float64]:
+    """Means over blocks of `size` pixels (a side, or rows and columns), (rows, columns, 3), in double.
+
+    The image must divide into them.
+    """
+    rows, columns = (size, size) if isinstance(size, int) else size
     h, w, c = image.shape
-    assert h % size == 0 and w % size == 0, f"{h} × {w} pixels do not divide into blocks of {size}"
-    return image.reshape(h // size, size, w // size, size, c).mean(axis=(1, 3), dtype=np.float64)
+    assert h % rows == 0 and w % columns == 0, f"{h} × {w} pixels do not divide into blocks of {rows} × {columns}"
+    return image.reshape(h // rows, rows, w // columns, columns, c).mean(axis=(1, 3), dtype=np.float64)
 
 
 def welch(ours: Floats, theirs: Floats, false_alarm: float = 1e-6) -> tuple[float, float]:
