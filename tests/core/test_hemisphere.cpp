@@ -173,6 +173,26 @@ TEST_CASE("rotation gradient: light from the side, from few rows on, and its sig
     }
 }
 
+TEST_CASE("excess: few bright cells are lowered to their share, and what is taken is what is missing") {
+    const HemisphereSamples calm = gather(16, 0.3f, 0.2f);
+    HemisphereSamples same = calm;
+    CHECK(is_black(take_excess(same)));
+    CHECK(irradiance(same).g == irradiance(calm).g);
+
+    HemisphereSamples bright = calm;
+    for (const size_t cell : {size_t(5), size_t(77), size_t(400)}) bright.radiance[cell] = Color(900, 1000, 1100);
+    const Color whole = irradiance(bright), taken = take_excess(bright), rest = irradiance(bright);
+    for (int c = 0; c < 3; ++c) CHECK(rest[c] + taken[c] == doctest::Approx(whole[c]).epsilon(1e-5));
+    float sum = 0, most = 0;
+    for (const Color& L : bright.radiance) sum += luminance(L), most = std::max(most, luminance(L));
+    CHECK(most <= 0.051f * sum);
+    // The limit that is a twentieth of what remains: l = S / 20 / (1 − 3 / 20), S the sum of all other cells.
+    const float Y = luminance(Color(900, 1000, 1100)), limit = 0.05f * (sum - 3 * most) / (1 - 0.15f);
+    CHECK(most == doctest::Approx(limit).epsilon(0.02));
+    CHECK(taken.g == doctest::Approx(3000 * (1 - most / Y) * pi / float(bright.radiance.size())).epsilon(1e-4));
+    CHECK(rest.g > irradiance(calm).g * 0.99f);
+}
+
 TEST_CASE("distances: a miss is infinitely far, and only what stands apart counts for the minimum") {
     HemisphereSamples s = gather(16, 0, 0);
     s.apart.assign(s.distance.size(), 1);
