@@ -23,6 +23,7 @@ using Array = nb::ndarray<const T, nb::shape<Shape...>, nb::c_contig, nb::device
 using Points = Array<float, -1, 3>;
 using Uvs = Array<float, -1, 2>;
 using Colors = Array<float, -1, 4>;
+using Tangents = Array<float, -1, 4>;
 using Triangles = Array<uint32_t, -1, 3>;
 using Bytes3 = Array<uint8_t, -1, -1, -1>;
 using Floats3 = Array<float, -1, -1, -1>;

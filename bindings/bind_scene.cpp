@@ -56,13 +56,15 @@ struct SceneBuilder {
         materials.push_back(material);
         return static_cast<int>(materials.size()) - 1;
     }
-    void add_mesh(Points positions, Triangles triangles, int material, Points normals, Uvs uvs, Uvs uvs2, Colors colors) {
+    void add_mesh(Points positions, Triangles triangles, int material, Points normals, Uvs uvs, Uvs uvs2, Colors colors,
+                  Tangents tangents) {
         MeshArrays mesh;
         mesh.positions = vec3s(positions);
         mesh.normals = vec3s(normals);
         mesh.uvs = vec2s(uvs);
         mesh.uvs2 = vec2s(uvs2);
         mesh.colors.assign(colors.data(), colors.data() + colors.size());
+        mesh.tangents.assign(tangents.data(), tangents.data() + tangents.size());
         for (size_t i = 0; i < triangles.shape(0); ++i)
             mesh.triangles.push_back({{triangles(i, 0), triangles(i, 1), triangles(i, 2)}});
         mesh.material = material;

@@ -16,7 +16,8 @@ Lobe interface_lobe(const Microfacets& facets, bool smooth, const InterfaceRefle
 }
 
 Lobe dielectric_lobe(float ior, float alpha_u, float alpha_v, const DielectricTint& tint, Distribution distribution) {
-    // Facets that hardly bend light do not blur it either: the half vector that refraction needs is lost in rounding.
+    // Facets that hardly bend light do not blur it either, and between equal media there is no half vector of
+    // refraction at all: straight through is the limit (pbrt-v4 does the same; Mitsuba 3 refuses equal indices).
     const bool bends = std::abs(ior - 1) > 1e-3f;
     if (!bends || Microfacets::smooth(alpha_u, alpha_v)) return SmoothDielectricLobe{ior, tint};
     return RoughDielectricLobe{{alpha_u, alpha_v, distribution}, ior, tint};

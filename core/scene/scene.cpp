@@ -20,10 +20,18 @@ T interpolate(const std::vector<T>& values, const uint32_t* v, float b, float c)
     return (1 - b - c) * values[v[0]] + b * values[v[1]] + c * values[v[2]];
 }
 
+/// The normal that `texel` of a normal map means where `up` is the direction of its green.
+Vec3 from_tangent_space(Color texel, float scale, const Frame& frame, Vec3 up) {
+    const float x = (2 * texel.r - 1) * scale, y = (2 * texel.g - 1) * scale;
+    const Vec3 n = frame.u * x + up * y + frame.n * (2 * texel.b - 1);
+    const float l2 = length_squared(n);
+    return l2 > 0 ? n / std::sqrt(l2) : frame.n;
+}
+
 void check(const MeshArrays& m, size_t index, size_t materials) {
     const std::string where = "mesh " + std::to_string(index) + ": ";
     const size_t n = m.positions.size();
-    for (size_t size : {m.normals.size(), m.uvs.size(), m.uvs2.size(), m.colors.size() / 4})
+    for (size_t size : {m.normals.size(), m.uvs.size(), m.uvs2.size(), m.colors.size() / 4, m.tangents.size() / 4})
         require(size == 0 || size == n, where + "per-vertex arrays must be as long as positions (" + std::to_string(n) +
                                             "), got " + std::to_string(size));
     for (size_t i = 0; i < n; ++i)
@@ -113,9 +121,22 @@ Vec3 Geometry::shading_normal(uint32_t triangle, float u, float v, Vec3 geometri
     return l2 > 0 ? n / std::sqrt(l2) : geometric;
 }
 
-Vec3 Geometry::mapped_normal(const Material& material, uint32_t triangle, const SurfaceCoordinates& at, Vec3 normal) const {
-    // Position as a function of the map's texture coordinates: e = a · du + b · dv for both edges.
+Vec3 Geometry::mapped_normal(const Material& material, const Hit& hit, const SurfaceCoordinates& at, Vec3 normal,
+                             bool turned) const {
     const Value& map = material.normal_map;
+    const uint32_t triangle = hit.triangle;
+    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    if (!material.bump && !mesh.arrays->tangents.empty()) {
+        float t[4] = {};
+        const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
+        for (int k = 0; k < 3; ++k)
+            for (int i = 0; i < 4; ++i)
+                t[i] += weights[k] * mesh.arrays->tangents[4 * (triangles_[triangle].v[k] - mesh.first_vertex) + i];
+        const Frame frame = Frame::along(normal, {t[0], t[1], t[2]});
+        const bool right_handed = (t[3] > 0) != turned;
+        return from_tangent_space(map.color(at.uv, at.uv2), material.normal_scale, frame, right_handed ? frame.v : -frame.v);
+    }
+    // Position as a function of the map's texture coordinates: e = a · du + b · dv for both edges.
     const Vec2 t0 = map.transform(uv(triangle, 0, map.uv_set)), t1 = map.transform(uv(triangle, 1, map.uv_set)) - t0,
                t2 = map.transform(uv(triangle, 2, map.uv_set)) - t0;
     const Vec3 e1 = vertex(triangle, 1) - vertex(triangle, 0), e2 = vertex(triangle, 2) - vertex(triangle, 0);
@@ -123,14 +144,10 @@ Vec3 Geometry::mapped_normal(const Material& material, uint32_t triangle, const 
     if (determinant == 0) return normal;
     const Vec3 dpdu = (e1 * t2.y - e2 * t1.y) / determinant, dpdv = (e2 * t1.x - e1 * t2.x) / determinant;
     if (!material.bump) {
-        const Color c = map.color(at.uv, at.uv2);
         const Frame frame = Frame::along(normal, dpdu);
         // Green grows upwards in the image, which is against our v.
         const Vec3 up = dot(frame.v, dpdv) > 0 ? -frame.v : frame.v;
-        const Vec3 n = frame.u * ((2 * c.r - 1) * material.normal_scale) + up * ((2 * c.g - 1) * material.normal_scale) +
-                       normal * (2 * c.b - 1);
-        const float l2 = length_squared(n);
-        return l2 > 0 ? n / std::sqrt(l2) : normal;
+        return from_tangent_space(map.color(at.uv, at.uv2), material.normal_scale, frame, up);
     }
     // Gradient of the height by central differences of one texel [Blinn78].
     const float du = 1 / static_cast<float>(map.texture->width()), dv = 1 / static_cast<float>(map.texture->height());
@@ -156,8 +173,9 @@ SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
     const SurfaceCoordinates at = coordinates(triangle, hit.u, hit.v);
     Vec3 normal = geometric_normal(triangle);
     Vec3 n = shading_normal(triangle, hit.u, hit.v, normal);
-    if (dot(n, normal) < 0) n = -n;
-    if (material.has_normal_map) n = mapped_normal(material, triangle, at, n);
+    const bool turned = dot(n, normal) < 0;
+    if (turned) n = -n;
+    if (material.has_normal_map) n = mapped_normal(material, hit, at, n, turned);
     const bool from_behind = dot(wo, normal) < 0;
     if (from_behind && !material.refracts) {
         normal = -normal;

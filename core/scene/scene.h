@@ -19,7 +19,8 @@ namespace eclat {
 struct MeshArrays {
     std::vector<Vec3> positions, normals;
     std::vector<Vec2> uvs, uvs2;
-    std::vector<float> colors;  // RGBA
+    std::vector<float> colors;    // RGBA
+    std::vector<float> tangents;  // xyz, w = ±1; normal maps lie along them, with the bitangent w · normal × tangent
     std::vector<Intersector::Triangle> triangles;
     int material = 0;
 };
@@ -53,7 +54,9 @@ class Geometry {
         const MeshArrays* arrays;
     };
     Vec3 shading_normal(uint32_t triangle, float u, float v, Vec3 geometric) const;
-    Vec3 mapped_normal(const Material& material, uint32_t triangle, const SurfaceCoordinates& at, Vec3 normal) const;
+    /// `turned`: `normal` is against the mesh's own.
+    Vec3 mapped_normal(const Material& material, const Hit& hit, const SurfaceCoordinates& at, Vec3 normal,
+                       bool turned) const;
 
     std::vector<MeshArrays> arrays_;
     std::vector<Mesh> mesh_;

@@ -90,6 +90,7 @@ class _Compiler:
                 _floats(mesh.uvs, 2),
                 _floats(mesh.uvs2, 2),
                 _floats(mesh.colors, 4),
+                _floats(mesh.tangents if _reads_tangents(mesh.material) else None, 4),
             )
         for light in self.scene.lights:
             self.light(light, center)
@@ -165,6 +166,10 @@ class _Compiler:
 
 def _floats(array: FloatArray | None, width: int) -> np.ndarray:
     return np.zeros((0, width), np.float32) if array is None else np.ascontiguousarray(array, np.float32)
+
+
+def _reads_tangents(material: Material) -> bool:
+    return material.normal_map is not None and material.normal_map.kind == "normal"
 
 
 def _center(scene: Scene) -> FloatArray:

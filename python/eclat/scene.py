@@ -73,8 +73,8 @@ def rgb(r: float, g: float, b: float) -> Value:
 class NormalMap:
     """Perturbation of the shading normal.
 
-    kind "normal": a tangent-space normal map (texel·2 − 1, +y towards growing bitangent as in glTF, i.e. against
-    growing v of our uv convention is handled by the mesh's tangents), xy scaled by `scale`.
+    kind "normal": a tangent-space normal map (texel·2 − 1), xy scaled by `scale`; x and y lie along the tangents and
+    bitangents of the mesh or, where it has none, along growing u and against growing v (up in the image, as in glTF).
     kind "bump": a height map; `scale` is the height in metres of a white texel, gradients by finite differences.
     """
 
@@ -170,8 +170,9 @@ class Mesh:
     """Triangles in world space with one material.
 
     positions (V, 3) float64 or float32; triangles (T, 3) integer; normals (V, 3) unit or None for flat shading;
-    uvs, uvs2 (V, 2); colors (V, 4) float32 linear; tangents (V, 4), xyz unit and w = ±1, only used by normal maps
-    (computed from uvs where missing).
+    uvs, uvs2 (V, 2); colors (V, 4) float32 linear; tangents (V, 4), xyz unit and w = ±1, only used by normal maps:
+    red lies along the tangent, green along the bitangent w · normal × tangent (MikkTSpace). Where they are missing,
+    both follow the texture coordinates.
     """
 
     positions: FloatArray

@@ -109,6 +109,8 @@ inline std::vector<BsdfCase> single_map_cases() {
         {"reflection beckmann", make_dielectric(1.5f, 0.3f, 0.5f, white, black, beckmann), false, true},
         {"refraction ggx", make_dielectric(1.5f, 0.3f, 0.5f, black, white, ggx), false, true},
         {"refraction beckmann", make_dielectric(1.5f, 0.3f, 0.5f, black, white, beckmann), false, true},
+        {"refraction ggx 1.002", make_dielectric(1.002f, 0.3f, 0.5f, black, white, ggx), false, true},
+        {"refraction beckmann 0.99", make_dielectric(0.99f, 0.3f, 0.5f, black, white, beckmann), false, true},
         {"refraction ggx out", make_dielectric(0.7f, 0.3f, 0.1f, black, white, ggx), false, true},
     };
 }

@@ -166,6 +166,38 @@ TEST_CASE("refraction obeys Snell's law and says how radiance scales") {
     CHECK(total->weight.r == doctest::Approx(1));
 }
 
+TEST_CASE("a rough interface between equal media lets light pass straight, and nearly equal ones hardly bend it") {
+    const auto between = [](float ior) {
+        return make_dielectric(ior, 0.5f, 0.3f, Color(1), Color(1), Distribution::ggx);
+    };
+    const Microfacets facets(0.5f, 0.3f, Distribution::ggx);
+    for (const Vec3 wo : {direction(0, 0), direction(40, 25), direction(70, 100), direction(115, 60)}) {
+        CAPTURE(wo.z);
+        const auto straight = between(1).sample(wo, 0.5f, {0.3f, 0.4f}, LobeSet::all);
+        REQUIRE(straight);
+        CHECK(straight->delta);
+        CHECK(length(straight->wi + wo) < 1e-6f);
+        CHECK(straight->weight.g == 1);
+        for (const float ior : {0.9995f, 1.0005f, 0.998f, 1.002f, 0.99f, 1.01f}) {
+            CAPTURE(ior);
+            const Bsdf bsdf = between(ior);
+            float turned = 0, passed = 0;
+            constexpr int n = 4000;
+            for_each_sample(bsdf, wo, LobeSet::all, n, [&](const auto& s) {
+                if (!s || !s->transmission) return;
+                turned += length(s->wi + wo) / n;
+                passed += s->weight.g * sqr(s->eta_ratio) / n;
+            });
+            // Snell's law turns a ray at a facet by (η − 1) tan θ; steep facets make the mean larger.
+            CHECK(turned < 5 * std::abs(ior - 1));
+            // What facets hide from light that goes nearly straight through them is lost, as in all their models;
+            // where they count as no interface at all, nothing is.
+            const float expected = bsdf.has_non_delta() ? facets.unmasked(wo.z > 0 ? wo : mirrored(wo)) : 1.0f;
+            CHECK(passed == doctest::Approx(expected).epsilon(0.01 + 5 * std::abs(ior - 1)));
+        }
+    }
+}
+
 TEST_CASE("a rough interface tends to the smooth one") {
     const Vec3 wo = direction(40, 25);
     const auto rough = make_dielectric(1.5f, 0.0011f, 0.0011f, Color(1), Color(1), Distribution::ggx);

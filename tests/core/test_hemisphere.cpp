@@ -55,25 +55,45 @@ double exact(double x, double y, std::array<double, 3> n = {0, 0, 1}) {
     return rect(scene[0]) + 2 * rect(patch) - rect(plate) - 2 * hidden_patch;
 }
 
-HemisphereSamples gather(int rows, float x, float y) {
+struct Seen {
+    float radiance = 0, distance = infinity;
+};
+
+/// A gather in which direction w shows `look(w)`.
+template <class F>
+HemisphereSamples look_around(int rows, uint32_t seed, const F& look) {
     HemisphereSamples s;
     s.rows = rows;
     s.columns = columns_for(rows);
     s.frame = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
-    Rng rng(7, static_cast<uint32_t>(rows));
+    Rng rng(7, seed);
     for (int j = 0; j < s.rows; ++j)
         for (int k = 0; k < s.columns; ++k) {
             const float u1 = rng.next(), u2 = rng.next();
-            const Vec3 w = cell_direction(s.rows, s.columns, j, k, {u1, u2});
-            float best = infinity, radiance = 0;
-            for (const Rectangle& r : scene) {
-                const float t = r.z / w.z, hx = x + t * w.x, hy = y + t * w.y;
-                if (t < best && hx > r.x0 && hx < r.x1 && hy > r.y0 && hy < r.y1) best = t, radiance = r.radiance;
-            }
-            s.radiance.emplace_back(radiance);
-            s.distance.push_back(best);
+            const Seen seen = look(cell_direction(s.rows, s.columns, j, k, {u1, u2}));
+            s.radiance.emplace_back(seen.radiance);
+            s.distance.push_back(seen.distance);
         }
     return s;
+}
+
+HemisphereSamples gather(int rows, float x, float y, uint32_t seed = 1) {
+    return look_around(rows, seed, [&](Vec3 w) {
+        Seen seen;
+        for (const Rectangle& r : scene) {
+            const float t = r.z / w.z, hx = x + t * w.x, hy = y + t * w.y;
+            if (t < seen.distance && hx > r.x0 && hx < r.x1 && hy > r.y0 && hy < r.y1) seen = {r.radiance, t};
+        }
+        return seen;
+    });
+}
+
+/// Mean of `f(seed)` over many gathers, whose noise it takes away: what is left is the bias.
+template <class F>
+Vec3 averaged(int gathers, const F& f) {
+    Vec3 sum{};
+    for (int i = 0; i < gathers; ++i) sum += f(static_cast<uint32_t>(i));
+    return sum / static_cast<float>(gathers);
 }
 
 }  // namespace
@@ -112,6 +132,65 @@ TEST_CASE("rotation gradient against the closed form") {
     const RotationGradient g = rotation_gradient(gather(64, x, y));
     const double scale = std::hypot(about_x, about_y);
     CHECK(std::hypot(g.channel[0].x - about_x, g.channel[0].y - about_y) < 0.05 * scale);
+}
+
+TEST_CASE("translation gradient: the bias of 64 rows is below 1.5 %, or 3 % with the edge of a plate overhead") {
+    // With an edge that crosses the first row of cells, that row's wall carries the gradient: a sum that starts at the
+    // second wall misses it.
+    for (const auto& [x, y, bound] : {std::array{0.3, 0.2, 0.015}, {0.07, 0.15, 0.03}}) {
+        CAPTURE(x);
+        const double h = 1e-4;
+        const double dx = (exact(x + h, y) - exact(x - h, y)) / (2 * h),
+                     dy = (exact(x, y + h) - exact(x, y - h)) / (2 * h);
+        const Vec3 mean = averaged(40, [&](uint32_t seed) {
+            return translation_gradient(gather(64, float(x), float(y), seed)).channel[1];
+        });
+        CHECK(std::hypot(mean.x - dx, mean.y - dy) < bound * std::hypot(dx, dy));
+    }
+}
+
+TEST_CASE("rotation gradient: light from the side, from few rows on, and its sign") {
+    // A wall at x = 1 of radiance 1, all above the horizon whichever way the normal turns.
+    const float low = 0.02f, high = 2, half = 3;
+    const auto irradiance_of = [&](std::array<double, 3> n) {
+        return form({{1, -half, low}, {1, half, low}, {1, half, high}, {1, -half, high}}, n);
+    };
+    const double a = 1e-3;
+    const double towards_wall = (irradiance_of({a, 0, 1}) - irradiance_of({-a, 0, 1})) / (2 * a);
+    CHECK(towards_wall > 0.5);
+    for (const int rows : {8, 16, 32}) {
+        CAPTURE(rows);
+        const Vec3 mean = averaged(60, [&](uint32_t seed) {
+            return rotation_gradient(look_around(rows, seed, [&](Vec3 w) {
+                       const float t = 1 / w.x, y = t * w.y, z = t * w.z;
+                       return t > 0 && std::abs(y) < half && z > low && z < high ? Seen{1, t} : Seen{};
+                   })).channel[2];
+        });
+        // The normal turns towards +x about +y: (n × n')·gradient.
+        CHECK(mean.y == doctest::Approx(towards_wall).epsilon(0.02));
+        CHECK(std::abs(mean.x) < 0.02 * towards_wall);
+        CHECK(mean.z == 0);
+    }
+}
+
+TEST_CASE("excess: few bright cells are lowered to their share, and what is taken is what is missing") {
+    const HemisphereSamples calm = gather(16, 0.3f, 0.2f);
+    HemisphereSamples same = calm;
+    CHECK(is_black(take_excess(same)));
+    CHECK(irradiance(same).g == irradiance(calm).g);
+
+    HemisphereSamples bright = calm;
+    for (const size_t cell : {size_t(5), size_t(77), size_t(400)}) bright.radiance[cell] = Color(900, 1000, 1100);
+    const Color whole = irradiance(bright), taken = take_excess(bright), rest = irradiance(bright);
+    for (int c = 0; c < 3; ++c) CHECK(rest[c] + taken[c] == doctest::Approx(whole[c]).epsilon(1e-5));
+    float sum = 0, most = 0;
+    for (const Color& L : bright.radiance) sum += luminance(L), most = std::max(most, luminance(L));
+    CHECK(most <= 0.051f * sum);
+    // The limit that is a twentieth of what remains: l = S / 20 / (1 − 3 / 20), S the sum of all other cells.
+    const float Y = luminance(Color(900, 1000, 1100)), limit = 0.05f * (sum - 3 * most) / (1 - 0.15f);
+    CHECK(most == doctest::Approx(limit).epsilon(0.02));
+    CHECK(taken.g == doctest::Approx(3000 * (1 - most / Y) * pi / float(bright.radiance.size())).epsilon(1e-4));
+    CHECK(rest.g > irradiance(calm).g * 0.99f);
 }
 
 TEST_CASE("distances: a miss is infinitely far, and only what stands apart counts for the minimum") {

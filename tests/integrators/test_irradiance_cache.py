@@ -51,11 +51,11 @@ def test_variants_agree(cornell: tuple[eclat.Scene, np.ndarray], gradients: bool
 
 def test_same_bits_on_any_threads_and_tile_order() -> None:
     scene = build("cornell-box")
-    one = eclat.render(scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=1)
-    two = eclat.render(scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=2, tile_order=[8, 3, 1, 0, 7, 2, 6, 5, 4])
-    assert np.array_equal(one.pixels, two.pixels)
-    a, b = (eclat.solve(scene, size=SIZE, threads=t) for t in (1, 2))
-    assert np.array_equal(a.near, b.near) and np.array_equal(a.far, b.far)
+    first = eclat.render(scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=1)
+    second = eclat.render(scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=2, tile_order=[8, 3, 1, 0, 7, 2, 6, 5, 4])
+    assert np.array_equal(first.pixels, second.pixels)
+    one, *others = (eclat.solve(scene, size=SIZE, threads=t) for t in (1, 2, 8))
+    assert all(np.array_equal(one.near, s.near) and np.array_equal(one.far, s.far) for s in others)
 
 
 def test_same_bits_in_a_crop_and_in_parts() -> None:
