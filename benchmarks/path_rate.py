@@ -12,8 +12,10 @@ from __future__ import annotations
 from functools import partial
 from typing import Any
 
-import eclat
 import numpy as np
+
+import eclat
+from eclat.scene import Scene
 from harness import document, mitsuba_peer
 from harness.benchmark import Benchmark, Settings, main
 from harness.scenes import BenchmarkScene
@@ -41,10 +43,10 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     for depth, (max_depth, roulette) in DEPTHS.items():
         integrator = mitsuba.load_dict({"type": "path", "max_depth": max_depth, "rr_depth": roulette})
         options = eclat.Path(roulette_depth=roulette)
-        shared = {"samples": samples, "size": size, "max_depth": max_depth, "threads": settings.threads}
+        shared: dict[str, Any] = {"samples": samples, "size": size, "max_depth": max_depth, "threads": settings.threads}
         timed = in_turn(
             {
-                "ours": lambda options=options, shared=shared: eclat.render(scene, options, **shared).pixels,
+                "ours": partial(_our_picture, scene, options, shared),
                 "theirs": partial(_their_picture, mitsuba, theirs, integrator, samples),
             },
             settings.repeats,
@@ -56,6 +58,10 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
             "mean_ratio": float(np.mean(ours.value) / np.mean(peer.value)), "rounds": [ours.rounds, peer.rounds],
         })  # fmt: skip
     return {"rows": rows, "samples": samples, "size": size}
+
+
+def _our_picture(scene: Scene, options: eclat.Path, shared: dict[str, Any]) -> np.ndarray:
+    return eclat.render(scene, options, **shared).pixels
 
 
 def _their_picture(mitsuba: Any, scene: Any, integrator: Any, samples: int) -> np.ndarray:

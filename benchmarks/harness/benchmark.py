@@ -14,7 +14,7 @@ from typing import Any
 
 from harness import document, machine
 from harness.scenes import SCENES, BenchmarkScene
-from harness.skip import Skip
+from harness.unavailable import UnavailableError
 
 RESULTS = Path(__file__).resolve().parents[1] / "results"
 
@@ -39,7 +39,10 @@ class Settings:
 
 @dataclass(frozen=True)
 class Benchmark:
-    """`run` measures one scene and returns what JSON can hold, or raises Skip; `tables` makes Markdown of a result."""
+    """`run` measures one scene and returns what JSON can hold; `tables` makes Markdown of a result.
+
+    `run` may raise UnavailableError: then the scene is left out.
+    """
 
     name: str
     description: str
@@ -48,7 +51,7 @@ class Benchmark:
     tables: Callable[[dict[str, Any]], str]
     plots: Callable[[dict[str, Any]], Mapping[str, str]] = lambda result: {}
     prepare: Callable[[], Sequence[str]] = lambda: ()
-    """Called once before all scenes: names and versions of peers. May raise Skip: then there is no result."""
+    """Called once before all scenes; returns names of peers. May raise UnavailableError: no result then."""
     reference_samples: int | None = None
     """Default paths per pixel of each half of a reference, for benchmarks that have one."""
 
@@ -70,13 +73,13 @@ def main(benchmark: Benchmark) -> None:
     measured: dict[str, Any] = {}
     try:
         peers = list(benchmark.prepare())
-    except Skip as reason:
+    except UnavailableError as reason:
         sys.exit(f"{benchmark.name}: skipped: {reason}")
     for name in settings.scenes:
         try:
             print(f"{benchmark.name}: {name}", flush=True)
             measured[name] = benchmark.run(name, SCENES[name], settings)
-        except Skip as reason:
+        except UnavailableError as reason:
             skipped[name] = str(reason)
             print(f"{name}: skipped: {reason}", file=sys.stderr)
     if not measured:
@@ -105,7 +108,7 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool]:
     add("--threads", type=int, default=machine.cores(), metavar="N", help="default: all cores")
     if benchmark.reference_samples is not None:
         add("--reference-samples", type=int, default=benchmark.reference_samples, metavar="N",
-            help="paths per pixel of each half of the references, which are kept in benchmarks/references (default %(default)s)")  # fmt: skip
+            help="paths per pixel of each of two references, which are kept (default %(default)s)")  # fmt: skip
     add("--write-docs", action="store_true", help="put tables and plots into docs/benchmarks.md")
     given = parser.parse_args()
     for name in given.scenes:

@@ -39,11 +39,9 @@ def ratio(value: float) -> str:
 def footer(result: dict[str, Any]) -> str:
     """Where and when, and what was left out."""
     machine = result["machine"]
-    parts = [
-        f"{machine['date']}, commit {machine['commit']}, {machine['cores']} cores of {machine['cpu']}, {machine['embree']}"
-    ]
-    parts += result.get("peers", [])
-    lines = ["*" + "; ".join(parts) + ".*"]
+    parts = [f"{machine['date']}", f"commit {machine['commit']}", f"{machine['cores']} cores of {machine['cpu']}"]
+    parts += [machine["embree"], *result.get("peers", [])]
+    lines = ["*" + ", ".join(parts) + "*"]
     lines += [f"*Skipped: {name}: {reason.splitlines()[0]}*" for name, reason in result.get("skipped", {}).items()]
     return "\n\n".join(lines)
 

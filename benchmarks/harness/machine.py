@@ -33,12 +33,13 @@ def cores() -> int:
     return len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count() or 1
 
 
-def resident_bytes() -> int | None:
-    """Memory that this process holds now; None where the system does not say."""
+def memory(field: str) -> int | None:
+    """Bytes of this process, VmRSS for now or VmHWM for the most ever; None where the system does not say."""
     try:
-        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+        lines = Path("/proc/self/status").read_text().splitlines()
     except OSError:
         return None
+    return next((1024 * int(line.split()[1]) for line in lines if line.startswith(field + ":")), None)
 
 
 def _cpu() -> str:

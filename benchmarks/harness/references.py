@@ -8,13 +8,15 @@ changed: delete the folder then.
 
 from __future__ import annotations
 
+import math
 from dataclasses import dataclass
 from pathlib import Path
 
-import eclat
 import numpy as np
+
+import eclat
 from eclat.image import Image
-from eclat.metrics import away_from_edges, relative_rmse
+from eclat.metrics import RELATIVE_C, away_from_edges, relative_rmse
 from eclat.scene import Scene
 
 FOLDER = Path(__file__).resolve().parents[1] / "references"
@@ -37,14 +39,37 @@ class Reference:
 
     def error(self, image: Image) -> tuple[float, float]:
         """Relative RMSE over all pixels, and over those away from edges, free of the references' own noise."""
-        everywhere = relative_rmse(image.pixels, self.a, self.b, self.c)
-        return everywhere, relative_rmse(image.pixels, self.a, self.b, self.c, self.away)
+        squares = self._squares(image, image)
+        return _root_of_mean(squares), _root_of_mean(squares[self.away])
+
+    def cache_error(self, first: Image, second: Image) -> float:
+        """Error of what two pictures share: of a cache that both were rendered from, with different seeds.
+
+        Their own noise averages out like that of A and B, so few samples tell what the records do.
+        """
+        return _root_of_mean(self._squares(first, second))
 
     @property
     def noise(self) -> float:
         """Relative error of the mean of both, from their difference."""
         mean = (self.a + self.b) / 2
         return relative_rmse(self.a, mean, mean, self.c)
+
+    def described(self) -> dict[str, float]:
+        """As results keep it."""
+        return {"samples": self.samples, "noise": self.noise}
+
+    def _squares(self, first: Image, second: Image) -> np.ndarray:
+        reference = (self.a + self.b) / 2
+        c = RELATIVE_C * float((reference**2).mean()) if self.c is None else self.c
+        squares = (first.pixels - self.a) * (second.pixels - self.b) / (reference**2 + c)
+        return np.asarray(squares.mean(axis=-1))
+
+
+def _root_of_mean(squares: np.ndarray) -> float:
+    """The error, but never less than what noise hides: the bound within which 95 % of perfect pictures' would lie."""
+    standard_error = float(squares.std()) / max(1, squares.size) ** 0.5
+    return math.sqrt(max(float(squares.mean()), 1.64 * standard_error))
 
 
 def reference(name: str, scene: Scene, size: tuple[int, int], c: float | None, samples: int) -> Reference:

@@ -12,9 +12,8 @@ from pathlib import Path
 import eclat
 from eclat.metrics import TARGET_C
 from eclat.scene import Scene
-
 from harness.machine import ROOT
-from harness.skip import Skip
+from harness.unavailable import UnavailableError
 
 FOLDER = Path(os.environ.get("ECLAT_SCENES", ROOT.parent / "shared" / "scenes"))
 QUICK_SIDE = 64
@@ -29,12 +28,13 @@ class BenchmarkScene:
     c: float | None = None
 
     def load(self) -> Scene:
-        """The scene. Raises Skip where its file is absent."""
+        """The scene. Raises UnavailableError where its file is absent."""
         if "/" not in self.source:
             return eclat.load(self.source)
         path = FOLDER / self.source
         if not path.is_file():
-            raise Skip(f"{path} is absent: set ECLAT_SCENES to the folder of real scenes (README, 'Real scenes')")
+            how = "set ECLAT_SCENES to the folder of real scenes (README, 'Real scenes')"
+            raise UnavailableError(f"{path} is absent: {how}")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the file's own dirt calls for, named by `eclat info`
             return eclat.load(str(path))

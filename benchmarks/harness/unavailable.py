@@ -3,5 +3,5 @@
 """What cannot be measured here."""
 
 
-class Skip(Exception):
+class UnavailableError(Exception):
     """A peer, a tool or a model is missing; the message says which and how to get it."""
