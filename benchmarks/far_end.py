@@ -48,7 +48,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
 
     series = {
         far_end: {f"{e:g}": partial(_solve, replace(DEFAULT, max_error=e, far_records=n), shared) for e in wanted}
-        for far_end, n in FAR_ENDS.items()
+        for far_end, n in list(FAR_ENDS.items())[: 2 if settings.quick else None]
     }
     points = measure(scene, series, judge, settings.repeats)
     rows = {far_end: as_rows(found) for far_end, found in points.items()}
