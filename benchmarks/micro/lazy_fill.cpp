@@ -16,8 +16,8 @@ class GrowingCache {
     explicit GrowingCache(const IrradianceCacheOptions& options)
         : options_(options), settled_(options.cache), waiting_(options.cache) {}
 
-    bool serves(const SurfacePoint& point) const {
-        return settled_.serves(point.position, point.frame.n) || waiting_.serves(point.position, point.frame.n);
+    bool serves(const Candidate& c) const {
+        return settled_.serves(c.position, c.shading_normal) || waiting_.serves(c.position, c.shading_normal);
     }
 
     void add(std::span<const IrradianceRecord> records) {
@@ -52,7 +52,7 @@ SolvedCaches fill_lazily(const World& world, const Camera& camera, const Irradia
         std::vector<Vec2> row;
         for (int x = 0; x < camera.width; ++x) row.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
         for (const Candidate& wanted : camera_candidates(world, camera, row, alone, progress))
-            if (!cache.serves(wanted.point))
+            if (!cache.serves(wanted))
                 cache.add(gather_records(world, std::span(&wanted, 1), no_far, alone, lazy_stream, alone.rows, progress));
         progress.advance();
     }
