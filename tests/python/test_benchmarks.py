@@ -25,9 +25,9 @@ NOISY = [point(1, 0.08), point(4, 0.04), point(16, 0.02)]
 
 
 def test_cost_between_points_follows_a_power_law() -> None:
-    found = cost_at(NOISY, 0.04 / 2**0.5)
+    found = cost_at(NOISY, 0.04 / 2**0.25)
     assert found is not None and not found.extrapolated
-    assert found.value == pytest.approx(8)
+    assert found.value == pytest.approx(4 * 2**0.5)
 
 
 def test_cost_at_a_point_is_that_point_s() -> None:
@@ -44,14 +44,13 @@ def test_cost_of_an_error_worse_than_all_is_the_cheapest_point_s() -> None:
 
 
 def test_a_point_that_costs_more_and_reaches_less_does_not_count() -> None:
-    found = cost_at([*NOISY[:2], point(9, 0.06), NOISY[2]], 0.02)
-    assert found == Cost(pytest.approx(16), False)  # type: ignore[arg-type]
+    assert cost_at([*NOISY[:2], point(9, 0.06), NOISY[2]], 0.03) == cost_at(NOISY, 0.03)
     assert cost_at([point(1, 0.02), point(2, 0.05)], 0.03) == Cost(1, False)
 
 
 def test_cost_can_be_counted_in_records() -> None:
     points = [point(1, 0.08, records=100), point(2, 0.02, records=400)]
-    assert cost_at(points, 0.04, "records") == Cost(pytest.approx(200), False)  # type: ignore[arg-type]
+    assert cost_at(points, 0.08 / 4**0.25, "records") == Cost(pytest.approx(100 * 2**0.5), False)  # type: ignore[arg-type]
 
 
 @pytest.fixture
@@ -84,8 +83,8 @@ def test_error_of_a_cache_is_free_of_its_pictures_noise(truth: tuple) -> None:
 
 
 def test_an_error_that_noise_hides_stands_as_its_bound(truth: tuple) -> None:
-    exact, reference, _ = truth
-    everywhere, _ = reference.error(picture(exact))
+    _, reference, _ = truth
+    everywhere, _ = reference.error(picture((reference.a + reference.b) / 2))  # its mean square comes out below zero
     assert 0 < everywhere < reference.noise / 3
 
 
