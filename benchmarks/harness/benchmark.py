@@ -1,0 +1,123 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""A benchmark as a command: options, one result a run, printed, stored and put into the document."""
+
+from __future__ import annotations
+
+import argparse
+import json
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any
+
+from harness import document, machine
+from harness.scenes import SCENES, BenchmarkScene
+from harness.unavailable import UnavailableError
+
+RESULTS = Path(__file__).resolve().parents[1] / "results"
+
+EPILOG = """\
+Needs: make install, then .venv/bin/pip install '.[bench]'. Nothing else should run on the machine meanwhile.
+Ratios are between competitors that ran in turn, medians of several rounds. The result goes to
+benchmarks/results/NAME.json, with --write-docs also into docs/benchmarks.md; smoke runs (--quick) go to
+benchmarks/results/quick and never into the document.
+"""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What the command line asked for."""
+
+    quick: bool
+    scenes: tuple[str, ...]
+    repeats: int
+    threads: int
+    reference_samples: int
+
+
+@dataclass(frozen=True)
+class Benchmark:
+    """`run` measures one scene and returns what JSON can hold; `tables` makes Markdown of a result.
+
+    `run` may raise UnavailableError: then the scene is left out.
+    """
+
+    name: str
+    description: str
+    scenes: tuple[str, ...]
+    run: Callable[[str, BenchmarkScene, Settings], dict[str, Any]]
+    tables: Callable[[dict[str, Any]], str]
+    plots: Callable[[dict[str, Any]], Mapping[str, str]] = lambda result: {}
+    prepare: Callable[[], Sequence[str]] = lambda: ()
+    """Called once before all scenes; returns names of peers. May raise UnavailableError: no result then."""
+    reference_samples: int | None = None
+    """Default paths per pixel of each half of a reference, for benchmarks that have one."""
+
+    def markdown(self, result: dict[str, Any]) -> str:
+        """Tables and where they were measured."""
+        return f"{self.tables(result)}\n\n{document.footer(result)}"
+
+    def write(self, result: dict[str, Any]) -> None:
+        """Into the document, plots beside it."""
+        for name, svg in self.plots(result).items():
+            document.write_plot(name, svg)
+        document.write(self.name, self.markdown(result))
+
+
+def main(benchmark: Benchmark) -> None:
+    """Run it as the command line says. Exit code 2 where nothing could be measured."""
+    settings, write_docs = _parse(benchmark)
+    skipped: dict[str, str] = {}
+    measured: dict[str, Any] = {}
+    try:
+        peers = list(benchmark.prepare())
+    except UnavailableError as reason:
+        sys.exit(f"{benchmark.name}: skipped: {reason}")
+    for name in settings.scenes:
+        try:
+            print(f"{benchmark.name}: {name}", flush=True)
+            measured[name] = benchmark.run(name, SCENES[name], settings)
+        except UnavailableError as reason:
+            skipped[name] = str(reason)
+            print(f"{name}: skipped: {reason}", file=sys.stderr)
+    if not measured:
+        sys.exit(2)
+    result = {
+        "benchmark": benchmark.name, "machine": machine.describe(), "peers": peers,
+        "settings": vars(settings) | {"scenes": list(settings.scenes)}, "scenes": measured, "skipped": skipped,
+    }  # fmt: skip
+    folder = RESULTS / "quick" if settings.quick else RESULTS
+    folder.mkdir(parents=True, exist_ok=True)
+    path = folder / f"{benchmark.name}.json"
+    path.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
+    print(f"\n{benchmark.markdown(result)}\n\n{path}")
+    if write_docs:
+        benchmark.write(result)
+
+
+def _parse(benchmark: Benchmark) -> tuple[Settings, bool]:
+    parser = argparse.ArgumentParser(
+        description=benchmark.description, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    add = parser.add_argument
+    add("scenes", nargs="*", default=benchmark.scenes, metavar="SCENE", help=f"default: {' '.join(benchmark.scenes)}")
+    add("--quick", action="store_true", help="tiny pictures, one round: shows that it works, measures nothing")
+    add("--repeats", type=int, default=5, metavar="N", help="rounds of which the median counts (default 5)")
+    add("--threads", type=int, default=machine.cores(), metavar="N", help="default: all cores")
+    if benchmark.reference_samples is not None:
+        add("--reference-samples", type=int, default=benchmark.reference_samples, metavar="N",
+            help="paths per pixel of each of two references, which are kept (default %(default)s)")  # fmt: skip
+    add("--write-docs", action="store_true", help="put tables and plots into docs/benchmarks.md")
+    given = parser.parse_args()
+    for name in given.scenes:
+        if name not in SCENES:
+            parser.error(f"unknown scene {name!r}, expected some of {', '.join(SCENES)}")
+    if given.repeats < 1 or given.threads < 1:
+        parser.error("--repeats and --threads must be at least 1")
+    if given.quick and given.write_docs:
+        parser.error("--quick measures nothing that belongs into the document")
+    samples = 64 if given.quick else getattr(given, "reference_samples", 0)
+    repeats = 1 if given.quick else given.repeats
+    return Settings(given.quick, tuple(given.scenes), repeats, given.threads, samples), given.write_docs

@@ -1,0 +1,54 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The scenes that benchmarks run on, each with its size and its c of the error (`eclat.metrics`)."""
+
+from __future__ import annotations
+
+import os
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+
+import eclat
+from eclat.metrics import TARGET_C
+from eclat.scene import Scene
+from harness.machine import ROOT
+from harness.unavailable import UnavailableError
+
+FOLDER = Path(os.environ.get("ECLAT_SCENES", ROOT.parent / "shared" / "scenes"))
+QUICK_SIDE = 64
+
+
+@dataclass(frozen=True)
+class BenchmarkScene:
+    """`source` is a built-in name, or a file in `FOLDER`."""
+
+    source: str
+    size: tuple[int, int]
+    c: float | None = None
+
+    def load(self) -> Scene:
+        """The scene. Raises UnavailableError where its file is absent."""
+        if "/" not in self.source:
+            return eclat.load(self.source)
+        path = FOLDER / self.source
+        if not path.is_file():
+            how = "set ECLAT_SCENES to the folder of real scenes (README, 'Real scenes')"
+            raise UnavailableError(f"{path} is absent: {how}")
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # what the file's own dirt calls for, named by `eclat info`
+            return eclat.load(str(path))
+
+    def size_for(self, quick: bool) -> tuple[int, int]:
+        """(width, height), with a longer side of `QUICK_SIDE` pixels for smoke runs."""
+        scale = QUICK_SIDE / max(self.size) if quick else 1.0
+        return max(1, round(self.size[0] * scale)), max(1, round(self.size[1] * scale))
+
+
+SCENES: dict[str, BenchmarkScene] = {
+    "cornell-box": BenchmarkScene("cornell-box", (512, 512), TARGET_C),
+    "door-ajar": BenchmarkScene("door-ajar", (512, 288)),
+    "sponza": BenchmarkScene("targets/sponza-sun.xml", (512, 512), TARGET_C),
+    "sibenik": BenchmarkScene("sibenik/nave.xml", (512, 288)),
+    "atrium": BenchmarkScene("atrium", (512, 288)),
+}

@@ -1,0 +1,18 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <nanobind/nanobind.h>
+
+namespace nb = nanobind;
+
+void bind_scene(nb::module_& m);
+void bind_render(nb::module_& m);
+void bind_cache(nb::module_& m);
+void bind_probe(nb::module_& m);
+
+NB_MODULE(_core, m) {
+    bind_scene(m);
+    bind_render(m);
+    bind_cache(m);
+    bind_probe(m);
+}

@@ -1,0 +1,106 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The arithmetic of benchmarks: a wrong ratio would be believed."""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from eclat.image import Image
+from eclat.metrics import relative_rmse
+from harness import document
+from harness.curves import Cost, Point, cost_at
+from harness.references import Reference
+from harness.timing import in_turn
+
+
+def point(seconds: float, error: float, records: int = 0) -> Point:
+    return Point("", seconds, error, None, records, 0, 1)
+
+
+NOISY = [point(1, 0.08), point(4, 0.04), point(16, 0.02)]
+
+
+def test_cost_between_points_follows_a_power_law() -> None:
+    found = cost_at(NOISY, 0.04 / 2**0.25)
+    assert found is not None and not found.extrapolated
+    assert found.value == pytest.approx(4 * 2**0.5)
+
+
+def test_cost_at_a_point_is_that_point_s() -> None:
+    assert cost_at(NOISY, 0.04) == Cost(pytest.approx(4), False)  # type: ignore[arg-type]
+
+
+def test_cost_beyond_the_best_point_is_extrapolated_only_where_a_slope_is_known() -> None:
+    assert cost_at(NOISY, 0.01, slope=-2) == Cost(pytest.approx(64), True)  # type: ignore[arg-type]
+    assert cost_at(NOISY, 0.01) is None
+
+
+def test_cost_of_an_error_worse_than_all_is_the_cheapest_point_s() -> None:
+    assert cost_at(NOISY, 0.5) == Cost(1, False)
+
+
+def test_a_point_that_costs_more_and_reaches_less_does_not_count() -> None:
+    assert cost_at([*NOISY[:2], point(9, 0.06), NOISY[2]], 0.03) == cost_at(NOISY, 0.03)
+    assert cost_at([point(1, 0.02), point(2, 0.05)], 0.03) == Cost(1, False)
+
+
+def test_cost_can_be_counted_in_records() -> None:
+    points = [point(1, 0.08, records=100), point(2, 0.02, records=400)]
+    assert cost_at(points, 0.08 / 4**0.25, "records") == Cost(pytest.approx(100 * 2**0.5), False)  # type: ignore[arg-type]
+
+
+@pytest.fixture
+def truth() -> tuple[np.ndarray, Reference, np.random.Generator]:
+    rng = np.random.default_rng(1)
+    exact = rng.uniform(0.2, 1, (128, 128, 3))
+    a, b = (exact * (1 + 0.02 * rng.standard_normal(exact.shape)) for _ in range(2))
+    return exact, Reference(a, b, np.ones((128, 128), bool), 0.01, 1), rng
+
+
+def picture(pixels: np.ndarray) -> Image:
+    return Image(pixels.astype(np.float32))
+
+
+def test_error_of_a_reference_is_the_measure_of_the_package(truth: tuple) -> None:
+    exact, reference, _ = truth
+    image = picture(exact * 1.05)
+    everywhere, away = reference.error(image)
+    assert everywhere == pytest.approx(relative_rmse(image.pixels, reference.a, reference.b, 0.01), rel=1e-6)
+    assert away == everywhere
+
+
+def test_error_of_a_cache_is_free_of_its_pictures_noise(truth: tuple) -> None:
+    exact, reference, rng = truth
+    biased = exact * 1.03
+    pair = [picture(biased * (1 + 0.1 * rng.standard_normal(exact.shape))) for _ in range(2)]
+    expected = relative_rmse(biased, exact, exact, 0.01)
+    assert reference.cache_error(*pair) == pytest.approx(expected, rel=0.1)
+    assert reference.error(pair[0])[0] > 3 * expected  # a single picture's noise counts
+
+
+def test_an_error_that_noise_hides_stands_as_its_bound(truth: tuple) -> None:
+    _, reference, _ = truth
+    everywhere, _ = reference.error(picture((reference.a + reference.b) / 2))  # its mean square comes out below zero
+    assert 0 < everywhere < reference.noise / 3
+
+
+def test_turns_are_taken_by_all_and_stop_within_the_budget() -> None:
+    calls: list[str] = []
+    runs = {"ours": lambda: calls.append("ours"), "theirs": lambda: calls.append("theirs")}
+    timed = in_turn(runs, 3, warm_up=False)
+    assert calls == ["ours", "theirs"] * 3
+    assert len(timed["ours"].rounds) == 3
+    assert len(in_turn(runs, 3, warm_up=False, budget=0.0)["ours"].rounds) == 1
+
+
+def test_a_table_replaces_what_stood_between_its_markers(tmp_path: Path) -> None:
+    path = tmp_path / "benchmarks.md"
+    path.write_text("before\n<!-- x -->\nold\n<!-- end of x -->\nafter\n", encoding="utf-8")
+    document.write("x", "| 1 \\g<0> |", path)
+    assert path.read_text(encoding="utf-8") == "before\n<!-- x -->\n| 1 \\g<0> |\n<!-- end of x -->\nafter\n"
+    with pytest.raises(ValueError, match="markers"):
+        document.write("y", "", path)
