@@ -148,12 +148,13 @@ TEST_CASE("clearance: a wall stands in the sectors that look at it, at its horiz
     s.rows = 32;
     s.columns = 720;
     s.frame = Frame::around({0, 0, 1});
-    const float wall = 0.7f;  // the plane u = 0.7
+    // The plane u = 0.7 above an elevation of 27°, where a ray is at least a tenth longer than its horizontal part.
+    const float wall = 0.7f;
     for (int j = 0; j < s.rows; ++j)
         for (int k = 0; k < s.columns; ++k) {
             const Vec3 w = cell_direction(s.rows, s.columns, j, k, {0.5f, 0.5f});
             s.distance.push_back(w.x > 0 ? wall / w.x : infinity);
-            s.apart.push_back(w.x > 0);
+            s.apart.push_back(w.x > 0 && w.z > 0.45f);
         }
     const auto clearance = sector_clearance(s);
     for (int sector = 0; sector < 12; ++sector) {

@@ -83,7 +83,9 @@ TEST_CASE("lookups find what a loop over all spheres finds") {
 TEST_CASE("each sphere has one slot") {
     const SphereTree tree{random_spheres(777, 13)};
     std::vector<uint32_t> order = tree.order();
+    std::erase(order, SphereTree::vacant);
     std::sort(order.begin(), order.end());
+    REQUIRE(order.size() == 777);
     for (uint32_t i = 0; i < order.size(); ++i) CHECK(order[i] == i);
 }
 
