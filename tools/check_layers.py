@@ -41,7 +41,7 @@ def check_includes(layers: list[str], only: dict[str, list[str]]) -> Iterator[st
             where = f"{name}:{line_of(text, match.start())}"
             for prefix, files in only.items():
                 if included.startswith(prefix) and not any(fnmatch(name, pattern) for pattern in files):
-                    yield f"{where}: {included} may be included by {', '.join(files) or 'nobody'} only"
+                    yield f"{where}: {included} may be included by these only: {', '.join(files) or 'none'}"
             if quote == "<" or not in_core:
                 continue
             target = included.split("/")[0]
