@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 
 PYTHON ?= python3
-SOURCES := CMakeLists.txt pyproject.toml $(shell find core bindings python -type f -not -name '*.so' -not -path '*/__pycache__/*')
+SOURCES := CMakeLists.txt pyproject.toml $(shell find core bindings python -type f -not -name '*.so' -not -name _core.pyi -not -path '*/__pycache__/*')
 CORE_TESTS := $(shell find tests/core -type f)
 
 .PHONY: demo test install core-test clean

@@ -12,7 +12,7 @@ namespace eclat {
 struct Frame {
     Vec3 u, v, n;
 
-    /// Branchless frame from a unit normal [Duff17 listing 3].
+    /// Branchless frame from a unit normal [Duff17].
     static Frame around(Vec3 n) {
         const float sign = std::copysign(1.0f, n.z);
         const float a = -1 / (sign + n.z);

@@ -51,7 +51,7 @@ inline Color fresnel_conductor(float cos_i, Color eta, Color k) {
             fresnel_conductor(cos_i, eta.b, k.b)};
 }
 
-/// (1 − cosθ)⁵, the weight of the reflectance at grazing angles [Schlick94 eq. 15].
+/// (1 − cosθ)⁵, the weight of the reflectance at grazing angles [Schlick94].
 inline float schlick_weight(float cos_i) {
     const float c = clamp(1 - cos_i, 0, 1);
     return sqr(sqr(c)) * c;

@@ -64,7 +64,7 @@ struct RoughReflectionLobe {
         const Vec3 m = normalize(wo + wi);
         const float density = facets.density(m);
         return {passed(dot(wo, m)) * (density * facets.visibility(wo, wi)),  // [Walter07 eq. 20]
-                density / (4 * facets.visible_area(wo))};                    // [Heitz14b] with [Walter07 eq. 14]
+                density / (4 * facets.visible_area(wo))};                    // [Heitz14b], mirrored
     }
 
     bool sample(Vec3 wo, float, Vec2 u, BsdfSample& s) const {

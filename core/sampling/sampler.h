@@ -24,7 +24,7 @@ inline uint32_t reverse_bits(uint32_t x) {
     return ((x >> 1) & 0x55555555u) | ((x & 0x55555555u) << 1);
 }
 
-/// Owen scrambling of a bit-reversed number: each bit is flipped depending on the lower ones [Burley20 listing 1].
+/// Owen scrambling of a bit-reversed number: each bit is flipped depending on the lower ones [Burley20].
 inline uint32_t laine_karras_permutation(uint32_t x, uint32_t seed) {
     x += seed;
     x ^= x * 0x6c50b47cu;

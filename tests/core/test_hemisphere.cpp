@@ -226,13 +226,18 @@ TEST_CASE("clearance: a wall stands in the sectors that look at it, at its horiz
     HemisphereSamples s;
     s.rows = 32;
     s.columns = 720;
-    s.frame = Frame::around({0, 0, 1});
-    const float wall = 0.7f;  // the plane u = 0.7
+    // The grid is turned against the frame that sectors belong to.
+    const Frame frame = Frame::around({0, 0, 1});
+    s.frame = Frame::along({0, 0, 1}, frame.u * std::cos(1.1f) + frame.v * std::sin(1.1f));
+    // The plane u = 0.7 above an elevation of 27°, where a ray is at least a tenth longer than its horizontal part; below
+    // it the surface itself, and overhead a lamp: both nearer, and neither in the way.
+    const float wall = 0.7f;
     for (int j = 0; j < s.rows; ++j)
         for (int k = 0; k < s.columns; ++k) {
-            const Vec3 w = cell_direction(s.rows, s.columns, j, k, {0.5f, 0.5f});
-            s.distance.push_back(w.x > 0 ? wall / w.x : infinity);
-            s.apart.push_back(w.x > 0);
+            const Vec3 w = s.frame.to_world(cell_direction(s.rows, s.columns, j, k, {0.5f, 0.5f}));
+            const bool below = w.z < 0.45f, overhead = w.z > 0.72f;
+            s.distance.push_back(below || overhead ? 0.1f : w.x > 0 ? wall / w.x : infinity);
+            s.apart.push_back(overhead || (!below && w.x > 0));
         }
     const auto clearance = sector_clearance(s);
     for (int sector = 0; sector < 12; ++sector) {
@@ -244,8 +249,8 @@ TEST_CASE("clearance: a wall stands in the sectors that look at it, at its horiz
         }
         const Vec3 middle{std::cos(-pi + 2 * pi * (static_cast<float>(sector) + 0.5f) / 12),
                           std::sin(-pi + 2 * pi * (static_cast<float>(sector) + 0.5f) / 12), 0};
-        const float found = clearance[clearance_sector(s.frame, middle)];
-        CHECK(clearance_sector(s.frame, middle) == sector);
+        const float found = clearance[clearance_sector(frame, middle)];
+        CHECK(clearance_sector(frame, middle) == sector);
         if (nearest == infinity)
             CHECK(found == infinity);
         else

@@ -1,0 +1,145 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The ray tracer against a loop over all triangles in double precision.
+
+#include <doctest/doctest.h>
+
+#include <array>
+#include <cmath>
+#include <optional>
+#include <vector>
+
+#include "running_mean.h"
+#include "sampling/rng.h"
+#include "sampling/warp.h"
+#include "scene/intersect.h"
+
+using namespace eclat;
+
+namespace {
+
+struct Soup {
+    std::vector<Vec3> vertices;  // one more than is shown
+    std::vector<Intersector::Triangle> triangles;
+    std::vector<uint8_t> translucent;
+
+    std::span<const Vec3> shown() const { return std::span(vertices).first(vertices.size() - 1); }
+};
+
+Vec3 in_cube(Rng& rng) {
+    const float x = rng.next(), y = rng.next(), z = rng.next();
+    return {x, y, z};
+}
+
+Soup soup(int count) {
+    Soup s;
+    Rng rng(31, 0);
+    for (int i = 0; i < count; ++i) {
+        const Vec3 center = in_cube(rng);
+        for (int k = 0; k < 3; ++k) s.vertices.push_back(center + (in_cube(rng) - Vec3{0.5f, 0.5f, 0.5f}) * 0.3f);
+        const auto v = static_cast<uint32_t>(3 * i);
+        s.triangles.push_back({{v, v + 1, v + 2}});
+        s.translucent.push_back(0);
+    }
+    s.vertices.push_back({});
+    return s;
+}
+
+struct Meeting {
+    double t, u, v;
+};
+
+/// By Cramer's rule: origin + t · direction = a + u (b − a) + v (c − a).
+std::optional<Meeting> meet(const Soup& s, const Intersector::Triangle& t, const Ray& ray) {
+    using D = std::array<double, 3>;
+    const auto d = [](Vec3 x) { return D{x.x, x.y, x.z}; };
+    const auto minus = [](D x, D y) { return D{x[0] - y[0], x[1] - y[1], x[2] - y[2]}; };
+    const auto det = [](D x, D y, D z) {
+        return x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
+    };
+    const D a = d(s.vertices[t.v[0]]), e1 = minus(d(s.vertices[t.v[1]]), a), e2 = minus(d(s.vertices[t.v[2]]), a);
+    const D w = d(ray.direction), o = minus(d(ray.origin), a), back = {-w[0], -w[1], -w[2]};
+    const double whole = det(back, e1, e2);
+    if (whole == 0) return std::nullopt;
+    const Meeting m{det(o, e1, e2) / whole, det(back, o, e2) / whole, det(back, e1, o) / whole};
+    if (m.t < ray.t_min || m.t > ray.t_max || m.u < 0 || m.v < 0 || m.u + m.v > 1) return std::nullopt;
+    return m;
+}
+
+std::vector<Ray> random_rays(int count, float t_max) {
+    Rng rng(32, 1);
+    std::vector<Ray> rays;
+    for (int i = 0; i < count; ++i) {
+        const Vec3 origin = in_cube(rng);
+        const float u = rng.next(), v = rng.next();
+        rays.push_back({origin, 0, square_to_uniform_sphere({u, v}), t_max});
+    }
+    return rays;
+}
+
+}  // namespace
+
+TEST_CASE("closest hits and occlusion are those of a loop over all triangles") {
+    const Soup s = soup(200);
+    const Intersector rays_in(s.shown(), s.triangles, s.translucent, {});
+    for (float t_max : {infinity, 0.2f})
+        for (Coherence coherence : {Coherence::none, Coherence::camera}) {
+            const auto rays = random_rays(1003, t_max);  // the last packet is not full
+            std::vector<Hit> hits(rays.size());
+            std::vector<uint8_t> occluded(rays.size());
+            rays_in.intersect(rays, hits, coherence);
+            rays_in.occluded(rays, occluded);
+            int met = 0;
+            for (size_t i = 0; i < rays.size(); ++i) {
+                Meeting nearest{infinity, 0, 0};
+                uint32_t which = no_triangle;
+                for (uint32_t k = 0; k < s.triangles.size(); ++k)
+                    if (const auto m = meet(s, s.triangles[k], rays[i]); m && m->t < nearest.t) nearest = *m, which = k;
+                CHECK(hits[i].triangle == which);
+                CHECK(bool(occluded[i]) == (which != no_triangle));
+                if (which == no_triangle) continue;
+                ++met;
+                CHECK(hits[i].t == doctest::Approx(nearest.t).epsilon(1e-4));
+                CHECK(std::abs(hits[i].u - nearest.u) < 1e-3);
+                CHECK(std::abs(hits[i].v - nearest.v) < 1e-3);
+            }
+            CHECK(met > 100);
+        }
+}
+
+TEST_CASE("a translucent triangle stops that part of rays that its opacity says") {
+    // Two parallel squares, the nearer one of opacity 0.3 in its lower half, 1 in its upper half.
+    Soup s;
+    for (float z : {1.0f, 2.0f})
+        for (float x : {0.0f, 1.0f})
+            for (float y : {0.0f, 1.0f}) s.vertices.push_back({x, y, z});
+    s.vertices.push_back({});
+    s.triangles = {{{0, 1, 2}}, {{1, 3, 2}}, {{4, 5, 6}}, {{5, 7, 6}}};
+    s.translucent = {1, 1, 0, 0};
+    const Intersector rays_in(s.shown(), s.triangles, s.translucent,
+                              [](uint32_t triangle, float, float) { return triangle == 0 ? 0.3f : 1.0f; });
+    Rng rng(33, 2);
+    std::vector<Ray> rays;
+    for (int i = 0; i < 20000; ++i) {
+        const float x = rng.next(), y = rng.next();
+        rays.push_back({{x, y, 0}, 0, {0, 0, 1}, infinity});
+    }
+    std::vector<Hit> hits(rays.size());
+    rays_in.intersect(rays, hits);
+    RunningMean stopped;
+    for (size_t i = 0; i < rays.size(); ++i) {
+        REQUIRE_FALSE(hits[i].missed());
+        if (rays[i].origin.x + rays[i].origin.y < 1)
+            stopped.add(hits[i].t < 1.5f);
+        else
+            CHECK(hits[i].triangle == 1);
+    }
+    CHECK(stopped.agrees(0.3));
+    // The answer belongs to the ray: asked again, alone, it is the same.
+    Hit again;
+    for (size_t i = 0; i < 100; ++i) {
+        rays_in.intersect(std::span(rays).subspan(i, 1), std::span(&again, 1));
+        CHECK(again.triangle == hits[i].triangle);
+    }
+}

@@ -1,0 +1,67 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include <doctest/doctest.h>
+
+#include <atomic>
+#include <utility>
+#include <vector>
+
+#include "base/parallel.h"
+#include "base/progress.h"
+
+using namespace eclat;
+
+TEST_CASE("each index comes once, whatever the number of threads") {
+    for (int threads : {0, 1, 2})
+        for (size_t count : {0, 1, 7, 1000}) {
+            std::vector<std::atomic<int>> calls(count);
+            parallel_for(count, threads, [&](size_t i) { ++calls[i]; });
+            for (const auto& n : calls) CHECK(n == 1);
+        }
+}
+
+TEST_CASE("blocks follow each other, none is longer than asked, the last ends at the end") {
+    for (size_t count : {0, 1, 63, 64, 65, 1000}) {
+        std::vector<std::pair<size_t, size_t>> blocks((count + 63) / 64);
+        parallel_blocks(count, 64, 2, [&](size_t begin, size_t end) { blocks[begin / 64] = {begin, end}; });
+        size_t at = 0;
+        for (auto [begin, end] : blocks) {
+            CHECK(begin == at);
+            CHECK(end > begin);
+            CHECK(end - begin <= 64);
+            at = end;
+        }
+        CHECK(at == count);
+    }
+}
+
+TEST_CASE("results stand in the order of their indices") {
+    const auto squares = parallel_map<size_t>(500, 2, [](size_t i) { return i * i; });
+    for (size_t i = 0; i < squares.size(); ++i) CHECK(squares[i] == i * i);
+}
+
+TEST_CASE("whoever cancels ends the loop by an exception") {
+    Progress progress;
+    progress.begin(10000);
+    const auto work = [&](size_t) {
+        progress.check();
+        progress.advance();
+        if (progress.done >= 100) progress.cancelled = true;
+    };
+    CHECK_THROWS_AS(parallel_for(10000, 2, work), Cancelled);
+    CHECK(progress.done < 10000);
+}
+
+TEST_CASE("no count of rays or steps is lost between threads") {
+    Progress progress;
+    progress.done = 5;
+    progress.begin(1000);
+    parallel_for(1000, 2, [&](size_t i) {
+        progress.advance();
+        progress.count_rays(i);
+    });
+    CHECK(progress.done == 1000);
+    CHECK(progress.total == 1000);
+    CHECK(progress.rays == 1000 * 999 / 2);
+}

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The two weights by their defining properties; angles and distances in closed form.
+
+#include <doctest/doctest.h>
+
+#include <cmath>
+
+#include "cache/weight.h"
+
+using namespace eclat;
+
+namespace {
+
+constexpr Weight both[] = {Weight::tabellion, Weight::ward};
+
+Footing record(float radius = 2) { return {{1, 2, 3}, radius, {0, 0, 1}, infinity}; }
+
+Vec3 beside(float x) { return Vec3{1, 2, 3} + Vec3{x, 0, 0}; }
+Vec3 tilted(double degrees) {
+    const double a = degrees * 3.14159265358979 / 180;
+    return {static_cast<float>(std::sin(a)), 0, static_cast<float>(std::cos(a))};
+}
+
+}  // namespace
+
+TEST_CASE("a weight falls from the record to nothing at its radius, without a step") {
+    for (Weight kind : both) {
+        const Footing r = record();
+        float last = weight(r, beside(0), r.normal, kind, 1);
+        CHECK(last > 0);
+        for (float x = 0.02f; x < 2; x += 0.02f) {
+            const float w = weight(r, beside(x), r.normal, kind, 1);
+            CHECK(w < last);
+            last = w;
+        }
+        CHECK(weight(r, beside(1.9999f), r.normal, kind, 1) < 1e-3f);
+        CHECK(weight(r, beside(1.9999f), r.normal, kind, 1) > 0);
+        CHECK(weight(r, beside(2), r.normal, kind, 1) == 0);
+    }
+    CHECK(weight(record(), beside(0), {0, 0, 1}, Weight::tabellion, 1) == 1);
+}
+
+TEST_CASE("a normal that differs by 10° ends the validity") {
+    for (Weight kind : both) {
+        CHECK(weight(record(), beside(0), tilted(9.9), kind, 1) > 0);
+        CHECK(weight(record(), beside(0), tilted(10.1), kind, 1) == 0);
+        CHECK(weight(record(), beside(0), tilted(3), kind, 1) > weight(record(), beside(0), tilted(6), kind, 1));
+        CHECK(weight(record(), beside(0), {0, 0, -1}, kind, 1) == 0);
+    }
+}
+
+TEST_CASE("relaxation widens the radius and the tolerated turn") {
+    for (Weight kind : both) {
+        CHECK(weight(record(), beside(2.9f), {0, 0, 1}, kind, 1.5f) > 0);
+        CHECK(weight(record(), beside(3.01f), {0, 0, 1}, kind, 1.5f) == 0);
+        CHECK(weight(record(), beside(0), tilted(14), kind, 1.5f) > 0);
+        CHECK(weight(record(), beside(0), tilted(16), kind, 1.5f) == 0);
+    }
+}
+
+TEST_CASE("points off the record's plane are not served, in front or behind") {
+    for (Weight kind : both)
+        for (float side : {-1.0f, 1.0f}) {
+            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.3f}, {0, 0, 1}, kind, 1) > 0);
+            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.6f}, {0, 0, 1}, kind, 1) == 0);
+        }
+}
+
+TEST_CASE("the unit of length does not matter") {
+    for (Weight kind : both)
+        for (float scale : {0x1p-10f, 0x1p10f}) {
+            const Footing small{{0, 0, 0}, 2, {0, 0, 1}, infinity}, large{{0, 0, 0}, 2 * scale, {0, 0, 1}, infinity};
+            const Vec3 p{0.7f, -0.4f, 0.1f};
+            const float w = weight(small, p, tilted(4), kind, 1);
+            CHECK(w > 0);
+            CHECK(weight(large, p * scale, tilted(4), kind, 1) == w);
+        }
+}
