@@ -87,7 +87,7 @@ void bind_cache(nb::module_& m) {
     m.def(
         "solve_for_camera",
         [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, SolvedCaches& caches,
-           Progress& progress) { caches = solve_irradiance_cache(scene.world(), camera, options, progress); },
+           Progress& progress) { solve_irradiance_cache(scene.world(), camera, options, caches, progress); },
         "scene"_a, "camera"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def(
         "solve_at_points",

@@ -70,18 +70,19 @@ struct SceneBuilder {
         mesh.material = material;
         meshes.push_back(std::move(mesh));
     }
-    void add_point(std::array<float, 3> p, std::array<float, 3> i) {
-        lights.points.push_back({vec3(p), color(i)});
-    }
-    void add_spot(std::array<float, 3> p, std::array<float, 3> d, std::array<float, 3> i, float inner, float outer, bool smooth) {
-        lights.spots.emplace_back(vec3(p), vec3(d), color(i), inner, outer, smooth ? SpotLight::Falloff::smooth : SpotLight::Falloff::linear);
+    void add_point(std::array<float, 3> p, std::array<float, 3> i) { lights.points.push_back({vec3(p), color(i)}); }
+    void add_spot(std::array<float, 3> p, std::array<float, 3> d, std::array<float, 3> i, float inner, float outer,
+                  bool smooth) {
+        lights.spots.emplace_back(vec3(p), vec3(d), color(i), inner, outer,
+                                  smooth ? SpotLight::Falloff::smooth : SpotLight::Falloff::linear);
     }
     void add_directional(std::array<float, 3> d, std::array<float, 3> e, float angular_radius) {
         lights.directionals.emplace_back(vec3(d), color(e), angular_radius);
     }
     void set_environment(Floats3 image, std::array<float, 9> to_world) {
-        lights.environment.emplace(std::span<const float>(image.data(), image.size()), static_cast<uint32_t>(image.shape(1)),
-                                   static_cast<uint32_t>(image.shape(0)), to_world);
+        lights.environment.emplace(std::span<const float>(image.data(), image.size()),
+                                   static_cast<uint32_t>(image.shape(1)), static_cast<uint32_t>(image.shape(0)),
+                                   to_world);
     }
 
     std::unique_ptr<CoreScene> build() {
@@ -120,13 +121,15 @@ void bind_scene(nb::module_& m) {
     nb::class_<Value>(m, "Value");
     nb::class_<Material>(m, "Material")
         .def(nb::init<>())
-        .def_prop_rw("kind", [](const Material& s) { return static_cast<int>(s.kind); },
-                     [](Material& s, int kind) { s.kind = static_cast<MaterialKind>(kind); })
+        .def_prop_rw(
+            "kind", [](const Material& s) { return static_cast<int>(s.kind); },
+            [](Material& s, int kind) { s.kind = static_cast<MaterialKind>(kind); })
         .def_rw("parameters", &Material::parameters)
         .def_rw("two_sided", &Material::two_sided)
         .def_rw("back", &Material::back)
-        .def_prop_rw("children", [](const Material& s) { return std::array<int, 2>{s.children[0], s.children[1]}; },
-                     [](Material& s, std::array<int, 2> c) { s.children[0] = c[0], s.children[1] = c[1]; })
+        .def_prop_rw(
+            "children", [](const Material& s) { return std::array<int, 2>{s.children[0], s.children[1]}; },
+            [](Material& s, std::array<int, 2> c) { s.children[0] = c[0], s.children[1] = c[1]; })
         .def_rw("beckmann", &Material::beckmann)
         .def_rw("nonlinear", &Material::nonlinear)
         .def_rw("thin_walled", &Material::thin_walled)
@@ -155,14 +158,17 @@ void bind_scene(nb::module_& m) {
     nb::class_<CoreScene>(m, "Scene")
         .def_prop_ro("triangle_count", [](const CoreScene& s) { return s.geometry->triangle_count(); })
         .def_prop_ro("radius", [](const CoreScene& s) { return s.geometry->radius(); })
-        .def("escapes", [](const CoreScene& s, Points origins, Points directions) {
-            std::vector<Ray> rays;
-            const auto o = vec3s(origins), d = vec3s(directions);
-            for (size_t i = 0; i < o.size(); ++i) rays.push_back({o[i], 0, d[i], infinity});
-            std::vector<uint8_t> hit(rays.size());
-            s.geometry->rays().occluded(rays, hit);
-            size_t free = 0;
-            for (uint8_t h : hit) free += !h;
-            return free;
-        }, "Number of rays that meet nothing.");
+        .def(
+            "escapes",
+            [](const CoreScene& s, Points origins, Points directions) {
+                std::vector<Ray> rays;
+                const auto o = vec3s(origins), d = vec3s(directions);
+                for (size_t i = 0; i < o.size(); ++i) rays.push_back({o[i], 0, d[i], infinity});
+                std::vector<uint8_t> hit(rays.size());
+                s.geometry->rays().occluded(rays, hit);
+                size_t free = 0;
+                for (uint8_t h : hit) free += !h;
+                return free;
+            },
+            "Number of rays that meet nothing.");
 }

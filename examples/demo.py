@@ -37,11 +37,15 @@ def main() -> None:
         for method, image in (("irradiance-cache", cached), ("path", traced)):
             spent = image.metadata["statistics"]["seconds"]
             error = relative_error(image.pixels, reference.pixels)
-            print(f"{name:12} {method:17} {spent:6.1f} s   error {100 * error:5.2f} % (128-sample reference, noise included)")
+            print(
+                f"{name:12} {method:17} {spent:6.1f} s   error {100 * error:5.2f} % (128-sample reference, noise included)"
+            )
         pair = eclat.Image(np.concatenate([cached.pixels, traced.pixels], axis=1))
         pair.save(folder / f"{name}.png", exposure=exposure)
         cached.save(folder / f"{name}.exr")
-        print(f"{'':12} pictures: {folder / f'{name}.png'} (left: irradiance cache, right: path), {folder / f'{name}.exr'}")
+        print(
+            f"{'':12} pictures: {folder / f'{name}.png'} (left: irradiance cache, right: path), {folder / f'{name}.exr'}"
+        )
 
 
 if __name__ == "__main__":

@@ -42,7 +42,8 @@ class GrowingCache {
 
 }  // namespace
 
-SolvedCaches fill_lazily(const World& world, const Camera& camera, const IrradianceCacheOptions& options, Progress& progress) {
+SolvedCaches fill_lazily(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                         Progress& progress) {
     IrradianceCacheOptions alone = options;
     alone.threads = 1;
     const RecordCache no_far;
@@ -50,10 +51,12 @@ SolvedCaches fill_lazily(const World& world, const Camera& camera, const Irradia
     progress.begin(static_cast<uint64_t>(camera.height));
     for (int y = 0; y < camera.height; ++y) {
         std::vector<Vec2> row;
-        for (int x = 0; x < camera.width; ++x) row.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+        for (int x = 0; x < camera.width; ++x)
+            row.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
         for (const Candidate& wanted : camera_candidates(world, camera, row, alone, progress))
             if (!cache.serves(wanted))
-                cache.add(gather_records(world, std::span(&wanted, 1), no_far, alone, lazy_stream, alone.rows, progress));
+                cache.add(
+                    gather_records(world, std::span(&wanted, 1), no_far, alone, lazy_stream, alone.rows, progress));
         progress.advance();
     }
     return {cache.take(), RecordCache(options.cache)};

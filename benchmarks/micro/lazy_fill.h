@@ -11,6 +11,7 @@
 namespace eclat {
 
 /// One thread. All paths are traced to their end: there is no far cache.
-SolvedCaches fill_lazily(const World& world, const Camera& camera, const IrradianceCacheOptions& options, Progress& progress);
+SolvedCaches fill_lazily(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                         Progress& progress);
 
 }  // namespace eclat

@@ -59,7 +59,8 @@ Ray lane(const Packet& p, int i) {
 }
 
 template <class Rays, class Query>
-void probed(RTCScene scene, const int* valid, int width, const Rays& rays, std::vector<Ray> RayRecording::*kind, Query&& query) {
+void probed(RTCScene scene, const int* valid, int width, const Rays& rays, std::vector<Ray> RayRecording::* kind,
+            Query&& query) {
     const Watch what = watch.load(std::memory_order_relaxed);
     if (what == Watch::nothing) return query();
     ThreadLog& log = this_thread();
@@ -82,8 +83,8 @@ void start_recording() { begin(Watch::rays); }
 
 TimeInside stop_timing() {
     watch = Watch::nothing;
-    const double seconds_per_tick = std::chrono::duration<double>(Clock::now() - first_time).count() /
-                                    static_cast<double>(ticks() - first_tick);
+    const double seconds_per_tick =
+        std::chrono::duration<double>(Clock::now() - first_time).count() / static_cast<double>(ticks() - first_tick);
     const std::lock_guard lock(logs_mutex);
     TimeInside out;
     for (const auto& log : logs) {
@@ -114,24 +115,24 @@ using eclat::RayRecording;
 extern "C" {
 
 void __wrap_rtcIntersect1(ECLAT_QUERY(NearestSettings, RTCRayHit)) {
-    eclat::probed(scene, nullptr, 1, rays->ray, &RayRecording::nearest, [&] { __real_rtcIntersect1(ECLAT_QUERY_ARGUMENTS); });
+    eclat::probed(scene, nullptr, 1, rays->ray, &RayRecording::nearest,
+                  [&] { __real_rtcIntersect1(ECLAT_QUERY_ARGUMENTS); });
 }
 void __wrap_rtcOccluded1(ECLAT_QUERY(ShadowSettings, RTCRay)) {
     eclat::probed(scene, nullptr, 1, *rays, &RayRecording::shadow, [&] { __real_rtcOccluded1(ECLAT_QUERY_ARGUMENTS); });
 }
 
-#define ECLAT_WRAP(width)                                                                                    \
-    void __wrap_rtcIntersect##width(const int* valid, ECLAT_QUERY(NearestSettings, RTCRayHit##width)) {      \
-        eclat::probed(scene, valid, width, rays->ray, &RayRecording::nearest,                                \
-                      [&] { __real_rtcIntersect##width(valid, ECLAT_QUERY_ARGUMENTS); });                    \
-    }                                                                                                        \
-    void __wrap_rtcOccluded##width(const int* valid, ECLAT_QUERY(ShadowSettings, RTCRay##width)) {           \
-        eclat::probed(scene, valid, width, *rays, &RayRecording::shadow,                                     \
-                      [&] { __real_rtcOccluded##width(valid, ECLAT_QUERY_ARGUMENTS); });                     \
+#define ECLAT_WRAP(width)                                                                               \
+    void __wrap_rtcIntersect##width(const int* valid, ECLAT_QUERY(NearestSettings, RTCRayHit##width)) { \
+        eclat::probed(scene, valid, width, rays->ray, &RayRecording::nearest,                           \
+                      [&] { __real_rtcIntersect##width(valid, ECLAT_QUERY_ARGUMENTS); });               \
+    }                                                                                                   \
+    void __wrap_rtcOccluded##width(const int* valid, ECLAT_QUERY(ShadowSettings, RTCRay##width)) {      \
+        eclat::probed(scene, valid, width, *rays, &RayRecording::shadow,                                \
+                      [&] { __real_rtcOccluded##width(valid, ECLAT_QUERY_ARGUMENTS); });                \
     }
 ECLAT_WRAP(4)
 ECLAT_WRAP(8)
 ECLAT_WRAP(16)
 #undef ECLAT_WRAP
-
 }

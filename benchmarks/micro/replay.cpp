@@ -41,7 +41,18 @@ ShadowSettings shadow_settings(bool coherent) { return nearest_settings(coherent
 #endif
 
 void set_lane(RTCRay& out, int, const Ray& ray) {
-    out = {ray.origin.x, ray.origin.y, ray.origin.z, ray.t_min, ray.direction.x, ray.direction.y, ray.direction.z, 0, ray.t_max, ~0u, 0, 0};
+    out = {ray.origin.x,
+           ray.origin.y,
+           ray.origin.z,
+           ray.t_min,
+           ray.direction.x,
+           ray.direction.y,
+           ray.direction.z,
+           0,
+           ray.t_max,
+           ~0u,
+           0,
+           0};
 }
 template <class Packet>
 void set_lane(Packet& p, int i, const Ray& ray) {
@@ -89,10 +100,12 @@ void trace(std::span<const Ray> nearest, std::span<const Ray> shadow, Nearest&& 
             clear_hit(p, i);
         },
         find_nearest);
-    in_packets<width, ShadowPacket>(shadow, [](ShadowPacket& p, int i, const Ray& ray) { set_lane(p, i, ray); }, find_shadow);
+    in_packets<width, ShadowPacket>(
+        shadow, [](ShadowPacket& p, int i, const Ray& ray) { set_lane(p, i, ray); }, find_shadow);
 }
 
-void trace_block(RTCScene scene, std::span<const Ray> nearest, std::span<const Ray> shadow, const ReplayOptions& options) {
+void trace_block(RTCScene scene, std::span<const Ray> nearest, std::span<const Ray> shadow,
+                 const ReplayOptions& options) {
     NearestSettings n = nearest_settings(options.coherent);
     ShadowSettings s = shadow_settings(options.coherent);
     if (options.width == 1)
@@ -101,11 +114,13 @@ void trace_block(RTCScene scene, std::span<const Ray> nearest, std::span<const R
             [&](const int*, RTCRay& p) { __real_rtcOccluded1(scene, ECLAT_ORDERED(&s, &p)); });
     else if (options.width == 8)
         trace<8, RTCRayHit8, RTCRay8>(
-            nearest, shadow, [&](const int* v, RTCRayHit8& p) { __real_rtcIntersect8(v, scene, ECLAT_ORDERED(&n, &p)); },
+            nearest, shadow,
+            [&](const int* v, RTCRayHit8& p) { __real_rtcIntersect8(v, scene, ECLAT_ORDERED(&n, &p)); },
             [&](const int* v, RTCRay8& p) { __real_rtcOccluded8(v, scene, ECLAT_ORDERED(&s, &p)); });
     else
         trace<16, RTCRayHit16, RTCRay16>(
-            nearest, shadow, [&](const int* v, RTCRayHit16& p) { __real_rtcIntersect16(v, scene, ECLAT_ORDERED(&n, &p)); },
+            nearest, shadow,
+            [&](const int* v, RTCRayHit16& p) { __real_rtcIntersect16(v, scene, ECLAT_ORDERED(&n, &p)); },
             [&](const int* v, RTCRay16& p) { __real_rtcOccluded16(v, scene, ECLAT_ORDERED(&s, &p)); });
 }
 
@@ -120,9 +135,10 @@ double replay(const RayRecording& recording, const ReplayOptions& options) {
     require(options.width == 1 || options.width == 8 || options.width == 16,
             "width: expected 1, 8 or 16, got " + std::to_string(options.width));
     const auto before = std::chrono::steady_clock::now();
-    parallel_blocks(std::max(recording.nearest.size(), recording.shadow.size()), block, options.threads, [&](size_t begin, size_t) {
-        trace_block(recording.scene, part(recording.nearest, begin), part(recording.shadow, begin), options);
-    });
+    parallel_blocks(
+        std::max(recording.nearest.size(), recording.shadow.size()), block, options.threads, [&](size_t begin, size_t) {
+            trace_block(recording.scene, part(recording.nearest, begin), part(recording.shadow, begin), options);
+        });
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - before).count();
 }
 

@@ -34,9 +34,8 @@ void parallel_for(size_t count, int threads, F&& f) {
 /// Calls `f(begin, end)` for consecutive blocks of at most `block` indices of [0, count).
 template <class F>
 void parallel_blocks(size_t count, size_t block, int threads, F&& f) {
-    parallel_for((count + block - 1) / block, threads, [&](size_t i) {
-        f(i * block, i * block + block < count ? i * block + block : count);
-    });
+    parallel_for((count + block - 1) / block, threads,
+                 [&](size_t i) { f(i * block, i * block + block < count ? i * block + block : count); });
 }
 
 /// The results of `f(i)` in index order.

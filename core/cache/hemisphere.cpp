@@ -68,11 +68,12 @@ Color irradiance(const HemisphereSamples& samples) {
 RotationGradient rotation_gradient(const HemisphereSamples& samples) {
     const int M = samples.rows, N = samples.columns;
     RotationGradient out{};
-    // ∫ sin² θ dθ over each row: exact where the row-centre tangent of [WardHeckbert92 eq. 4] is 10 % low.
+    // ∫ sin² θ dθ over each row: exact where the row-centre tangent of [WardHeckbert92] is 10 % low.
     std::vector<float> polar;
     for (int j = 0; j < M; ++j) {
         const float lower = std::asin(sin_wall(j, M)), upper = std::asin(sin_wall(j + 1, M));
-        polar.push_back(0.5f * ((upper - sin_wall(j + 1, M) * cos_wall(j + 1, M)) - (lower - sin_wall(j, M) * cos_wall(j, M))));
+        polar.push_back(
+            0.5f * ((upper - sin_wall(j + 1, M) * cos_wall(j + 1, M)) - (lower - sin_wall(j, M) * cos_wall(j, M))));
     }
     for (int k = 0; k < N; ++k) {
         Color column;
@@ -100,7 +101,7 @@ TranslationGradient translation_gradient(const HemisphereSamples& samples) {
         const int before = (k + N - 1) % N;
         // Walls between rows start at 1: the zenith is no wall.
         Color polar, azimuthal;
-        for (int j = 1; j < M; ++j) polar += jump(j, k, j - 1, k) * row[j];  // [WardHeckbert92 eq. 5]
+        for (int j = 1; j < M; ++j) polar += jump(j, k, j - 1, k) * row[j];  // [WardHeckbert92]
         for (int j = 0; j < M; ++j) azimuthal += jump(j, k, j, before) * height[j];
         const float step = 2 * pi / static_cast<float>(N), wall = step * static_cast<float>(k);
         accumulate(out, tangent(samples.frame, wall + 0.5f * step), polar * step);

@@ -13,11 +13,11 @@
 namespace eclat {
 
 struct HemisphereSamples {
-    int rows = 0, columns = 0;      // M, N
-    Frame frame;                    // its u is the direction of the grid's φ = 0
-    std::vector<Color> radiance;    // L_jk, row by row from the zenith
-    std::vector<float> distance;    // r_jk, infinite where nothing was met
-    std::vector<uint8_t> apart;     // 1 where what was met stands apart from the surface itself
+    int rows = 0, columns = 0;    // M, N
+    Frame frame;                  // its u is the direction of the grid's φ = 0
+    std::vector<Color> radiance;  // L_jk, row by row from the zenith
+    std::vector<float> distance;  // r_jk, infinite where nothing was met
+    std::vector<uint8_t> apart;   // 1 where what was met stands apart from the surface itself
 
     const Color& L(int j, int k) const { return radiance[size_t(j) * columns + k]; }
     float r(int j, int k) const { return distance[size_t(j) * columns + k]; }
@@ -34,7 +34,7 @@ Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u);
 /// it, many together do.
 Color take_excess(HemisphereSamples& samples);
 
-/// E = π / MN Σ L_jk [Ward88 eq. 3].
+/// E = π / MN Σ L_jk [Ward88].
 Color irradiance(const HemisphereSamples& samples);
 RotationGradient rotation_gradient(const HemisphereSamples& samples);
 TranslationGradient translation_gradient(const HemisphereSamples& samples);

@@ -85,9 +85,8 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
 
 bool RecordCache::serves(Vec3 p, Vec3 normal) const {
     bool served = false;
-    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
-        served = served || weight_of(slot, p, normal, d2, 1) > 0;
-    });
+    tree_.for_each_around(p,
+                          [&](uint32_t slot, float d2) { served = served || weight_of(slot, p, normal, d2, 1) > 0; });
     return served;
 }
 
@@ -101,7 +100,7 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shad
     Color E = record.irradiance;
     const Vec3 turn = cross(record.normal, shading), shift = p - record.position;
     for (int c = 0; c < 3; ++c) {
-        const float value = E[c];  // [WardHeckbert92 eq. 7]
+        const float value = E[c];  // both gradients, first order [WardHeckbert92]
         float change = 0;
         if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
         if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);

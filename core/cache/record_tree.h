@@ -57,7 +57,8 @@ class SphereTree {
             if (entry & leaf_bit) {
                 const uint32_t block = entry & ~leaf_bit;
                 float d2[width];
-                for_each_lane(leaves_[block].near(p, reach, d2), [&](uint32_t lane) { f(block * width + lane, d2[lane]); });
+                for_each_lane(leaves_[block].near(p, reach, d2),
+                              [&](uint32_t lane) { f(block * width + lane, d2[lane]); });
             } else {
                 const Node& node = nodes_[entry];
                 for_each_lane(node.near(p, reach), [&](uint32_t lane) { stack[depth++] = node.child[lane]; });
@@ -126,10 +127,11 @@ class SphereTree {
         const Vec3 extent = centers.high - centers.low;
         const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
         const size_t middle = (indices.size() / 2 + width - 1) / width * width;
-        std::nth_element(indices.begin(), indices.begin() + static_cast<ptrdiff_t>(middle), indices.end(), [&](uint32_t a, uint32_t b) {
-            const float x = spheres[a].center[axis], y = spheres[b].center[axis];
-            return x != y ? x < y : a < b;
-        });
+        std::nth_element(indices.begin(), indices.begin() + static_cast<ptrdiff_t>(middle), indices.end(),
+                         [&](uint32_t a, uint32_t b) {
+                             const float x = spheres[a].center[axis], y = spheres[b].center[axis];
+                             return x != y ? x < y : a < b;
+                         });
         const auto half = indices.subspan(middle);
         indices = indices.first(middle);
         return half;

@@ -13,7 +13,7 @@ namespace eclat {
 enum class Weight : uint8_t { tabellion, ward };
 
 namespace detail {
-// √(1 − cos 10°): a normal that differs by 10° ends a record's validity [Tabellion04 sec. 4.2].
+// √(1 − cos 10°): a normal that differs by 10° ends a record's validity [Tabellion04].
 constexpr float sqrt_one_minus_cos_10 = 0.12326f;
 // How far behind or before a record's plane a point may lie, as a part of the record's radius.
 constexpr float plane_tolerance = 0.25f;
@@ -42,11 +42,11 @@ inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float re
     // cannot [Ward88]. Relative to the radius, so that no unit of length matters.
     const float off_plane = std::fabs(dot(d, n + record.normal)) * 0.5f / (detail::plane_tolerance * reach);
     if (kind == Weight::tabellion) {
-        // [Tabellion04 eq. 3], max of both errors; the square makes the border smooth.
+        // The larger of both errors [Tabellion04]; the square makes the border smooth.
         const float e = std::max(std::max(e_position, off_plane), turn / (detail::sqrt_one_minus_cos_10 * relaxation));
         return e < 1 ? sqr(1 - e) : 0;
     }
-    // [Ward88 eq. 8] with the radius standing for a R, minus its value at the border.
+    // The inverse of the summed errors [Ward88], the radius standing for a R, minus its value at the border.
     const float e = e_position + turn / (detail::sqrt_one_minus_cos_10 * relaxation);
     if (e >= 1 || off_plane >= 1) return 0;
     return (1 / std::max(e, 1e-3f) - 1) * (1 - off_plane);

@@ -125,7 +125,7 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
             if (const auto E = caches.near.interpolate(points[i].position, points[i].normal, points[i].normal)) {
                 out.irradiance[i] = *E;
             } else {
-                missed.emplace_back(bare_point(world, points[i]), 0.0f);
+                missed.emplace_back(bare_point(world, points[i]), 0.0f, static_cast<uint32_t>(i));
                 missed_index.push_back(i);
             }
         }

@@ -21,7 +21,8 @@ float filter_offset(Filter filter, float u) {
 
 void render_tile(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, int tx,
                  int ty, Film& film, Progress& progress) {
-    const int x_end = std::min(camera.width, (tx + 1) * tile_size), y_end = std::min(camera.height, (ty + 1) * tile_size);
+    const int x_end = std::min(camera.width, (tx + 1) * tile_size),
+              y_end = std::min(camera.height, (ty + 1) * tile_size);
     std::vector<PathRay> rays;
     std::vector<PathResult> results;
     for (uint32_t sample = range.first_sample; sample < range.end_sample; ++sample) {
@@ -42,7 +43,9 @@ void render_tile(const World& world, const Camera& camera, const PathOptions& op
             for (int x = tx * tile_size; x < x_end; ++x, ++i) {
                 if (x < range.x0 || x >= range.x1 || y < range.y0 || y >= range.y1) continue;
                 const PathResult& r = results[i];
-                film.add(x, y, sample, {r.radiance, r.direct, r.albedo, r.normal, r.distance < infinity ? r.distance : 0, r.cache_missed});
+                film.add(
+                    x, y, sample,
+                    {r.radiance, r.direct, r.albedo, r.normal, r.distance < infinity ? r.distance : 0, r.cache_missed});
             }
         progress.advance();
     }
@@ -56,7 +59,8 @@ void render(const World& world, const Camera& camera, const PathOptions& options
     for (int ty = range.y0 / tile_size; ty * tile_size < range.y1; ++ty)
         for (int tx = range.x0 / tile_size; tx * tile_size < range.x1; ++tx) tiles.emplace_back(tx, ty);
     if (!range.tile_order.empty()) {
-        require(range.tile_order.size() == tiles.size(), "tile_order: expected " + std::to_string(tiles.size()) + " tiles");
+        require(range.tile_order.size() == tiles.size(),
+                "tile_order: expected " + std::to_string(tiles.size()) + " tiles");
         const auto in_order = tiles;
         for (size_t i = 0; i < tiles.size(); ++i) tiles[i] = in_order[range.tile_order[i] % in_order.size()];
     }

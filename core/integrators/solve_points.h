@@ -11,9 +11,6 @@
 
 namespace eclat {
 
-/// How far records are read from where gather rays end: coarsely, and without turning, since only averages matter.
-CacheOptions far_reading(const CacheOptions& near);
-
 /// Fills `caches`, which must be empty, with what serves each point on the side of its normal. Whatever stops it (an
 /// exception, a cancelled progress) leaves the passes that were finished. `progress` counts passes.
 void solve_at_points(const World& world, std::span<const PointNormal> points, const IrradianceCacheOptions& options,

@@ -104,21 +104,11 @@ LightSample Lights::sample(Vec3 position, float u_light, Vec2 u, LightSet set) c
     if (choice.pdf_discrete == 0) return {};
     LightSample s;
     switch (choice.kind) {
-        case LightKind::triangle:
-            s = areas_[choice.index].sample(emissions_, position, u);
-            break;
-        case LightKind::point:
-            s = points_[choice.index].sample(position);
-            break;
-        case LightKind::spot:
-            s = spots_[choice.index].sample(position);
-            break;
-        case LightKind::directional:
-            s = directionals_[choice.index].sample(u);
-            break;
-        case LightKind::environment:
-            s = environment_->sample(u);
-            break;
+        case LightKind::triangle: s = areas_[choice.index].sample(emissions_, position, u); break;
+        case LightKind::point: s = points_[choice.index].sample(position); break;
+        case LightKind::spot: s = spots_[choice.index].sample(position); break;
+        case LightKind::directional: s = directionals_[choice.index].sample(u); break;
+        case LightKind::environment: s = environment_->sample(u); break;
     }
     if (s.pdf_solid_angle == 0) return {};
     s.pdf_solid_angle *= choice.pdf_discrete;
@@ -164,21 +154,13 @@ PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) cons
     if (choice.pdf_discrete == 0) return {};
     PhotonSample photon;
     switch (choice.kind) {
-        case LightKind::triangle:
-            photon = areas_[choice.index].emit(emissions_, u_position, u_direction);
-            break;
-        case LightKind::point:
-            photon = points_[choice.index].emit(u_direction);
-            break;
-        case LightKind::spot:
-            photon = spots_[choice.index].emit(u_direction);
-            break;
+        case LightKind::triangle: photon = areas_[choice.index].emit(emissions_, u_position, u_direction); break;
+        case LightKind::point: photon = points_[choice.index].emit(u_direction); break;
+        case LightKind::spot: photon = spots_[choice.index].emit(u_direction); break;
         case LightKind::directional:
             photon = directionals_[choice.index].emit(center_, radius_, u_position, u_direction);
             break;
-        case LightKind::environment:
-            photon = environment_->emit(center_, radius_, u_position, u_direction);
-            break;
+        case LightKind::environment: photon = environment_->emit(center_, radius_, u_position, u_direction); break;
     }
     photon.power *= 1 / choice.pdf_discrete;
     return photon;

@@ -70,8 +70,8 @@ class Sampler {
         // Shuffling the index by Owen's nested permutation keeps every elementary interval intact.
         const uint32_t index = reverse_bits(laine_karras_permutation(reverse_bits(sample_), seed));
         const auto& table = detail::sobol_1_reversed;
-        const uint32_t y = table[0][index & 255] ^ table[1][index >> 8 & 255] ^ table[2][index >> 16 & 255] ^
-                           table[3][index >> 24];
+        const uint32_t y =
+            table[0][index & 255] ^ table[1][index >> 8 & 255] ^ table[2][index >> 16 & 255] ^ table[3][index >> 24];
         return {to_unit_float(reverse_bits(laine_karras_permutation(index, hash(seed ^ 0x68bc21ebu)))),
                 to_unit_float(reverse_bits(laine_karras_permutation(y, hash(seed ^ 0x02e5be93u))))};
     }

@@ -42,9 +42,10 @@ void reject_transparent(const RTCFilterFunctionNArguments* args) {
         const float opacity = impl.opacity(impl.to_triangle[1][primitive], u, v);
         if (opacity >= 1) continue;
         const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
-        const uint32_t key = hash(hash(bits(RTCRayN_dir_x(args->ray, args->N, i)), bits(RTCRayN_dir_y(args->ray, args->N, i)),
-                                       bits(RTCRayN_org_x(args->ray, args->N, i))),
-                                  bits(RTCRayN_org_y(args->ray, args->N, i)), primitive);
+        const uint32_t key =
+            hash(hash(bits(RTCRayN_dir_x(args->ray, args->N, i)), bits(RTCRayN_dir_y(args->ray, args->N, i)),
+                      bits(RTCRayN_org_x(args->ray, args->N, i))),
+                 bits(RTCRayN_org_y(args->ray, args->N, i)), primitive);
         if (opacity <= 0 || to_unit_float(key) >= opacity) args->valid[i] = 0;
     }
 }

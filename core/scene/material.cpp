@@ -53,7 +53,8 @@ int lobe_bound(MaterialKind kind) {
 void Material::prepare(const std::vector<Material>& materials) {
     if (kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric) transmits = true;
     if (kind == MaterialKind::metallic_roughness) transmits = !is_black(parameters[6].constant);
-    refracts = kind == MaterialKind::dielectric || (kind == MaterialKind::metallic_roughness && transmits && !thin_walled);
+    refracts =
+        kind == MaterialKind::dielectric || (kind == MaterialKind::metallic_roughness && transmits && !thin_walled);
     lobes = lobe_bound(kind);
     for (int child : children)
         if (child >= 0) {

@@ -29,7 +29,7 @@ struct Material {
     MaterialKind kind = MaterialKind::diffuse;
     std::vector<Value> parameters;  // in the order of MATERIAL_KINDS in Python
     bool two_sided = true;
-    int back = -1;         // with two_sided, the material of the other side; −1: the same
+    int back = -1;  // with two_sided, the material of the other side; −1: the same
     int children[2] = {-1, -1};
     bool beckmann = false;
     bool nonlinear = false;

@@ -74,9 +74,9 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     }
     if (triangles_.empty()) low_ = high_ = {};
     vertices_.reserve(vertices_.size() + 1);  // wide loads read past the last
-    intersector_ = std::make_unique<Intersector>(vertices_, triangles_, translucent, [this](uint32_t t, float u, float v) {
-        return opacity_at(material_of(t), coordinates(t, u, v));
-    });
+    intersector_ = std::make_unique<Intersector>(
+        vertices_, triangles_, translucent,
+        [this](uint32_t t, float u, float v) { return opacity_at(material_of(t), coordinates(t, u, v)); });
 }
 
 Vec2 Geometry::uv(uint32_t triangle, int corner, int set) const {
@@ -103,7 +103,8 @@ SurfaceCoordinates Geometry::coordinates(uint32_t triangle, float u, float v) co
     if (!a.colors.empty()) {
         float c[4];
         for (int i = 0; i < 4; ++i)
-            c[i] = (1 - u - v) * a.colors[4 * local[0] + i] + u * a.colors[4 * local[1] + i] + v * a.colors[4 * local[2] + i];
+            c[i] = (1 - u - v) * a.colors[4 * local[0] + i] + u * a.colors[4 * local[1] + i] +
+                   v * a.colors[4 * local[2] + i];
         at.vertex_color = {c[0], c[1], c[2]};
         at.vertex_alpha = c[3];
     }
@@ -134,7 +135,8 @@ Vec3 Geometry::mapped_normal(const Material& material, const Hit& hit, const Sur
                 t[i] += weights[k] * mesh.arrays->tangents[4 * (triangles_[triangle].v[k] - mesh.first_vertex) + i];
         const Frame frame = Frame::along(normal, {t[0], t[1], t[2]});
         const bool right_handed = (t[3] > 0) != turned;
-        return from_tangent_space(map.color(at.uv, at.uv2), material.normal_scale, frame, right_handed ? frame.v : -frame.v);
+        return from_tangent_space(map.color(at.uv, at.uv2), material.normal_scale, frame,
+                                  right_handed ? frame.v : -frame.v);
     }
     // Position as a function of the map's texture coordinates: e = a · du + b · dv for both edges.
     const Vec2 t0 = map.transform(uv(triangle, 0, map.uv_set)), t1 = map.transform(uv(triangle, 1, map.uv_set)) - t0,
@@ -152,9 +154,7 @@ Vec3 Geometry::mapped_normal(const Material& material, const Hit& hit, const Sur
     // Gradient of the height by central differences of one texel [Blinn78].
     const float du = 1 / static_cast<float>(map.texture->width()), dv = 1 / static_cast<float>(map.texture->height());
     const Vec2 p = map.transform(map.uv_set == 0 ? at.uv : at.uv2);
-    const auto height = [&](float x, float y) {
-        return map.scalar_at({x, y}) * material.normal_scale;
-    };
+    const auto height = [&](float x, float y) { return map.scalar_at({x, y}) * material.normal_scale; };
     const float hu = (height(p.x + du, p.y) - height(p.x - du, p.y)) / (2 * du);
     const float hv = (height(p.x, p.y + dv) - height(p.x, p.y - dv)) / (2 * dv);
     const Vec3 ng = cross(dpdu, dpdv);

@@ -28,7 +28,8 @@ struct MeshArrays {
 class Geometry {
   public:
     /// Throws std::invalid_argument for non-finite positions, indices out of range or sizes that disagree.
-    Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materials, std::vector<std::unique_ptr<Texture>> textures);
+    Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materials,
+             std::vector<std::unique_ptr<Texture>> textures);
 
     const Intersector& rays() const { return *intersector_; }
     const std::vector<Material>& materials() const { return materials_; }
@@ -37,7 +38,9 @@ class Geometry {
     Vec3 high() const { return high_; }
     float radius() const { return 0.5f * length(high_ - low_); }
 
-    const Material& material_of(uint32_t triangle) const { return materials_[mesh_[triangle_mesh_[triangle]].material]; }
+    const Material& material_of(uint32_t triangle) const {
+        return materials_[mesh_[triangle_mesh_[triangle]].material];
+    }
     Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[triangles_[triangle].v[corner]]; }
     Vec2 uv(uint32_t triangle, int corner, int set) const;
     /// Unit normal by counter-clockwise order.

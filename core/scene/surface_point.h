@@ -14,9 +14,9 @@ namespace eclat {
 /// Where a ray met a surface, and how that point scatters.
 struct SurfacePoint {
     Vec3 position;
-    Vec3 normal;   // geometric, unit, on the side of the viewer unless the material refracts
-    Frame frame;   // of shading; its z is the side that `bsdf` looks at
-    Vec2 uv;       // of the emitter's texture set
+    Vec3 normal;       // geometric, unit, on the side of the viewer unless the material refracts
+    Frame frame;       // of shading; its z is the side that `bsdf` looks at
+    Vec2 uv;           // of the emitter's texture set
     float offset = 0;  // how far rays must start from the surface so that they do not meet it again
     uint32_t triangle = no_triangle;
     Bsdf bsdf;

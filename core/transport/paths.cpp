@@ -21,9 +21,9 @@ struct State {
     Color throughput{1};
     Sampler sampler;
     uint32_t index;
-    int edges = 0;       // of the path so far
-    float pdf = 0;       // of the ray's direction
-    float eta2 = 1;      // radiance scaling by refraction, which roulette must not mistake for absorption
+    int edges = 0;   // of the path so far
+    float pdf = 0;   // of the ray's direction
+    float eta2 = 1;  // radiance scaling by refraction, which roulette must not mistake for absorption
     Arrival arrival;
     Vec3 from;
 };
@@ -65,7 +65,11 @@ class Tracer {
         states_.reserve(rays.size());
         const Arrival arrival = options_.emission_at_first_hit ? Arrival::whole : Arrival::none;
         for (uint32_t i = 0; i < rays.size(); ++i)
-            states_.push_back({.ray = rays[i].ray, .sampler = rays[i].sampler, .index = i, .arrival = arrival, .from = rays[i].ray.origin});
+            states_.push_back({.ray = rays[i].ray,
+                               .sampler = rays[i].sampler,
+                               .index = i,
+                               .arrival = arrival,
+                               .from = rays[i].ray.origin});
     }
 
     bool may_have(int edges) const { return options_.max_depth < 0 || edges <= options_.max_depth; }
@@ -126,7 +130,8 @@ class Tracer {
         if (is_black(radiance)) return;
         float weight = 1;
         if (s.arrival == Arrival::weighted)
-            weight = power_heuristic(s.pdf, world_.lights.pdf_solid_angle(emitter, s.from, point.position, options_.light_set));
+            weight = power_heuristic(
+                s.pdf, world_.lights.pdf_solid_angle(emitter, s.from, point.position, options_.light_set));
         add(s.index, s.throughput * radiance * weight, s.edges <= 2);
     }
 

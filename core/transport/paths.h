@@ -39,10 +39,10 @@ struct PathRay {
 
 /// What one path found.
 struct PathResult {
-    Color radiance;  // all of it
-    Color direct;    // the part of paths with at most two edges
-    Color albedo;    // of the first vertex
-    Vec3 normal;     // of shading, at the first vertex
+    Color radiance;             // all of it
+    Color direct;               // the part of paths with at most two edges
+    Color albedo;               // of the first vertex
+    Vec3 normal;                // of shading, at the first vertex
     float distance = infinity;  // to the first vertex
     bool cache_missed = false;  // a diffuse vertex was not served and was answered by going on
 };

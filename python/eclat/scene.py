@@ -13,7 +13,7 @@ Conventions (the core's are the same):
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,7 +31,7 @@ class Texture:
     channels are decoded with the sRGB transfer function, alpha never is. Row 0 is v = 0.
     """
 
-    image: NDArray
+    image: NDArray[Any]
     srgb: bool = False
     wrap_u: Literal["repeat", "mirror", "clamp"] = "repeat"
     wrap_v: Literal["repeat", "mirror", "clamp"] = "repeat"

@@ -259,7 +259,7 @@ def _dusk(elevation: float) -> float:
 
 
 def _color_matching(wavelength: FloatArray) -> FloatArray:
-    """CIE 1931 x̄, ȳ, z̄ as sums of Gaussians [Wyman13 eq. 4]; wavelength in nanometres, result (3, N)."""
+    """CIE 1931 x̄, ȳ, z̄ as sums of Gaussians [Wyman13]; wavelength in nanometres, result (3, N)."""
 
     def lobe(height: float, mean: float, below: float, above: float) -> FloatArray:
         return height * np.exp(-0.5 * ((wavelength - mean) / np.where(wavelength < mean, below, above)) ** 2)

@@ -57,7 +57,8 @@ void check_emission(LightInputs inputs, double power, const Irradiance& irradian
         const int x = static_cast<int>(std::floor((at.x + half_width) / cell)),
                   y = static_cast<int>(std::floor((at.y + half_width) / cell));
         const bool lands = t > 0 && p.direction.z < 0 && x >= 0 && x < side && y >= 0 && y < side;
-        for (int c = 0; c < side * side; ++c) received[c].add(lands && c == y * side + x ? p.power.g / (cell * cell) : 0);
+        for (int c = 0; c < side * side; ++c)
+            received[c].add(lands && c == y * side + x ? p.power.g / (cell * cell) : 0);
     }
     CHECK(std::abs(carried.mean() - power) <= 5 * carried.standard_error() + 1e-3 * power);
     for (int y = 0; y < side; ++y)
@@ -205,7 +206,8 @@ TEST_CASE("photons of environments: constant, and bright on one side") {
                 flux += L * 4 * M_PI / (2.0 * n * n);
                 irradiance += L * std::max(z, 0.0) * 4 * M_PI / (2.0 * n * n);
             }
-        check_emission({.environment = sky}, flux * M_PI * scene_radius * scene_radius,
-                       [&](double, double) { return irradiance; }, 2e-3);
+        check_emission(
+            {.environment = sky}, flux * M_PI * scene_radius * scene_radius, [&](double, double) { return irradiance; },
+            2e-3);
     }
 }

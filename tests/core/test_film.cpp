@@ -26,15 +26,6 @@ TEST_CASE("a pixel sums its own samples, layer by layer") {
     CHECK(film.bad_count() == 0);
 }
 
-TEST_CASE("even samples are summed apart: half of the picture, for its noise") {
-    Film film(1, 1);
-    for (uint32_t sample = 0; sample < 5; ++sample)
-        film.add(0, 0, sample, {Color(static_cast<float>(1u << sample)), {}, {}, {}, 1, false});
-    CHECK(film.pixels()[0].even_samples == 3);
-    CHECK(film.pixels()[0].even.r == 1 + 4 + 16);
-    CHECK(film.pixels()[0].radiance.r == 31);
-}
-
 TEST_CASE("a sample that met nothing counts for the radiance, not for the depth") {
     Film film(1, 1);
     film.add(0, 0, 0, {Color(1), {}, {}, {}, 0, false});

@@ -22,8 +22,8 @@ struct Rectangle {
 };
 
 // A ceiling with a bright patch, and a dark plate that hides a part of both.
-const std::array<Rectangle, 3> scene{{{-40, 40, -40, 40, 1.0f, 1.0f}, {0.2f, 1.1f, -0.5f, 0.6f, 0.999f, 3.0f},
-                                      {-0.7f, 0.1f, -0.3f, 0.5f, 0.5f, 0.0f}}};
+const std::array<Rectangle, 3> scene{
+    {{-40, 40, -40, 40, 1.0f, 1.0f}, {0.2f, 1.1f, -0.5f, 0.6f, 0.999f, 3.0f}, {-0.7f, 0.1f, -0.3f, 0.5f, 0.5f, 0.0f}}};
 
 /// ∫ n·w dω over a polygon seen from the origin [Lambert]; vertices in either order.
 double form(const std::vector<std::array<double, 3>>& v, std::array<double, 3> n) {
@@ -49,8 +49,10 @@ double exact(double x, double y, std::array<double, 3> n = {0, 0, 1}) {
     // The plate, projected from (x, y, 0) onto the patch's plane, cut with the patch.
     const double scale = double(patch.z) / plate.z;
     const auto project = [&](double c, double p) { return p + (c - p) * scale; };
-    const double x0 = std::max<double>(patch.x0, project(plate.x0, x)), x1 = std::min<double>(patch.x1, project(plate.x1, x));
-    const double y0 = std::max<double>(patch.y0, project(plate.y0, y)), y1 = std::min<double>(patch.y1, project(plate.y1, y));
+    const double x0 = std::max<double>(patch.x0, project(plate.x0, x)),
+                 x1 = std::min<double>(patch.x1, project(plate.x1, x));
+    const double y0 = std::max<double>(patch.y0, project(plate.y0, y)),
+                 y1 = std::min<double>(patch.y1, project(plate.y1, y));
     const double hidden_patch = x1 > x0 && y1 > y0 ? form(x0, x1, y0, y1, patch.z, x, y, n) : 0;
     return rect(scene[0]) + 2 * rect(patch) - rect(plate) - 2 * hidden_patch;
 }
@@ -142,9 +144,8 @@ TEST_CASE("translation gradient: the bias of 64 rows is below 1.5 %, or 3 % with
         const double h = 1e-4;
         const double dx = (exact(x + h, y) - exact(x - h, y)) / (2 * h),
                      dy = (exact(x, y + h) - exact(x, y - h)) / (2 * h);
-        const Vec3 mean = averaged(40, [&](uint32_t seed) {
-            return translation_gradient(gather(64, float(x), float(y), seed)).channel[1];
-        });
+        const Vec3 mean = averaged(
+            40, [&](uint32_t seed) { return translation_gradient(gather(64, float(x), float(y), seed)).channel[1]; });
         CHECK(std::hypot(mean.x - dx, mean.y - dy) < bound * std::hypot(dx, dy));
     }
 }
@@ -161,10 +162,14 @@ TEST_CASE("rotation gradient: light from the side, from few rows on, and its sig
     for (const int rows : {8, 16, 32}) {
         CAPTURE(rows);
         const Vec3 mean = averaged(60, [&](uint32_t seed) {
-            return rotation_gradient(look_around(rows, seed, [&](Vec3 w) {
-                       const float t = 1 / w.x, y = t * w.y, z = t * w.z;
-                       return t > 0 && std::abs(y) < half && z > low && z < high ? Seen{1, t} : Seen{};
-                   })).channel[2];
+            return rotation_gradient(look_around(rows, seed,
+                                                 [&](Vec3 w) {
+                                                     const float t = 1 / w.x, y = t * w.y, z = t * w.z;
+                                                     return t > 0 && std::abs(y) < half && z > low && z < high
+                                                                ? Seen{1, t}
+                                                                : Seen{};
+                                                 }))
+                .channel[2];
         });
         // The normal turns towards +x about +y: (n × n')·gradient.
         CHECK(mean.y == doctest::Approx(towards_wall).epsilon(0.02));

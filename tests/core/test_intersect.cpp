@@ -56,7 +56,8 @@ std::optional<Meeting> meet(const Soup& s, const Intersector::Triangle& t, const
     const auto d = [](Vec3 x) { return D{x.x, x.y, x.z}; };
     const auto minus = [](D x, D y) { return D{x[0] - y[0], x[1] - y[1], x[2] - y[2]}; };
     const auto det = [](D x, D y, D z) {
-        return x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) + x[2] * (y[0] * z[1] - y[1] * z[0]);
+        return x[0] * (y[1] * z[2] - y[2] * z[1]) - x[1] * (y[0] * z[2] - y[2] * z[0]) +
+               x[2] * (y[0] * z[1] - y[1] * z[0]);
     };
     const D a = d(s.vertices[t.v[0]]), e1 = minus(d(s.vertices[t.v[1]]), a), e2 = minus(d(s.vertices[t.v[2]]), a);
     const D w = d(ray.direction), o = minus(d(ray.origin), a), back = {-w[0], -w[1], -w[2]};

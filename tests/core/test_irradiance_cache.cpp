@@ -91,9 +91,8 @@ TEST_CASE("a linear field is reproduced, in position and normal, under both weig
 TEST_CASE("without gradients a cache is a weighted mean of its records' values") {
     const auto records = scattered(300, 4);
     const RecordCache cache = cache_of(records, {.rotation_gradient = false, .translation_gradient = false});
-    const auto [low, high] = std::minmax_element(records.begin(), records.end(), [](const auto& a, const auto& b) {
-        return a.irradiance.r < b.irradiance.r;
-    });
+    const auto [low, high] = std::minmax_element(
+        records.begin(), records.end(), [](const auto& a, const auto& b) { return a.irradiance.r < b.irradiance.r; });
     Rng rng(33, 1);
     for (int i = 0; i < 500; ++i) {
         const auto E = cache.interpolate({4 * rng.next(), 4 * rng.next(), 0}, {0, 0, 1}, {0, 0, 1});

@@ -58,11 +58,12 @@ TEST_CASE("a linear field is reproduced by exact gradients, and not without them
     for (float x = -0.9f; x < 0.9f; x += 0.13f)
         for (float y = -0.9f; y < 0.9f; y += 0.13f) {
             const Vec3 p{x, y, 0};
-            const auto E = with.interpolate(p, {0, 0, 1});
+            const auto E = with.interpolate(p, {0, 0, 1}, {0, 0, 1});
             if (!E) continue;
             ++served;
             CHECK(E->g == doctest::Approx(linear_field(p)).epsilon(1e-5));
-            worst_without = std::max(worst_without, double(std::abs(without.interpolate(p, {0, 0, 1})->g - linear_field(p))));
+            worst_without =
+                std::max(worst_without, double(std::abs(without.interpolate(p, {0, 0, 1}, {0, 0, 1})->g - linear_field(p))));
         }
     CHECK(served > 150);
     CHECK(worst_without > 1e-2);
@@ -76,7 +77,7 @@ TEST_CASE("the rotation gradient answers to a turned normal") {
     cache.insert(records, spacing, 1);
     const float a = 0.1f;
     const Vec3 n{std::sin(a), 0, std::cos(a)};  // turned about +y
-    CHECK(cache.interpolate({}, n)->r == doctest::Approx(3 - 0.5f * std::sin(a)).epsilon(1e-5));
+    CHECK(cache.interpolate({}, {0, 0, 1}, n)->r == doctest::Approx(3 - 0.5f * std::sin(a)).epsilon(1e-5));
 }
 
 TEST_CASE("extrapolation stays positive and plausible") {
@@ -84,18 +85,18 @@ TEST_CASE("extrapolation stays positive and plausible") {
     records[0].translation.channel.fill({-1000, 0, 0});
     RecordCache cache;
     cache.insert(records, spacing, 1);
-    CHECK(cache.interpolate({0.5f, 0, 0}, {0, 0, 1})->r == doctest::Approx(0.05f));
-    CHECK(cache.interpolate({-0.5f, 0, 0}, {0, 0, 1})->r == doctest::Approx(20));
+    CHECK(cache.interpolate({0.5f, 0, 0}, {0, 0, 1}, {0, 0, 1})->r == doctest::Approx(0.05f));
+    CHECK(cache.interpolate({-0.5f, 0, 0}, {0, 0, 1}, {0, 0, 1})->r == doctest::Approx(20));
 }
 
 TEST_CASE("where no record reaches there is a miss, not darkness") {
     RecordCache cache;
-    CHECK_FALSE(cache.interpolate({}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({}, {0, 0, 1}, {0, 0, 1}).has_value());
     const std::vector<IrradianceRecord> records{record({}, 2, Color(1))};
     cache.insert(records, spacing, 1);
-    CHECK(cache.interpolate({}, {0, 0, 1}).has_value());
-    CHECK_FALSE(cache.interpolate({5, 0, 0}, {0, 0, 1}).has_value());
-    CHECK_FALSE(cache.interpolate({}, {0, 0, -1}).has_value());
+    CHECK(cache.interpolate({}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({5, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({}, {0, 0, -1}, {0, 0, -1}).has_value());
 }
 
 TEST_CASE("records are placed by a strict test and read by a relaxed one") {
@@ -105,8 +106,8 @@ TEST_CASE("records are placed by a strict test and read by a relaxed one") {
     CHECK(cache.serves({0.99f, 0, 0}, {0, 0, 1}));
     CHECK_FALSE(cache.serves({1.01f, 0, 0}, {0, 0, 1}));
     CHECK(cache.density({1.01f, 0, 0}, {0, 0, 1}) == 0);
-    CHECK(cache.interpolate({1.4f, 0, 0}, {0, 0, 1}).has_value());
-    CHECK_FALSE(cache.interpolate({1.51f, 0, 0}, {0, 0, 1}).has_value());
+    CHECK(cache.interpolate({1.4f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({1.51f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
 }
 
 TEST_CASE("no radius exceeds a neighbour's by more than the distance between them") {
@@ -144,7 +145,7 @@ TEST_CASE("a wall beside a record ends its validity in that direction only") {
     cache.insert(records, spacing, 1);
     CHECK(cache.serves({0.29f, 0, 0}, {0, 0, 1}));
     CHECK_FALSE(cache.serves({0.31f, 0, 0}, {0, 0, 1}));
-    CHECK_FALSE(cache.interpolate({0.31f, 0, 0}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({0.31f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
     CHECK(cache.serves({-1, 0, 0}, {0, 0, 1}));
     CHECK(cache.serves({0, 1, 0}, {0, 0, 1}));
 }

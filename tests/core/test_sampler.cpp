@@ -111,6 +111,7 @@ TEST_CASE("Owen scrambling flips a bit by the bits below it only, so reversed pr
         for (uint32_t x : {0u, 1u, 0x12345678u, 0xffffffffu})
             for (int bit = 1; bit < 32; ++bit) {
                 const uint32_t low = (1u << bit) - 1;
-                CHECK(((laine_karras_permutation(x, seed) ^ laine_karras_permutation(x ^ (1u << bit), seed)) & low) == 0);
+                CHECK(((laine_karras_permutation(x, seed) ^ laine_karras_permutation(x ^ (1u << bit), seed)) & low) ==
+                      0);
             }
 }

@@ -50,14 +50,16 @@ Room build(const std::vector<Wall>& walls) {
     std::vector<Material> materials;
     for (const Wall& wall : walls) {
         MeshArrays mesh;
-        mesh.positions = {wall.corner, wall.corner + wall.edge1, wall.corner + wall.edge1 + wall.edge2, wall.corner + wall.edge2};
+        mesh.positions = {wall.corner, wall.corner + wall.edge1, wall.corner + wall.edge1 + wall.edge2,
+                          wall.corner + wall.edge2};
         mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
         mesh.material = static_cast<int>(materials.size());
         materials.push_back(diffuse(wall.albedo, wall.emission));
         meshes.push_back(mesh);
     }
     Room room;
-    room.geometry = std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::vector<std::unique_ptr<Texture>>{});
+    room.geometry =
+        std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::vector<std::unique_ptr<Texture>>{});
     const Geometry& g = *room.geometry;
     room.emitter_of_triangle.assign(g.triangle_count(), not_emitting);
     for (uint32_t t = 0; t < g.triangle_count(); ++t) {
@@ -79,12 +81,12 @@ Room build(const std::vector<Wall>& walls) {
 }
 
 Room closed_room(const std::array<float, 6>& albedo, const std::array<float, 6>& emission) {
-    return build({{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, albedo[0], emission[0]},    // floor
-                  {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, albedo[1], emission[1]},     // ceiling
-                  {{-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, albedo[2], emission[2]},    // left
-                  {{1, -1, -1}, {0, 0, 2}, {0, 2, 0}, albedo[3], emission[3]},     // right
-                  {{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, albedo[4], emission[4]},    // back
-                  {{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, albedo[5], emission[5]}});   // front
+    return build({{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, albedo[0], emission[0]},   // floor
+                  {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, albedo[1], emission[1]},    // ceiling
+                  {{-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, albedo[2], emission[2]},   // left
+                  {{1, -1, -1}, {0, 0, 2}, {0, 2, 0}, albedo[3], emission[3]},    // right
+                  {{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, albedo[4], emission[4]},   // back
+                  {{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, albedo[5], emission[5]}});  // front
 }
 
 Camera camera_in_room() {
@@ -136,8 +138,10 @@ TEST_CASE("records and picture have the same bits on one thread and on two, and 
     const Room room = closed_room({0.5f, 0.7f, 0.2f, 0.6f, 0.5f, 0.5f}, {0, 0, 3, 0, 0, 0});
     const Camera camera = camera_in_room();
     Progress progress;
-    const SolvedCaches one = solve_irradiance_cache(room.world(), camera, small_solve(1), progress);
-    const SolvedCaches two = solve_irradiance_cache(room.world(), camera, small_solve(2), progress);
+    SolvedCaches one;
+    solve_irradiance_cache(room.world(), camera, small_solve(1), one, progress);
+    SolvedCaches two;
+    solve_irradiance_cache(room.world(), camera, small_solve(2), two, progress);
     REQUIRE(one.near.records().size() > 20);
     for (auto caches : {std::pair{&one.near, &two.near}, std::pair{&one.far, &two.far}}) {
         const auto &a = caches.first->records(), &b = caches.second->records();
@@ -181,7 +185,8 @@ TEST_CASE("a closed room of equal walls: L = L_e / (1 − ρ), by paths and thro
     const Room room = closed_room(albedo, emissions);
     const Camera camera = camera_in_room();
     Progress progress;
-    const SolvedCaches caches = solve_irradiance_cache(room.world(), camera, small_solve(2), progress);
+    SolvedCaches caches;
+    solve_irradiance_cache(room.world(), camera, small_solve(2), caches, progress);
     for (bool cached : {false, true}) {
         CAPTURE(cached);
         PathOptions paths;
@@ -199,7 +204,8 @@ TEST_CASE("a solve and a render end when they are cancelled") {
     const Camera camera = camera_in_room();
     Progress progress;
     progress.cancelled = true;
-    CHECK_THROWS_AS(solve_irradiance_cache(room.world(), camera, small_solve(2), progress), Cancelled);
+    SolvedCaches caches;
+    CHECK_THROWS_AS(solve_irradiance_cache(room.world(), camera, small_solve(2), caches, progress), Cancelled);
     Film film(camera.width, camera.height);
     CHECK_THROWS_AS(render(room.world(), camera, {}, all_pixels(camera, 1, 2), film, progress), Cancelled);
 }

@@ -79,7 +79,6 @@ def test_the_cache_has_the_same_records_and_picture(box: Scene, cached_box: tupl
     assert relative_error(ours, theirs) < 0.012
 
 
-@pytest.mark.xfail(strict=True, reason="random numbers of gathers are keyed by coordinates instead of candidates")
 @pytest.mark.parametrize("exponent", [10, -10])
 def test_the_cache_of_a_scene_scaled_by_a_power_of_two_has_the_same_bits(
     box: Scene, cached_box: tuple[int, np.ndarray], exponent: int

@@ -52,7 +52,9 @@ def test_variants_agree(cornell: tuple[eclat.Scene, np.ndarray], gradients: bool
 def test_same_bits_on_any_threads_and_tile_order() -> None:
     scene = build("cornell-box")
     first = eclat.render(scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=1)
-    second = eclat.render(scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=2, tile_order=[8, 3, 1, 0, 7, 2, 6, 5, 4])
+    second = eclat.render(
+        scene, eclat.IrradianceCache(), samples=2, size=SIZE, threads=2, tile_order=[8, 3, 1, 0, 7, 2, 6, 5, 4]
+    )
     assert np.array_equal(first.pixels, second.pixels)
     one, *others = (eclat.solve(scene, size=SIZE, threads=t) for t in (1, 2, 8))
     assert all(np.array_equal(one.near, s.near) and np.array_equal(one.far, s.far) for s in others)
@@ -127,6 +129,8 @@ def test_irradiance_under_a_square_light() -> None:
     height = 0.99 - 0.5
     a, b = 0.23 / height, 0.19 / height
     # Form factor of a quarter [Howell, A catalogue of radiation configuration factors, B-4], times four.
-    quarter = (a / np.hypot(1, a) * np.arctan(b / np.hypot(1, a)) + b / np.hypot(1, b) * np.arctan(a / np.hypot(1, b))) / (2 * np.pi)
+    quarter = (
+        a / np.hypot(1, a) * np.arctan(b / np.hypot(1, a)) + b / np.hypot(1, b) * np.arctan(a / np.hypot(1, b))
+    ) / (2 * np.pi)
     E = eclat.irradiance(scene, position, np.array([[0.0, 1.0, 0.0]]), component="direct", samples=4096)
     assert E[0] == pytest.approx(np.pi * radiance * 4 * quarter, rel=0.002)

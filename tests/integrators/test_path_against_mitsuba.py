@@ -67,10 +67,18 @@ def two_sided(bsdf: dict) -> dict:
 
 def scenes() -> dict[str, dict]:
     t = mi.ScalarTransform4f()
-    rough = {"type": "roughconductor", "distribution": "ggx", "alpha": 0.3, "eta": rgb(0.2, 0.9, 1.1), "k": rgb(3.9, 2.4, 2.2)}
+    matte = two_sided({"type": "diffuse", "reflectance": rgb(0.3, 0.5, 0.7)})
+    sky = {"type": "constant", "radiance": rgb(0.5, 0.7, 1)}
+    rough = {
+        "type": "roughconductor",
+        "distribution": "ggx",
+        "alpha": 0.3,
+        "eta": rgb(0.2, 0.9, 1.1),
+        "k": rgb(3.9, 2.4, 2.2),
+    }
     beckmann = dict(rough, distribution="beckmann", alpha=0.4)
     return {
-        "area light, diffuse": room(light=area_light(), object=cube(two_sided({"type": "diffuse", "reflectance": rgb(0.3, 0.5, 0.7)}))),
+        "area light, diffuse": room(light=area_light(), object=cube(matte)),
         "rough conductor, GGX": room(light=area_light(), object=cube(two_sided(rough))),
         "rough conductor, Beckmann": room(light=area_light(), object=cube(two_sided(beckmann))),
         "mirror": room(light=area_light(), object=cube(two_sided({"type": "conductor", "material": "none"}))),
@@ -80,15 +88,15 @@ def scenes() -> dict[str, dict]:
             "to_world": t.look_at(origin=[0, 3, 1], target=[0, 0, -0.5], up=[0, 0, 1]),
         }),
         "directional light": room(light={"type": "directional", "direction": [0.3, -1, -0.5], "irradiance": rgb(3, 3, 2)}),
-        "constant environment": room(light={"type": "constant", "radiance": rgb(0.5, 0.7, 1)}, object=cube(two_sided(rough))),
-        "rough glass": room(light={"type": "constant", "radiance": rgb(0.5, 0.7, 1)}, object=cube(
+        "constant environment": room(light=sky, object=cube(two_sided(rough))),
+        "rough glass": room(light=sky, object=cube(
             {"type": "roughdielectric", "alpha": 0.4, "int_ior": 1.5, "distribution": "ggx"})),
-        "glass": room(light={"type": "constant", "radiance": rgb(0.5, 0.7, 1)}, object=cube({"type": "dielectric", "int_ior": 1.5})),
-        "thin glass": room(light={"type": "constant", "radiance": rgb(0.5, 0.7, 1)}, object=cube({"type": "thindielectric"})),
+        "glass": room(light=sky, object=cube({"type": "dielectric", "int_ior": 1.5})),
+        "thin glass": room(light=sky, object=cube({"type": "thindielectric"})),
         "smooth plastic": room(light=area_light(), object=cube(two_sided(
             {"type": "plastic", "diffuse_reflectance": rgb(0.2, 0.5, 0.3), "nonlinear": True}))),
         "mask": room(light=area_light(), object=cube({
-            "type": "mask", "opacity": 0.4, "bsdf": two_sided({"type": "diffuse", "reflectance": rgb(0.3, 0.5, 0.7)})})),
+            "type": "mask", "opacity": 0.4, "bsdf": matte})),
     }  # fmt: skip
 
 

@@ -13,13 +13,14 @@ from eclat.running import run
 
 
 def test_the_result_and_the_progress_come_back() -> None:
-    result, progress = run("solve", lambda progress: ("done", progress.total))
-    assert result == ("done", 0)
-    assert isinstance(progress, _core.Progress)
+    mine = _core.Progress()
+    result, progress = run("solve", lambda progress: ("done", progress), None, mine)
+    assert result == "done"
+    assert progress is mine
 
 
 def test_the_call_has_a_thread_of_its_own() -> None:
-    thread, _ = run("solve", lambda progress: threading.current_thread())
+    thread = run("solve", lambda progress: threading.current_thread(), None, _core.Progress())
     assert thread is not threading.main_thread()
 
 
@@ -28,7 +29,7 @@ def test_an_error_of_the_call_is_raised_here() -> None:
         raise RuntimeError("no light")
 
     with pytest.raises(RuntimeError, match="no light"):
-        run("solve", fail)
+        run("solve", fail, None, _core.Progress())
 
 
 def test_the_phase_is_reported_while_the_call_runs() -> None:
@@ -39,8 +40,7 @@ def test_the_phase_is_reported_while_the_call_runs() -> None:
         phases.append((phase, fraction, set(statistics)))
         told.set()
 
-    reported, _ = run("render", lambda progress: told.wait(60), report)
-    assert reported
+    assert run("render", lambda progress: told.wait(60), report, _core.Progress())
     assert phases[0] == ("render", 0.0, {"rays", "seconds"})
 
 
@@ -57,5 +57,5 @@ def test_a_reporter_that_raises_cancels_the_call_and_waits_for_its_end() -> None
         raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        run("render", call, report)
+        run("render", call, report, _core.Progress())
     assert ended.is_set()

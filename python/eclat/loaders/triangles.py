@@ -149,6 +149,6 @@ def vertex_normals(
 
 
 def linear_from_srgb(values: FloatArray) -> NDArray[np.float32]:
-    """The sRGB transfer function undone, for values in 0..1. [IEC61966-2-1]"""
+    """The sRGB transfer function undone, for values in 0..1. [IEC61966]"""
     v = np.clip(np.asarray(values, dtype=np.float64), 0, 1)
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)

@@ -60,7 +60,8 @@ void parallel_for(const blocked_range<Index>& range, const Body& body, simple_pa
     // Each thread has its share from the start, without a counter that would order their accesses and hide races.
     const auto work = [&](int thread) {
         try {
-            for (Index i = range.begin() + static_cast<Index>(thread); i < range.end(); i += static_cast<Index>(threads))
+            for (Index i = range.begin() + static_cast<Index>(thread); i < range.end();
+                 i += static_cast<Index>(threads))
                 body(blocked_range<Index>(i, i + 1, 1));
         } catch (...) {
             const std::lock_guard lock(failure_mutex);

@@ -1,0 +1,207 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Symbols and references as in integrators/irradiance_cache.cpp.
+
+#include "integrators/record_passes.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "cache/hemisphere.h"
+
+namespace eclat {
+
+namespace {
+
+enum Stream : uint32_t { far_stream = 2, near_stream };
+
+constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
+constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
+
+// A far record must not be read closer than its own radius: nearby, its neighbours' error would be seen from corners.
+CachedIrradiance read_far(const RecordCache& far) {
+    return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
+        float radius = 0;
+        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
+        if (!E || distance < radius) return std::nullopt;
+        return E;
+    };
+}
+
+IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
+                        const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress) {
+    const Vec3 p = candidate.position;
+    HemisphereSamples samples;
+    samples.rows = rows;
+    samples.columns = columns_for(rows);
+    const size_t count = size_t(samples.rows) * samples.columns;
+    // A random turn of the grid, or neighbouring records would share the pattern of their error.
+    const uint32_t key = hash(candidate.key, stream);
+    const float turn = 2 * pi * to_unit_float(hash(key, options.seed));
+    const Frame around = Frame::around(candidate.normal);
+    const Vec3 u = around.u * std::cos(turn) + around.v * std::sin(turn);
+    samples.frame = {u, cross(around.n, u), around.n};
+
+    std::vector<PathRay> rays;
+    rays.reserve(count);
+    for (int j = 0; j < samples.rows; ++j)
+        for (int k = 0; k < samples.columns; ++k) {
+            const auto index = static_cast<uint32_t>(j * samples.columns + k);
+            Sampler sampler(options.seed ^ hash(stream), key, index);
+            const Vec3 w = cell_direction(samples.rows, samples.columns, j, k, sampler.next_2d());
+            rays.push_back({candidate.ray(samples.frame.to_world(w)), sampler});
+        }
+    PathOptions paths;
+    paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
+    paths.roulette_depth = 2;
+    paths.light_set = LightSet::without_environment_image;
+    paths.emission_at_first_hit = false;
+    if (options.max_depth < 0 && !far.records().empty()) paths.cache = read_far(far);
+    std::vector<PathResult> results(count);
+    trace_paths(world, rays, paths, results, progress);
+    for (size_t i = 0; i < count; ++i) {
+        samples.radiance.push_back(results[i].radiance);
+        samples.distance.push_back(results[i].distance);
+        samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
+    }
+
+    IrradianceRecord record;
+    record.excess = take_excess(samples);
+    record.position = p;
+    record.normal = samples.frame.n;
+    record.irradiance = irradiance(samples);
+    record.rotation = rotation_gradient(samples);
+    record.translation = translation_gradient(samples);
+    record.distance =
+        options.distance == Spacing::minimum ? minimum_distance(samples) : harmonic_mean_distance(samples);
+    record.clearance = sector_clearance(samples);
+    record.least_radius = options.least_pixels * candidate.footprint;
+    record.largest_radius = options.largest_pixels * candidate.footprint;
+    return record;
+}
+
+// The gradient limits the radius, and the radius, once its lower bound has raised it, the gradient [Krivanek06].
+void limit_gradient(IrradianceRecord& record, const IrradianceCacheOptions& options) {
+    Vec3 gradient;
+    for (int c = 0; c < 3; ++c)
+        gradient += record.translation.channel[c] * (c == 0 ? 0.2126f : c == 1 ? 0.7152f : 0.0722f);
+    const float steepness = length(gradient), E = luminance(record.irradiance);
+    if (options.gradient_limit && steepness > 0) record.distance = std::min(record.distance, E / steepness);
+    record.radius = clamp(options.spacing * record.distance, record.least_radius, record.largest_radius);
+    const float raised = options.spacing * record.distance / record.radius;
+    if (raised < 1)
+        for (Vec3& g : record.translation.channel) g = g * raised;
+}
+
+std::vector<Candidate> thinned(std::span<const Candidate> candidates, float distance) {
+    constexpr float same_side = 0.9f;  // cosine, about the angle at which a record's validity ends
+    std::vector<Candidate> out;
+    for (const Candidate& c : candidates)
+        if (std::none_of(out.begin(), out.end(), [&](const Candidate& o) {
+                return length_squared(o.position - c.position) < sqr(distance) && dot(o.normal, c.normal) > same_side;
+            }))
+            out.push_back(c);
+    return out;
+}
+
+}  // namespace
+
+std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candidate> candidates, int threads) {
+    std::vector<uint8_t> served(candidates.size());
+    parallel_blocks(candidates.size(), 256, threads, [&](size_t begin, size_t end) {
+        for (size_t i = begin; i < end; ++i) served[i] = cache.serves(candidates[i].position, candidates[i].normal);
+    });
+    std::vector<Candidate> out;
+    for (size_t i = 0; i < candidates.size(); ++i)
+        if (!served[i]) out.push_back(candidates[i]);
+    return out;
+}
+
+std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
+                                             const RecordCache& far, const IrradianceCacheOptions& options,
+                                             uint32_t stream, int rows, Progress& progress) {
+    return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
+        progress.check();
+        IrradianceRecord record = gather(world, candidates[i], far, options, stream, rows, progress);
+        limit_gradient(record, options);
+        return record;
+    });
+}
+
+CacheOptions far_reading(const CacheOptions& near) {
+    CacheOptions far = near;
+    far.relaxation = 1.4f;
+    far.rotation_gradient = false;
+    return far;
+}
+
+SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
+    return {RecordCache(options.cache), RecordCache(far_reading(options.cache))};
+}
+
+void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
+             RecordCache& far, Progress& progress) {
+    // Far records only feed averages over whole hemispheres, so they may be coarse: never finer than a hundredth of the
+    // scene.
+    constexpr float spacing = 0.5f;
+    const float least = 0.01f * world.geometry.radius(), largest = 0.2f * world.geometry.radius();
+    const RecordCache none;
+    auto records = gather_records(world, thinned(unserved(far, candidates, options.threads), 2 * least), none, options,
+                                  far_stream, options.far_rows, progress);
+    for (IrradianceRecord& r : records) {
+        r.least_radius = least;
+        r.largest_radius = largest;
+        r.radius = clamp(spacing * r.distance, least, largest);
+    }
+    far.insert(records, spacing, options.threads);
+    progress.advance();
+}
+
+std::vector<Candidate> far_candidates(const World& world, std::span<const Candidate> seen, uint32_t first, uint32_t end,
+                                      const IrradianceCacheOptions& options, Progress& progress) {
+    constexpr double golden_ratio = 0.6180339887498949;  // its multiples are spread evenly, however many there are
+    std::vector<Ray> rays;
+    for (uint32_t i = first; i < end; ++i) {
+        const double turns = golden_ratio * i;
+        const auto from = static_cast<size_t>((turns - std::floor(turns)) * static_cast<double>(seen.size()));
+        Sampler sampler(options.seed ^ hash(far_stream), 0, i);
+        const Frame around = Frame::around(seen[from].normal);
+        rays.push_back(seen[from].ray(around.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
+    }
+    std::vector<Hit> hits(rays.size());
+    world.geometry.rays().intersect(rays, hits);
+    progress.count_rays(rays.size());
+    std::vector<Candidate> out;
+    for (uint32_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].missed()) continue;
+        const SurfacePoint point = world.geometry.surface_point(hits[i], -rays[i].direction);
+        if (point.bsdf.has(LobeSet::diffuse)) out.emplace_back(point, 0.0f, first + i);
+    }
+    return out;
+}
+
+uint64_t far_passes(const IrradianceCacheOptions& options) {
+    const uint64_t rays =
+        options.max_depth < 0 ? uint64_t(rays_for_record) * static_cast<uint64_t>(options.far_records) : 0;
+    return (rays + far_round - 1) / far_round;
+}
+
+void solve_far(const World& world, std::span<const Candidate> seen, const IrradianceCacheOptions& options,
+               RecordCache& far, Progress& progress) {
+    if (seen.empty()) return;
+    for (uint32_t round = 0; round < far_passes(options); ++round)
+        add_far(world, far_candidates(world, seen, round * far_round, (round + 1) * far_round, options, progress),
+                options, far, progress);
+}
+
+size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
+                SolvedCaches& caches, Progress& progress) {
+    const auto wanted = unserved(caches.near, candidates, options.threads);
+    const auto records = gather_records(world, wanted, caches.far, options, near_stream, options.rows, progress);
+    caches.near.insert(records, options.spacing, options.threads);
+    progress.advance();
+    return wanted.size();
+}
+
+}  // namespace eclat

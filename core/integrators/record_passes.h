@@ -1,0 +1,93 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What all ways to fill an irradiance cache share: candidates, and passes that give records to those not yet served.
+
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "cache/irradiance_cache.h"
+#include "transport/paths.h"
+
+namespace eclat {
+
+enum class Spacing : uint8_t { minimum, harmonic };
+
+struct IrradianceCacheOptions {
+    float spacing = 0.4f;  // radius of a record in units of its distance R
+    Spacing distance = Spacing::minimum;
+    float least_pixels = 2.5f;  // bounds of a record's radius, in pixels
+    float largest_pixels = 40;
+    int rows = 18;  // M of a gather; N = π M
+    int far_rows = 9;
+    int far_records = 2000;  // candidates of the coarse cache that answers at the far end of gather rays
+    bool gradient_limit = true;
+    CacheOptions cache;
+    int max_depth = -1;
+    uint32_t seed = 0;
+    int threads = 0;
+};
+
+struct SolvedCaches {
+    RecordCache near, far;
+};
+
+/// Where a record could be wanted.
+struct Candidate {
+    Vec3 position;
+    Vec3 normal;  // geometric, on the side that is shaded
+    Vec3 shading_normal;
+    float offset = 0;     // how far rays must start from the surface
+    float footprint = 0;  // width of a pixel there
+    uint32_t key = 0;     // of its random numbers: what was traced to find it, never coordinates
+
+    Candidate() = default;
+    Candidate(const SurfacePoint& point, float footprint, uint32_t key)
+        : position(point.position),
+          normal(point.normal_towards_shading()),
+          shading_normal(point.frame.n),
+          offset(point.offset),
+          footprint(footprint),
+          key(key) {}
+
+    /// A ray that leaves into the hemisphere around `normal`.
+    Ray ray(Vec3 direction) const { return {position + normal * offset, 0, direction}; }
+};
+
+/// Those that `cache` does not serve.
+std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candidate> candidates, int threads);
+
+/// Gathers indirect irradiance at points, ending gather rays in the far cache.
+std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
+                                             const RecordCache& far, const IrradianceCacheOptions& options,
+                                             uint32_t stream, int rows, Progress& progress);
+
+/// Empty caches, each with how it is read.
+SolvedCaches empty_caches(const IrradianceCacheOptions& options);
+/// How far records are read from where gather rays end: coarsely, and without turning, since only averages matter.
+CacheOptions far_reading(const CacheOptions& near);
+
+/// A pass of the far cache: coarse records at the candidates that are not served. Rays find candidates by chance, so
+/// those that lie close to each other are thinned, in order.
+void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
+             RecordCache& far, Progress& progress);
+
+/// Diffuse points that rays [first, end) of a sequence of cosine-distributed rays meet; the rays leave from `seen`, spread
+/// evenly over it.
+std::vector<Candidate> far_candidates(const World& world, std::span<const Candidate> seen, uint32_t first, uint32_t end,
+                                      const IrradianceCacheOptions& options, Progress& progress);
+
+/// Rounds of far candidates from `seen`, and their records: all of the far cache.
+void solve_far(const World& world, std::span<const Candidate> seen, const IrradianceCacheOptions& options,
+               RecordCache& far, Progress& progress);
+/// How many passes `solve_far` reports to `progress`.
+uint64_t far_passes(const IrradianceCacheOptions& options);
+
+/// A pass of the near cache against its frozen state: the candidates that are not served get records. Returns how many.
+size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
+                SolvedCaches& caches, Progress& progress);
+
+}  // namespace eclat
