@@ -74,7 +74,7 @@ void bind_cache(nb::module_& m) {
         .def("__init__",
              [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
                  new (c)
-                     SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), 0.5f)};
+                     SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), far_spacing)};
              })
         .def(nb::init<>())
         .def_prop_ro(

@@ -16,7 +16,7 @@ namespace eclat {
 
 struct CacheOptions {
     Weight weight = Weight::tabellion;
-    float relaxation = 1.5f;  // of a record's radius when it is read
+    float relaxation = 2;  // of a record's radius when it is read
     bool rotation_gradient = true;
     bool translation_gradient = true;
     bool neighbor_clamping = true;

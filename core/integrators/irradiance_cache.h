@@ -18,6 +18,10 @@ namespace eclat {
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
                             SolvedCaches& caches, Progress& progress);
 
+/// Light samples at a vertex that the camera sees: the cached part has no noise, so direct light's is what is left, and one
+/// more shadow ray costs less than one more camera ray with its lookup.
+constexpr int cached_light_samples = 4;
+
 /// How paths read the cache: `near` at vertices seen from the camera.
 CachedIrradiance read_near(const SolvedCaches& caches);
 

@@ -29,6 +29,33 @@ CachedIrradiance read_far(const RecordCache& far) {
     };
 }
 
+// What stands low beside the point, or hangs close under the ceiling that it is part of, fills so little of the hemisphere
+// that a gather meets it by luck; yet light ends behind it. Rays along the horizon look for it in every direction.
+void look_along_horizon(const World& world, const Candidate& candidate, IrradianceRecord& record, Spacing distance,
+                        Progress& progress) {
+    constexpr float degree = pi / 180;
+    constexpr int turns = 24;
+    const Frame frame = Frame::around(candidate.normal);
+    std::vector<Ray> rays;
+    for (float elevation : {1.5f * degree, 5 * degree})
+        for (int k = 0; k < turns; ++k) {
+            const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / turns;
+            rays.push_back(candidate.ray(frame.u * (std::cos(elevation) * std::cos(phi)) +
+                                         frame.v * (std::cos(elevation) * std::sin(phi)) + frame.n * std::sin(elevation)));
+        }
+    std::vector<Hit> hits(rays.size());
+    world.geometry.rays().intersect(rays, hits);
+    progress.count_rays(rays.size());
+    for (size_t i = 0; i < rays.size(); ++i) {
+        if (hits[i].missed()) continue;
+        const Vec3 there = world.geometry.surface_point(hits[i], -rays[i].direction).frame.n;
+        if (!stands_apart(candidate.shading_normal, rays[i].direction, there)) continue;
+        float& clearance = record.clearance[clearance_sector(frame, rays[i].direction)];
+        clearance = std::min(clearance, hits[i].t);
+        if (distance == Spacing::minimum) record.distance = std::min(record.distance, hits[i].t);
+    }
+}
+
 IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
                         const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress) {
     const Vec3 p = candidate.position;
@@ -76,6 +103,7 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     record.distance =
         options.distance == Spacing::minimum ? minimum_distance(samples) : harmonic_mean_distance(samples);
     record.clearance = sector_clearance(samples);
+    look_along_horizon(world, candidate, record, options.distance, progress);
     record.least_radius = options.least_pixels * candidate.footprint;
     record.largest_radius = options.largest_pixels * candidate.footprint;
     return record;
@@ -144,7 +172,6 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
              RecordCache& far, Progress& progress) {
     // Far records only feed averages over whole hemispheres, so they may be coarse: never finer than a hundredth of the
     // scene.
-    constexpr float spacing = 0.5f;
     const float least = 0.01f * world.geometry.radius(), largest = 0.2f * world.geometry.radius();
     const RecordCache none;
     auto records = gather_records(world, thinned(unserved(far, candidates, options.threads), 2 * least), none, options,
@@ -152,9 +179,9 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     for (IrradianceRecord& r : records) {
         r.least_radius = least;
         r.largest_radius = largest;
-        r.radius = clamp(spacing * r.distance, least, largest);
+        r.radius = clamp(far_spacing * r.distance, least, largest);
     }
-    far.insert(records, spacing, options.threads);
+    far.insert(records, far_spacing, options.threads);
     progress.advance();
 }
 

