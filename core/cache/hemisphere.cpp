@@ -65,6 +65,21 @@ Color irradiance(const HemisphereSamples& samples) {
     return sum * (pi / static_cast<float>(samples.radiance.size()));
 }
 
+float relative_noise(const HemisphereSamples& samples) {
+    const int M = samples.rows, N = samples.columns;
+    float sum = 0, squares = 0;
+    for (int j = 0; j < M; ++j)
+        for (int k = 0; k < N; ++k) {
+            const float here = luminance(samples.L(j, k));
+            const float beside = luminance(samples.L(j, (k + 1) % N));
+            const float below = luminance(samples.L(j + 1 < M ? j + 1 : j - 1, k));
+            // Two cells differ by twice the variance of one.
+            squares += 0.25f * (sqr(here - beside) + sqr(here - below));
+            sum += here;
+        }
+    return sum > 0 ? std::sqrt(squares) / sum : 0;
+}
+
 RotationGradient rotation_gradient(const HemisphereSamples& samples) {
     const int M = samples.rows, N = samples.columns;
     RotationGradient out{};

@@ -36,6 +36,9 @@ Color take_excess(HemisphereSamples& samples);
 
 /// E = π / MN Σ L_jk [Ward88].
 Color irradiance(const HemisphereSamples& samples);
+/// Standard error of the irradiance's luminance in units of it, from how much neighbouring cells differ: too large where
+/// radiance changes smoothly, for that difference counts as noise too.
+float relative_noise(const HemisphereSamples& samples);
 RotationGradient rotation_gradient(const HemisphereSamples& samples);
 TranslationGradient translation_gradient(const HemisphereSamples& samples);
 

@@ -49,6 +49,18 @@ void RecordCache::share_excess(int threads) {
     });
 }
 
+std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
+    float sum = 0, weights = 0;
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
+        const float w = weight_of(slot, p, normal, d2, options_.relaxation);
+        if (w <= 0) return;
+        sum += records_[tree_.order()[slot]].noise * w;
+        weights += w;
+    });
+    if (weights == 0) return std::nullopt;
+    return sum / weights;
+}
+
 float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
     const Footing& footing = footings_[slot];
     const float w = weight(footing, p, n, options_.weight, relaxation);

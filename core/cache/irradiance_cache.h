@@ -37,6 +37,8 @@ class RecordCache {
     /// Indirect irradiance at `p`, turned by the rotation gradient to the normal of `shading`; nothing where no record
     /// serves it. `mean_radius`: of those that do.
     std::optional<Color> interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius = nullptr) const;
+    /// Mean noise of the gathers whose records, relaxed, reach the point; nothing where none does.
+    std::optional<float> noise_around(Vec3 p, Vec3 normal) const;
     /// Sum of the weights there: the density of records.
     float density(Vec3 p, Vec3 normal) const;
 

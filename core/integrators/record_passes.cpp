@@ -34,14 +34,15 @@ CachedIrradiance read_far(const RecordCache& far) {
 void look_along_horizon(const World& world, const Candidate& candidate, IrradianceRecord& record, Spacing distance,
                         Progress& progress) {
     constexpr float degree = pi / 180;
-    constexpr int turns = 24;
+    constexpr size_t turns = 24;
     const Frame frame = Frame::around(candidate.normal);
     std::vector<Ray> rays;
     for (float elevation : {1.5f * degree, 5 * degree})
-        for (int k = 0; k < turns; ++k) {
+        for (size_t k = 0; k < turns; ++k) {
             const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / turns;
             rays.push_back(candidate.ray(frame.u * (std::cos(elevation) * std::cos(phi)) +
-                                         frame.v * (std::cos(elevation) * std::sin(phi)) + frame.n * std::sin(elevation)));
+                                         frame.v * (std::cos(elevation) * std::sin(phi)) +
+                                         frame.n * std::sin(elevation)));
         }
     std::vector<Hit> hits(rays.size());
     world.geometry.rays().intersect(rays, hits);
@@ -50,15 +51,20 @@ void look_along_horizon(const World& world, const Candidate& candidate, Irradian
         if (hits[i].missed()) continue;
         const Vec3 there = world.geometry.surface_point(hits[i], -rays[i].direction).frame.n;
         if (!stands_apart(candidate.shading_normal, rays[i].direction, there)) continue;
-        float& clearance = record.clearance[clearance_sector(frame, rays[i].direction)];
-        clearance = std::min(clearance, hits[i].t);
+        // A wall goes on between two rays, and is nearest at one side of a sector: its neighbours' sectors hear of it too.
+        const size_t ring = i / turns * turns, k = i % turns;
+        for (size_t heard : {k, (k + 1) % turns, (k + turns - 1) % turns}) {
+            float& clearance = record.clearance[clearance_sector(frame, rays[ring + heard].direction)];
+            clearance = std::min(clearance, hits[i].t);
+        }
         if (distance == Spacing::minimum) record.distance = std::min(record.distance, hits[i].t);
     }
 }
 
-IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
-                        const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress) {
-    const Vec3 p = candidate.position;
+/// Radiance and distance in each cell of a hemisphere of `rows` rows around a candidate.
+HemisphereSamples sample_hemisphere(const World& world, const Candidate& candidate, const RecordCache& far,
+                                    const IrradianceCacheOptions& options, uint32_t stream, int rows,
+                                    Progress& progress) {
     HemisphereSamples samples;
     samples.rows = rows;
     samples.columns = columns_for(rows);
@@ -92,10 +98,18 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
         samples.distance.push_back(results[i].distance);
         samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
     }
+    return samples;
+}
 
+IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
+                        const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress) {
+    HemisphereSamples samples = sample_hemisphere(world, candidate, far, options, stream, rows, progress);
     IrradianceRecord record;
     record.excess = take_excess(samples);
-    record.position = p;
+    // Stratified samples in the plane converge with the power 3/4 of their number, which goes with the square of rows.
+    record.noise =
+        relative_noise(samples) * std::pow(static_cast<float>(rows) / static_cast<float>(options.rows), 1.5f);
+    record.position = candidate.position;
     record.normal = samples.frame.n;
     record.irradiance = irradiance(samples);
     record.rotation = rotation_gradient(samples);
@@ -122,6 +136,18 @@ void limit_gradient(IrradianceRecord& record, const IrradianceCacheOptions& opti
         for (Vec3& g : record.translation.channel) g = g * raised;
 }
 
+template <class Rows>
+std::vector<IrradianceRecord> gather_each(const World& world, std::span<const Candidate> candidates,
+                                          const RecordCache& far, const IrradianceCacheOptions& options,
+                                          uint32_t stream, const Rows& rows, Progress& progress) {
+    return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
+        progress.check();
+        IrradianceRecord record = gather(world, candidates[i], far, options, stream, rows(candidates[i]), progress);
+        limit_gradient(record, options);
+        return record;
+    });
+}
+
 std::vector<Candidate> thinned(std::span<const Candidate> candidates, float distance) {
     constexpr float same_side = 0.9f;  // cosine, about the angle at which a record's validity ends
     std::vector<Candidate> out;
@@ -131,6 +157,15 @@ std::vector<Candidate> thinned(std::span<const Candidate> candidates, float dist
             }))
             out.push_back(c);
     return out;
+}
+
+/// Rows of a gather at the candidate, by the noise that finished records around it found. Not by its own: to repeat gathers
+/// that look noisy would lose the light that made them so.
+int rows_for(const Candidate& candidate, const RecordCache& cache, const IrradianceCacheOptions& options) {
+    const auto noise = cache.noise_around(candidate.position, candidate.normal);
+    if (!noise) return options.rows;
+    const float factor = clamp(std::pow(*noise / options.wanted_noise, 2 / 3.0f), 0.75f, 2);
+    return std::max(2, static_cast<int>(std::lround(static_cast<float>(options.rows) * factor)));
 }
 
 }  // namespace
@@ -149,12 +184,7 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
                                              const RecordCache& far, const IrradianceCacheOptions& options,
                                              uint32_t stream, int rows, Progress& progress) {
-    return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
-        progress.check();
-        IrradianceRecord record = gather(world, candidates[i], far, options, stream, rows, progress);
-        limit_gradient(record, options);
-        return record;
-    });
+    return gather_each(world, candidates, far, options, stream, [&](const Candidate&) { return rows; }, progress);
 }
 
 CacheOptions far_reading(const CacheOptions& near) {
@@ -225,7 +255,9 @@ void solve_far(const World& world, std::span<const Candidate> seen, const Irradi
 size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
                 SolvedCaches& caches, Progress& progress) {
     const auto wanted = unserved(caches.near, candidates, options.threads);
-    const auto records = gather_records(world, wanted, caches.far, options, near_stream, options.rows, progress);
+    const auto records = gather_each(
+        world, wanted, caches.far, options, near_stream,
+        [&](const Candidate& c) { return rows_for(c, caches.near, options); }, progress);
     caches.near.insert(records, options.spacing, options.threads);
     progress.advance();
     return wanted.size();
