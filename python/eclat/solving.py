@@ -114,6 +114,8 @@ def solve(
     return solution(True, float(counted.rays))
 
 
-def _fill_points(prepared: Compiled, points: FloatArray, normals: FloatArray, settings: object) -> Fill:
+def _fill_points(
+    prepared: Compiled, points: FloatArray, normals: FloatArray, settings: _core.IrradianceCacheOptions
+) -> Fill:
     positions, directions = prepared.to_core(points), np.ascontiguousarray(normals, np.float32)
     return lambda caches, p: _core.solve_at_points(prepared.core, positions, directions, settings, caches, p)
