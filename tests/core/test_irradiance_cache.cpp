@@ -242,8 +242,8 @@ TEST_CASE("records are placed by a strict test and read by a relaxed one") {
     CHECK(cache.serves({0.99f, 0, 0}, {0, 0, 1}));
     CHECK_FALSE(cache.serves({1.01f, 0, 0}, {0, 0, 1}));
     CHECK(cache.density({1.01f, 0, 0}, {0, 0, 1}) == 0);
-    CHECK(cache.interpolate({1.4f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
-    CHECK_FALSE(cache.interpolate({1.51f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK(cache.interpolate({1.9f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({2.01f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
 }
 
 TEST_CASE("no radius exceeds a neighbour's by more than the distance between them") {

@@ -94,13 +94,13 @@ TEST_CASE("a record knows its place, its distance and its bounds in pixels") {
     const IrradianceRecord r = at(0.01f);
     CHECK(r.position == Vec3{0.1f, -1, 0.2f});
     CHECK(r.normal == Vec3{0, 1, 0});
-    CHECK(r.least_radius == doctest::Approx(2.5f * 0.01f));
+    CHECK(r.least_radius == doctest::Approx(4 * 0.01f));
     CHECK(r.largest_radius == doctest::Approx(40 * 0.01f));
     // The front wall is 0.8 away; rays are slanted.
     CHECK(r.distance > 0.8f);
     CHECK(r.distance < 0.9f);
     CHECK(r.radius == doctest::Approx(options.spacing * r.distance));
-    CHECK(at(0.2f).radius == doctest::Approx(2.5f * 0.2f));    // raised
+    CHECK(at(0.2f).radius == doctest::Approx(4 * 0.2f));       // raised
     CHECK(at(0.001f).radius == doctest::Approx(40 * 0.001f));  // lowered
 }
 
