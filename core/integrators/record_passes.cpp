@@ -41,7 +41,8 @@ void look_along_horizon(const World& world, const Candidate& candidate, Irradian
         for (int k = 0; k < turns; ++k) {
             const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / turns;
             rays.push_back(candidate.ray(frame.u * (std::cos(elevation) * std::cos(phi)) +
-                                         frame.v * (std::cos(elevation) * std::sin(phi)) + frame.n * std::sin(elevation)));
+                                         frame.v * (std::cos(elevation) * std::sin(phi)) +
+                                         frame.n * std::sin(elevation)));
         }
     std::vector<Hit> hits(rays.size());
     world.geometry.rays().intersect(rays, hits);
