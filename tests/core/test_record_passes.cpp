@@ -9,6 +9,7 @@
 #include <cstring>
 #include <vector>
 
+#include "cache/hemisphere.h"
 #include "integrators/record_passes.h"
 #include "room.h"
 
@@ -94,14 +95,30 @@ TEST_CASE("a record knows its place, its distance and its bounds in pixels") {
     const IrradianceRecord r = at(0.01f);
     CHECK(r.position == Vec3{0.1f, -1, 0.2f});
     CHECK(r.normal == Vec3{0, 1, 0});
-    CHECK(r.least_radius == doctest::Approx(4 * 0.01f));
-    CHECK(r.largest_radius == doctest::Approx(40 * 0.01f));
+    CHECK(r.least_radius == doctest::Approx(options.least_pixels * 0.01f));
+    CHECK(r.largest_radius == doctest::Approx(options.largest_pixels * 0.01f));
     // The front wall is 0.8 away; rays are slanted.
     CHECK(r.distance > 0.8f);
     CHECK(r.distance < 0.9f);
     CHECK(r.radius == doctest::Approx(options.spacing * r.distance));
-    CHECK(at(0.2f).radius == doctest::Approx(4 * 0.2f));       // raised
-    CHECK(at(0.001f).radius == doctest::Approx(40 * 0.001f));  // lowered
+    CHECK(at(0.2f).radius == doctest::Approx(options.least_pixels * 0.2f));        // raised
+    CHECK(at(0.001f).radius == doctest::Approx(options.largest_pixels * 0.001f));  // lowered
+}
+
+TEST_CASE("a panel that hangs close under the ceiling ends a record's validity, however few rays its gather has") {
+    const Room room = build_room({{{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 0.5f, 0},             // ceiling
+                                  {{0.3f, 0.99f, -1}, {0.7f, 0, 0}, {0, 0, 2}, 0.5f, 0}});  // panel, seen from below
+    Progress progress;
+    const Vec3 down{0, -1, 0};
+    for (const uint32_t key : {1u, 2u, 3u, 4u}) {
+        const std::vector<Candidate> wanted{candidate({0.1f, 1, 0}, down, key)};
+        const auto r = gather_records(room.world(), wanted, {}, coarse(), stream, 4, progress)[0];
+        const auto clearance = [&](Vec3 d) { return r.clearance[clearance_sector(Frame::around(down), d)]; };
+        // A ray at 1.5° meets the panel where it is 0.01 under the ceiling.
+        CHECK(clearance({1, 0, 0.1f}) == doctest::Approx(0.01 / std::sin(1.5 * pi / 180)).epsilon(0.05));
+        CHECK(r.distance == clearance({1, 0, 0.1f}));
+        CHECK(clearance({-1, 0, 0.1f}) == infinity);
+    }
 }
 
 TEST_CASE("where the lower bound raises a radius, the gradient shrinks by as much") {
