@@ -73,8 +73,8 @@ void bind_cache(nb::module_& m) {
     nb::class_<SolvedCaches>(m, "SolvedCaches")
         .def("__init__",
              [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
-                 new (c)
-                     SolvedCaches{from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), far_spacing)};
+                 new (c) SolvedCaches{from_array(near, o.cache, o.spacing),
+                                      from_array(far, far_reading(o.cache), far_spacing)};
              })
         .def(nb::init<>())
         .def_prop_ro(

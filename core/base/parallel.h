@@ -7,20 +7,22 @@
 #pragma once
 
 #include <oneapi/tbb/blocked_range.h>
-#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
-#include <oneapi/tbb/parallel_sort.h>
 #include <oneapi/tbb/task_arena.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <vector>
 
 namespace eclat {
 
-/// Calls `f(i)` for each i in [0, count), in any order, on `threads` threads (0 = all cores).
+/// Calls `f(i)` for each i in [0, count), in any order, on `threads` threads (0 = all cores); never on more than there
+/// are cores for: they could not run, and oneTBB warns on standard error.
 template <class F>
 void parallel_for(size_t count, int threads, F&& f) {
-    tbb::task_arena arena(threads > 0 ? threads : tbb::task_arena::automatic);
+    const int cores = tbb::info::default_concurrency();
+    tbb::task_arena arena(threads > 0 ? std::min(threads, cores) : cores);
     arena.execute([&] {
         tbb::parallel_for(
             tbb::blocked_range<size_t>(0, count, 1),

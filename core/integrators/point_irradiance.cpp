@@ -131,7 +131,9 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
         }
         const auto gathered =
             gather_records(world, missed, caches.far, cache_options, gather_stream, cache_options.rows, progress);
-        for (size_t k = 0; k < gathered.size(); ++k) out.irradiance[missed_index[k]] = gathered[k].irradiance;
+        // Nobody shares the excess of a single gather: both are its whole estimate.
+        for (size_t k = 0; k < gathered.size(); ++k)
+            out.irradiance[missed_index[k]] = gathered[k].irradiance + gathered[k].excess;
         out.gathered += missed.size();
         out.served += count - missed.size();
         parallel_for(count, options.threads, [&](size_t k) {

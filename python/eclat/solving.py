@@ -55,7 +55,8 @@ def solve(
         view a pixel of `options` is a thousandth of the scene's diameter.
     max_depth : edges of a path: 2 direct light only, −1 unlimited.
     keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then the Solution of the
-        passes that were finished, marked incomplete; absent before the first.
+        passes that were finished, for a view, points or everywhere alike, marked incomplete; absent as long as there
+        are far records only, which the first passes make.
 
     Same arguments, same bits, whatever `threads`.
 
@@ -114,6 +115,8 @@ def solve(
     return solution(True, float(counted.rays))
 
 
-def _fill_points(prepared: Compiled, points: FloatArray, normals: FloatArray, settings: object) -> Fill:
+def _fill_points(
+    prepared: Compiled, points: FloatArray, normals: FloatArray, settings: _core.IrradianceCacheOptions
+) -> Fill:
     positions, directions = prepared.to_core(points), np.ascontiguousarray(normals, np.float32)
     return lambda caches, p: _core.solve_at_points(prepared.core, positions, directions, settings, caches, p)

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The cache of records: weights that end at zero and know no unit, fields that are linear, and lookups that find every
-// record which a walk through all of them finds.
+// The cache of records: fields that interpolation must reproduce, what it must refuse, lookups that find every record
+// which a walk through all of them finds, and radii that neighbours clamp.
 
 #include <doctest/doctest.h>
 
@@ -10,19 +10,13 @@
 #include <cmath>
 #include <vector>
 
+#include "cache/hemisphere.h"
 #include "cache/irradiance_cache.h"
-#include "sampling/rng.h"
-#include "sampling/warp.h"
+#include "leaning_normal.h"
 
 using namespace eclat;
 
 namespace {
-
-/// A normal that leans against +z by up to `degrees`.
-Vec3 leaning(Rng& rng, float degrees) {
-    const float u = rng.next(), v = rng.next();
-    return square_to_uniform_cone({u, v}, 1 - std::cos(degrees * pi / 180));
-}
 
 // A field of irradiance that is linear in position and, for small turns, in the normal.
 const Vec3 slope{0.7f, -0.4f, 0};
@@ -64,6 +58,34 @@ RecordCache cache_of(const std::vector<IrradianceRecord>& records, CacheOptions 
     cache.insert(std::span(records).first(middle), 1, 1);
     cache.insert(std::span(records).subspan(middle), 1, 1);
     return cache;
+}
+
+constexpr float spacing = 0.5f;
+
+IrradianceRecord bare_record(Vec3 position, float distance, Color E, Vec3 normal = {0, 0, 1}) {
+    IrradianceRecord r{};
+    r.position = position;
+    r.normal = normal;
+    r.irradiance = E;
+    r.distance = distance;
+    r.radius = spacing * distance;
+    r.clearance.fill(infinity);
+    return r;
+}
+
+float linear_field(Vec3 p) { return 2 + 0.3f * p.x - 0.2f * p.y; }
+
+/// Records on the plane z = 0 that know E and its gradient exactly.
+std::vector<IrradianceRecord> linear_records() {
+    std::vector<IrradianceRecord> out;
+    Rng rng(21, 0);
+    for (int i = 0; i < 200; ++i) {
+        const float x = rng.next() * 2 - 1, y = rng.next() * 2 - 1;
+        const Vec3 p{x, y, 0};
+        out.push_back(bare_record(p, 0.4f + 0.4f * rng.next(), Color(linear_field(p))));
+        out.back().translation.channel.fill({0.3f, -0.2f, 0});
+    }
+    return out;
 }
 
 }  // namespace
@@ -128,48 +150,6 @@ TEST_CASE("a lookup finds every record that reaches the point") {
         }
 }
 
-TEST_CASE("a weight falls to zero at the border of validity, in position, height and normal") {
-    const Vec3 up{0, 0, 1};
-    const Footing record{{1, 2, 3}, 0.5f, up, infinity};
-    for (const Weight kind : {Weight::tabellion, Weight::ward})
-        for (const float relaxation : {1.0f, 1.5f}) {
-            const auto at = [&](Vec3 d, Vec3 n) { return weight(record, record.position + d, n, kind, relaxation); };
-            const float reach = 0.5f * relaxation;
-            CHECK(at({}, up) >= at({0.1f * reach, 0, 0}, up));
-            CHECK(at({0.1f * reach, 0, 0}, up) > at({0.5f * reach, 0, 0}, up));
-            CHECK(at({0.999f * reach, 0, 0}, up) > 0);
-            CHECK(at({0.999f * reach, 0, 0}, up) < 2e-3f);
-            CHECK(at({1.001f * reach, 0, 0}, up) == 0);
-            // Behind and before alike: nothing that is not nearly in the plane.
-            for (const float side : {-1.0f, 1.0f}) {
-                CHECK(at({0, 0, side * 0.2f * reach}, up) > 0);
-                CHECK(at({0, 0, side * 0.3f * reach}, up) == 0);
-            }
-            const auto turned = [&](float degrees) {
-                const float a = degrees * pi / 180;
-                return at({}, {std::sin(a), 0, std::cos(a)});
-            };
-            CHECK(turned(5) > 0);
-            CHECK(turned(9.99f * relaxation) < 0.01f);
-            CHECK(turned(10.2f * relaxation) == 0);
-            CHECK(turned(180) == 0);
-        }
-}
-
-TEST_CASE("weights know no unit of length") {
-    Rng rng(35, 1);
-    for (const float scale : {0x1p-20f, 0x1p20f, 1000.0f, 0.001f})
-        for (int i = 0; i < 300; ++i) {
-            const Footing record{{rng.next(), rng.next(), rng.next()}, 0.5f, leaning(rng, 20), infinity};
-            const Vec3 p = record.position + Vec3{rng.next() - 0.5f, rng.next() - 0.5f, 0.2f * (rng.next() - 0.5f)},
-                       n = leaning(rng, 20);
-            const Footing scaled{record.position * scale, record.radius * scale, record.normal, infinity};
-            for (const Weight kind : {Weight::tabellion, Weight::ward})
-                CHECK(weight(scaled, p * scale, n, kind, 1.3f) ==
-                      doctest::Approx(weight(record, p, n, kind, 1.3f)).epsilon(1e-3).scale(1e-3));
-        }
-}
-
 TEST_CASE("extrapolation stops short of darkness and of twenty times the value") {
     IrradianceRecord r = record_at({0, 0, 0}, {0, 0, 1}, 1);
     r.irradiance = Color(1.0f);
@@ -180,6 +160,12 @@ TEST_CASE("extrapolation stops short of darkness and of twenty times the value")
     CHECK(E->r == doctest::Approx(20));
     CHECK(E->g == doctest::Approx(0.05));
     CHECK(E->b == doctest::Approx(1.5));
+    std::vector<IrradianceRecord> records{bare_record({}, 2, Color(1))};
+    records[0].translation.channel.fill({-1000, 0, 0});
+    RecordCache single;
+    single.insert(records, spacing, 1);
+    CHECK(single.interpolate({0.5f, 0, 0}, {0, 0, 1}, {0, 0, 1})->r == doctest::Approx(0.05f));
+    CHECK(single.interpolate({-0.5f, 0, 0}, {0, 0, 1}, {0, 0, 1})->r == doctest::Approx(20));
 }
 
 TEST_CASE("clamped radii change no faster than distance, in any order of insertion") {
@@ -203,4 +189,139 @@ TEST_CASE("clamped radii change no faster than distance, in any order of inserti
             CHECK_FALSE(out[i].radius > (other.radius + 0.5f * length(out[i].position - other.position)) * 1.00001f);
     }
     CHECK(shrunk > 50);
+}
+
+TEST_CASE("a linear field is reproduced by exact gradients, and not without them") {
+    RecordCache with;
+    with.insert(linear_records(), spacing, 1);
+    CacheOptions off;
+    off.translation_gradient = false;
+    RecordCache without(off);
+    without.insert(linear_records(), spacing, 1);
+    double worst_without = 0;
+    int served = 0;
+    for (float x = -0.9f; x < 0.9f; x += 0.13f)
+        for (float y = -0.9f; y < 0.9f; y += 0.13f) {
+            const Vec3 p{x, y, 0};
+            const auto E = with.interpolate(p, {0, 0, 1}, {0, 0, 1});
+            if (!E) continue;
+            ++served;
+            CHECK(E->g == doctest::Approx(linear_field(p)).epsilon(1e-5));
+            worst_without = std::max(
+                worst_without, double(std::abs(without.interpolate(p, {0, 0, 1}, {0, 0, 1})->g - linear_field(p))));
+        }
+    CHECK(served > 150);
+    CHECK(worst_without > 1e-2);
+}
+
+TEST_CASE("the rotation gradient answers to a turned normal") {
+    // E falls by 0.5 per radian of turn about +y.
+    std::vector<IrradianceRecord> records{bare_record({}, 2, Color(3))};
+    records[0].rotation.channel.fill({0, -0.5f, 0});
+    RecordCache cache;
+    cache.insert(records, spacing, 1);
+    const float a = 0.1f;
+    const Vec3 n{std::sin(a), 0, std::cos(a)};  // turned about +y
+    CHECK(cache.interpolate({}, {0, 0, 1}, n)->r == doctest::Approx(3 - 0.5f * std::sin(a)).epsilon(1e-5));
+}
+
+TEST_CASE("where no record reaches there is a miss, not darkness") {
+    RecordCache cache;
+    CHECK_FALSE(cache.interpolate({}, {0, 0, 1}, {0, 0, 1}).has_value());
+    const std::vector<IrradianceRecord> records{bare_record({}, 2, Color(1))};
+    cache.insert(records, spacing, 1);
+    CHECK(cache.interpolate({}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({5, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({}, {0, 0, -1}, {0, 0, -1}).has_value());
+}
+
+TEST_CASE("records are placed by a strict test and read by a relaxed one") {
+    RecordCache cache;
+    const std::vector<IrradianceRecord> records{bare_record({}, 2, Color(1))};
+    cache.insert(records, spacing, 1);
+    CHECK(cache.serves({0.99f, 0, 0}, {0, 0, 1}));
+    CHECK_FALSE(cache.serves({1.01f, 0, 0}, {0, 0, 1}));
+    CHECK(cache.density({1.01f, 0, 0}, {0, 0, 1}) == 0);
+    CHECK(cache.interpolate({1.9f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK_FALSE(cache.interpolate({2.01f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+}
+
+TEST_CASE("no radius exceeds a neighbour's by more than the distance between them") {
+    Rng rng(22, 0);
+    std::vector<IrradianceRecord> records;
+    for (int i = 0; i < 400; ++i) {
+        const float x = rng.next(), y = rng.next();
+        records.push_back(bare_record({x, y, 0}, 0.01f + 2 * rng.next(), Color(1)));
+    }
+    RecordCache cache;
+    // In two passes, as a cache is filled.
+    cache.insert(std::span(records).first(150), spacing, 1);
+    cache.insert(std::span(records).subspan(150), spacing, 2);
+    const auto& clamped = cache.records();
+    REQUIRE(clamped.size() == 400);
+    int changed = 0;
+    for (const auto& a : clamped) {
+        float least = a.distance;
+        for (const auto& b : clamped) {
+            const float d = length(a.position - b.position);
+            CHECK(a.radius <= b.radius + spacing * d + 1e-6f);
+            least = std::min(least, b.distance + d);
+        }
+        CHECK(a.radius == doctest::Approx(spacing * least).epsilon(1e-6));
+        changed += a.radius < spacing * a.distance;
+    }
+    CHECK(changed > 100);
+}
+
+TEST_CASE("a wall beside a record ends its validity in that direction only") {
+    std::vector<IrradianceRecord> records{bare_record({}, 4, Color(1))};
+    const Frame frame = Frame::around(records[0].normal);
+    records[0].clearance[clearance_sector(frame, {1, 0, 0})] = 0.3f;
+    RecordCache cache;
+    cache.insert(records, spacing, 1);
+    CHECK(cache.serves({0.29f, 0, 0}, {0, 0, 1}));
+    CHECK_FALSE(cache.serves({0.31f, 0, 0}, {0, 0, 1}));
+    CHECK_FALSE(cache.interpolate({0.31f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+    CHECK(cache.serves({-1, 0, 0}, {0, 0, 1}));
+    CHECK(cache.serves({0, 1, 0}, {0, 0, 1}));
+}
+
+TEST_CASE("what few rays brought in excess is read as the mean of the surroundings") {
+    const Vec3 up{0, 0, 1};
+    const auto with_excess = [](Vec3 p, float excess, Vec3 normal) {
+        IrradianceRecord r = bare_record(p, 1, Color(1), normal);
+        r.least_radius = r.largest_radius = r.radius;
+        r.excess = Color(excess);
+        return r;
+    };
+    const auto read = [&](const std::vector<IrradianceRecord>& records, Vec3 at) {
+        RecordCache cache;
+        cache.insert(records, spacing, 2);
+        return cache.interpolate(at, up, up)->g;
+    };
+    CHECK(read({with_excess({}, 3, up)}, {}) == doctest::Approx(4));  // alone, all its own
+    CHECK(read({with_excess({}, 3, up), with_excess({}, 0, up)}, {}) == doctest::Approx(2.5));
+    // Two radii away it is shared though not interpolated; beyond four, on another side or behind a wall it is not.
+    const float near = read({with_excess({}, 3, up), with_excess({1, 0, 0}, 0, up)}, {});
+    CHECK(near > 2.5f);
+    CHECK(near < 3.9f);
+    CHECK(read({with_excess({}, 3, up), with_excess({2.1f, 0, 0}, 0, up)}, {}) == doctest::Approx(4));
+    CHECK(read({with_excess({}, 3, up), with_excess({}, 0, -up)}, {}) == doctest::Approx(4));
+    IrradianceRecord walled = with_excess({1, 0, 0}, 0, up);
+    walled.clearance[clearance_sector(Frame::around(up), {-1, 0, 0})] = 0.5f;
+    CHECK(read({with_excess({}, 3, up), walled}, {}) == doctest::Approx(4));
+    // Over many equal records the sum stays: noise of one becomes a little of all.
+    std::vector<IrradianceRecord> many;
+    for (int x = 0; x < 24; ++x)
+        for (int y = 0; y < 24; ++y)
+            many.push_back(with_excess({0.4f * float(x), 0.4f * float(y), 0}, x == 12 && y == 12 ? 100.0f : 0, up));
+    double sum = 0;
+    float largest = 0;
+    for (const IrradianceRecord& r : many) {
+        const float excess = read(many, r.position) - 1;
+        sum += excess;
+        largest = std::max(largest, excess);
+    }
+    CHECK(sum == doctest::Approx(100).epsilon(0.01));
+    CHECK(largest < 15);
 }

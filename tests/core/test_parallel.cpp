@@ -13,7 +13,7 @@
 using namespace eclat;
 
 TEST_CASE("each index comes once, whatever the number of threads") {
-    for (int threads : {0, 1, 2})
+    for (int threads : {0, 1, 2, 500})  // more than there are cores, too
         for (size_t count : {0, 1, 7, 1000}) {
             std::vector<std::atomic<int>> calls(count);
             parallel_for(count, threads, [&](size_t i) { ++calls[i]; });

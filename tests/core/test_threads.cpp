@@ -15,79 +15,11 @@
 
 #include "integrators/irradiance_cache.h"
 #include "integrators/render.h"
+#include "room.h"
 
 using namespace eclat;
 
 namespace {
-
-/// A closed room of 2 × 2 × 2 around the origin, seen from inside; what it owns, a World borrows.
-struct Room {
-    std::unique_ptr<Geometry> geometry;
-    std::vector<EmitterTriangle> emitters;
-    std::vector<uint32_t> emitter_of_triangle;
-    Lights lights;
-
-    World world() const { return {*geometry, lights, emitter_of_triangle}; }
-};
-
-struct Wall {
-    Vec3 corner, edge1, edge2;  // edge1 × edge2 points inwards
-    float albedo, emission;
-};
-
-Material diffuse(float albedo, float emission) {
-    Material m;
-    Value reflectance;
-    reflectance.constant = Color(albedo);
-    m.parameters = {reflectance};
-    m.emits = emission > 0;
-    m.emission.constant = Color(emission);
-    return m;
-}
-
-Room build(const std::vector<Wall>& walls) {
-    std::vector<MeshArrays> meshes;
-    std::vector<Material> materials;
-    for (const Wall& wall : walls) {
-        MeshArrays mesh;
-        mesh.positions = {wall.corner, wall.corner + wall.edge1, wall.corner + wall.edge1 + wall.edge2,
-                          wall.corner + wall.edge2};
-        mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
-        mesh.material = static_cast<int>(materials.size());
-        materials.push_back(diffuse(wall.albedo, wall.emission));
-        meshes.push_back(mesh);
-    }
-    Room room;
-    room.geometry =
-        std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::vector<std::unique_ptr<Texture>>{});
-    const Geometry& g = *room.geometry;
-    room.emitter_of_triangle.assign(g.triangle_count(), not_emitting);
-    for (uint32_t t = 0; t < g.triangle_count(); ++t) {
-        if (!g.material_of(t).emits) continue;
-        room.emitter_of_triangle[t] = static_cast<uint32_t>(room.emitters.size());
-        EmitterTriangle e;
-        e.p0 = g.vertex(t, 0);
-        e.p1 = g.vertex(t, 1);
-        e.p2 = g.vertex(t, 2);
-        e.emission = g.material_of(t).emission;
-        e.triangle_id = t;
-        room.emitters.push_back(e);
-    }
-    LightInputs inputs;
-    inputs.triangles = room.emitters;
-    inputs.scene_radius = g.radius();
-    room.lights = Lights(inputs);
-    return room;
-}
-
-Room closed_room(const std::array<float, 6>& albedo, const std::array<float, 6>& emission) {
-    return build({{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, albedo[0], emission[0]},   // floor
-                  {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, albedo[1], emission[1]},    // ceiling
-                  {{-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, albedo[2], emission[2]},   // left
-                  {{1, -1, -1}, {0, 0, 2}, {0, 2, 0}, albedo[3], emission[3]},    // right
-                  {{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, albedo[4], emission[4]},   // back
-                  {{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, albedo[5], emission[5]}});  // front
-}
 
 Camera camera_in_room() {
     Camera c{};

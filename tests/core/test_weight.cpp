@@ -8,6 +8,7 @@
 #include <cmath>
 
 #include "cache/weight.h"
+#include "leaning_normal.h"
 
 using namespace eclat;
 
@@ -76,5 +77,47 @@ TEST_CASE("the unit of length does not matter") {
             const float w = weight(small, p, tilted(4), kind, 1);
             CHECK(w > 0);
             CHECK(weight(large, p * scale, tilted(4), kind, 1) == w);
+        }
+}
+
+TEST_CASE("reach, height and turn at which a weight ends grow with the relaxation") {
+    const Vec3 up{0, 0, 1};
+    const Footing record{{1, 2, 3}, 0.5f, up, infinity};
+    for (const Weight kind : {Weight::tabellion, Weight::ward})
+        for (const float relaxation : {1.0f, 1.5f}) {
+            const auto at = [&](Vec3 d, Vec3 n) { return weight(record, record.position + d, n, kind, relaxation); };
+            const float reach = 0.5f * relaxation;
+            CHECK(at({}, up) >= at({0.1f * reach, 0, 0}, up));
+            CHECK(at({0.1f * reach, 0, 0}, up) > at({0.5f * reach, 0, 0}, up));
+            CHECK(at({0.999f * reach, 0, 0}, up) > 0);
+            CHECK(at({0.999f * reach, 0, 0}, up) < 2e-3f);
+            CHECK(at({1.001f * reach, 0, 0}, up) == 0);
+            // Behind and before alike: nothing that is not nearly in the plane.
+            for (const float side : {-1.0f, 1.0f}) {
+                CHECK(at({0, 0, side * 0.2f * reach}, up) > 0);
+                CHECK(at({0, 0, side * 0.3f * reach}, up) == 0);
+            }
+            const auto turned = [&](float degrees) {
+                const float a = degrees * pi / 180;
+                return at({}, {std::sin(a), 0, std::cos(a)});
+            };
+            CHECK(turned(5) > 0);
+            CHECK(turned(9.99f * relaxation) < 0.01f);
+            CHECK(turned(10.2f * relaxation) == 0);
+            CHECK(turned(180) == 0);
+        }
+}
+
+TEST_CASE("the unit of length does not matter at any place and turn") {
+    Rng rng(35, 1);
+    for (const float scale : {0x1p-20f, 0x1p20f, 1000.0f, 0.001f})
+        for (int i = 0; i < 300; ++i) {
+            const Footing record{{rng.next(), rng.next(), rng.next()}, 0.5f, leaning(rng, 20), infinity};
+            const Vec3 p = record.position + Vec3{rng.next() - 0.5f, rng.next() - 0.5f, 0.2f * (rng.next() - 0.5f)},
+                       n = leaning(rng, 20);
+            const Footing scaled{record.position * scale, record.radius * scale, record.normal, infinity};
+            for (const Weight kind : {Weight::tabellion, Weight::ward})
+                CHECK(weight(scaled, p * scale, n, kind, 1.3f) ==
+                      doctest::Approx(weight(record, p, n, kind, 1.3f)).epsilon(1e-3).scale(1e-3));
         }
 }

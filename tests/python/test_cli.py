@@ -408,6 +408,16 @@ def test_irradiance_from_a_solved_file_says_what_served_each_point() -> None:
     assert said == "eclat: 2 points, 1 served by records, 1 gathered, RGB in W/m², lux by 179 lm/W\n"
 
 
+def test_more_threads_than_cores_are_no_news_and_no_other_records() -> None:
+    runs = [["solve", "cornell-box", "--max-error", "0.1", "--size", "32x32", "--threads", t] for t in ("1", "500")]
+    for run in runs:
+        with start([*run, "-o", f"{run[-1]}.npz", "--quiet"]) as process:
+            assert process.communicate(timeout=60) == ("", "")
+        assert process.returncode == 0
+    one, many = (eclat.Solution.load(f"{run[-1]}.npz", load("cornell-box")) for run in runs)
+    assert len(one) and np.array_equal(one.near, many.near) and np.array_equal(one.far, many.far)
+
+
 def interrupted(arguments: list[str], phase: str, fraction: float) -> subprocess.Popen[str]:
     """A run with --json, stopped by Ctrl-C once that phase is that far; ended when this returns."""
     with start([*arguments, "--json"]) as process:
@@ -434,15 +444,21 @@ def test_keep_partial_of_a_picture_is_the_picture_of_fewer_samples() -> None:
     assert np.array_equal(Image.load("b.exr").pixels, image.pixels)
 
 
-def test_keep_partial_of_a_solve_is_marked_incomplete() -> None:
-    arguments = ["solve", "cornell-box", "--view-independent", "--max-error", "0.002", "-o", "a.npz"]
-    assert interrupted([*arguments, "--keep-partial"], "solve", 0.3).returncode == 130
+# A third of the passes of a view are for far records, which alone are not worth keeping.
+@pytest.mark.parametrize(
+    ("where", "fraction"),
+    [(["--view-independent"], 0.3), (["--size", "512x512"], 0.4)],
+    ids=["everywhere", "view"],
+)
+def test_keep_partial_of_a_solve_is_marked_incomplete(where: list[str], fraction: float) -> None:
+    arguments = ["solve", "cornell-box", *where, "--max-error", "0.002", "-o", "a.npz"]
+    assert interrupted([*arguments, "--keep-partial"], "solve", fraction).returncode == 130
     scene = load("cornell-box")
     with pytest.warns(eclat.EclatWarning, match="this cache is incomplete, since its solve was interrupted"):
         solution = eclat.Solution.load("a.npz", scene)
     assert len(solution) > 0 and not solution.complete
     os.remove("a.npz")
-    assert interrupted(arguments, "solve", 0.3).returncode == 130
+    assert interrupted(arguments, "solve", fraction).returncode == 130
     assert os.listdir() == []
 
 

@@ -50,7 +50,7 @@ EXAMPLES = {
 )
 @scene_argument
 @output_option("A file ending in .npz [SCENE.npz].")
-@keep_partial_option("On Ctrl-C write the records of the passes that are done, marked incomplete.")
+@keep_partial_option("On Ctrl-C write the records of the passes that are done, if any, marked incomplete.")
 @option("--view-independent", is_flag=True, section="Input", help="Records on all surfaces instead of in a view.")
 @option("--points", metavar="FILE", section="Input", help="Records for points x y z nx ny nz; text, .csv or .npy.")
 @max_error_option("Relative error of indirect light")
