@@ -73,7 +73,7 @@ def _fill_lazily(options: eclat.IrradianceCache, size: tuple[int, int], scene: S
         "rays": float(progress.rays),
         "seconds": time.perf_counter() - before,
     }
-    return solved_from_core(scene, options, caches, statistics)
+    return solved_from_core(scene, options, caches, statistics, max_depth=-1, complete=True)
 
 
 def tables(result: dict[str, Any]) -> str:

@@ -42,7 +42,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
         everywhere, away = truth.error(image)
         pictures.append({
             "error": everywhere, "error_away": away, "samples": int(statistics["samples"]),
-            "cache_misses": int(statistics["cache_misses"]), "far_records": int(solution.statistics["far_records"]),
+            "cache_misses": int(statistics.get("cache_misses", 0)), "far_records": int(solution.statistics["far_records"]),
             "seconds": statistics["seconds"],
         })  # fmt: skip
         return truth.cache_error(*pair), None

@@ -73,7 +73,7 @@ def _call_afresh(call: Callable[[Scene], T], scene: Scene) -> T:
 
 def _counts(value: Image | Solution) -> tuple[int, int]:
     statistics = value.metadata["statistics"] if isinstance(value, Image) else value.statistics
-    return int(statistics["records"]), int(statistics["rays"])
+    return int(statistics.get("records", 0)), int(statistics["rays"])  # paths have none
 
 
 @dataclass(frozen=True)

@@ -173,7 +173,7 @@ def _reads_tangents(material: Material) -> bool:
 
 
 def _center(scene: Scene) -> FloatArray:
-    """Centre of the bounds, rounded to few bits so that scaling a scene by a power of two scales it exactly."""
+    """(3,) centre of the bounds in double precision: the origin of the frame in which the core works."""
     used = [np.asarray(m.positions, np.float64) for m in scene.meshes if len(m.positions)]
     if not used:
         return np.zeros(3)
