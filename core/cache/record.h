@@ -32,7 +32,7 @@ struct IrradianceRecord {
     /// Per sector of azimuth in Frame::around(normal): how far one can walk before geometry stands in the way. What
     /// lies beyond may be another room.
     std::array<float, 12> clearance{};
-    float noise = 0;  // relative, of a gather of the usual number of rays
+    float noise = 0;  // relative, as if its gather had the usual number of rays
 };
 static_assert(sizeof(IrradianceRecord) <= 200);
 

@@ -16,6 +16,7 @@ namespace {
 
 enum Stream : uint32_t { far_stream = 2, near_stream };
 
+constexpr float usual_rows = 14;         // of the gather whose noise records keep
 constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
 constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
 
@@ -107,8 +108,7 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     IrradianceRecord record;
     record.excess = take_excess(samples);
     // Stratified samples in the plane converge with the power 3/4 of their number, which goes with the square of rows.
-    record.noise =
-        relative_noise(samples) * std::pow(static_cast<float>(rows) / static_cast<float>(options.rows), 1.5f);
+    record.noise = relative_noise(samples) * std::pow(static_cast<float>(rows) / usual_rows, 1.5f);
     record.position = candidate.position;
     record.normal = samples.frame.n;
     record.irradiance = irradiance(samples);
@@ -164,7 +164,8 @@ std::vector<Candidate> thinned(std::span<const Candidate> candidates, float dist
 int rows_for(const Candidate& candidate, const RecordCache& cache, const IrradianceCacheOptions& options) {
     const auto noise = cache.noise_around(candidate.position, candidate.normal);
     if (!noise) return options.rows;
-    const float factor = clamp(std::pow(*noise / options.wanted_noise, 2 / 3.0f), 0.75f, 2);
+    constexpr float wanted_noise = 0.04f;  // at which a gather takes just the rows that were asked for
+    const float factor = clamp(std::pow(*noise / wanted_noise, 2 / 3.0f), 0.75f, 2);
     return std::max(2, static_cast<int>(std::lround(static_cast<float>(options.rows) * factor)));
 }
 

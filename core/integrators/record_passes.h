@@ -21,8 +21,7 @@ struct IrradianceCacheOptions {
     Spacing distance = Spacing::minimum;
     float least_pixels = 4;  // bounds of a record's radius, in pixels
     float largest_pixels = 40;
-    float wanted_noise = 0.04f;  // of a gather by `relative_noise`; decides its rows, between 3/4 and twice `rows`
-    int rows = 14;               // M of a gather; N = π M
+    int rows = 14;  // M of a gather; N = π M
     int far_rows = 9;
     int far_records = 2000;  // candidates of the coarse cache that answers at the far end of gather rays
     bool gradient_limit = true;
