@@ -189,7 +189,11 @@ def _environment(source: Path | Point, up: Point) -> Environment:
             raise EclatError(f"environment: expected three finite numbers ≥ 0, got {source}")
         return Environment(np.array(source, dtype=np.float32).reshape(1, 1, 3))
     path = Path(source)
-    image, linear = read_image_file(path, read_bytes(path, where="environment"))
+    data = read_bytes(path, where="environment")
+    try:
+        image, linear = read_image_file(path, data)
+    except EclatError as error:
+        raise EclatError(f"environment: {path}: {error}") from None
     colour: FloatArray = image.astype(np.float32) / 255 if image.dtype == np.uint8 else image.astype(np.float32)
     colour = np.repeat(colour, 3, axis=2) if colour.shape[2] == 1 else colour[..., :3]
     if not linear:

@@ -75,7 +75,8 @@ def render(
 
     Returns
     -------
-    Image with the layers direct, indirect, albedo, normal and depth, with records also record_density.
+    Image with the layers direct, indirect, albedo, normal and depth, with records also record_density. Samples that
+    were not finite are left out, told by a warning, and counted in its metadata as `bad_samples`.
 
     Raises
     ------
@@ -139,11 +140,12 @@ def render(
             image.metadata["samples_done"] = sampling.partial_taken
             stop.partial = image  # type: ignore[attr-defined]
         raise
-    about.warn_of_bad_samples(film, sampling.taken)
     if samples is None and deadline is None and sampling.noise > max_error:
         noise = f"the noise is still {sampling.noise:.2g}, not {max_error:g}"
         warn(f"after {sampling.taken:,} samples {noise}: stopped there")
-    return about.image(film, _statistics(sampling, sampling.taken, solution, film, clock.perf_counter() - started))
+    image = about.image(film, _statistics(sampling, sampling.taken, solution, film, clock.perf_counter() - started))
+    about.tell_bad_samples(image, film, sampling.taken)
+    return image
 
 
 @dataclass(frozen=True, eq=False)
@@ -184,20 +186,18 @@ class _About:
         inside[y0:y1, x0:x1] = density[y0:y1, x0:x1]
         return inside
 
-    def warn_of_bad_samples(self, film: _core.Film, taken: int) -> None:
+    def tell_bad_samples(self, image: Image, film: _core.Film, taken: int) -> None:
+        """Count the samples that were not finite and were left out, in the metadata and in a warning."""
         if not film.bad_count:
             return
         x, y, sample = film.bad_samples[0]
         x0, y0, x1, y1 = self.region
-        method, (width, height) = method_name(self.options), self.size
-        depth = f" --max-depth {self.max_depth}" if self.max_depth >= 0 else ""
-        python = f"samples={sample + 1}, seed={self.seed}, crop=({x}, {y}, {x + 1}, {y + 1}), size=({width}, {height})"
+        image.metadata["bad_samples"] = {"count": int(film.bad_count), "first": [x, y, sample]}
         warn(
-            f"{film.bad_count:,} of {taken * (x1 - x0) * (y1 - y0):,} samples were not finite; "
+            f"{film.bad_count:,} of {taken * (x1 - x0) * (y1 - y0):,} samples were not finite and are left out; "
             f"first at pixel ({x}, {y}), sample {sample}\n"
-            f"         replay: eclat render {self.scene.name or 'SCENE'} --method {method} --size {width}x{height}"
-            f"{depth} --seed {self.seed} --replay {x},{y},{sample}\n"
-            f"         or: eclat.render(scene, eclat.{type(self.options).__name__}(), {python})"
+            f"         replay: the same eclat.render(…) with samples={sample + 1}, "
+            f"crop=({x}, {y}, {x + 1}, {y + 1}), size=({self.size[0]}, {self.size[1]})"
         )
 
 

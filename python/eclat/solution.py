@@ -152,9 +152,13 @@ class Solution:
         """Read a saved cache; with `scene`, refuse one that was solved for another. Raises EclatError."""
         name = os.fspath(path)
         try:
-            with np.load(path, allow_pickle=False) as data:
-                header = json.loads(str(data["header"]))
-                near, far, center = data["near"], data["far"], data["center"]
+            with open(path, "rb") as file:
+                if not zipfile.is_zipfile(file):
+                    raise zipfile.BadZipFile("it is no .npz archive")
+                file.seek(0)
+                with np.load(file, allow_pickle=False) as data:
+                    header = json.loads(str(data["header"]))
+                    near, far, center = data["near"], data["far"], data["center"]
         except FileNotFoundError:
             raise EclatError(f"{name}: no such file") from None
         except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:

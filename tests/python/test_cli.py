@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import os
+import shlex
 import signal
 import subprocess
 import sys
@@ -318,6 +319,19 @@ def test_replaying_one_sample_renders_one_pixel_and_writes_nothing(api: FakeApi,
     assert (api.calls[0]["crop"], api.calls[0]["samples"]) == ((4, 2, 5, 3), 20)
     assert capsys.readouterr().out.startswith("pixel (4, 2), samples 0 to 19: finite, mean radiance ")
     assert os.listdir() == []
+
+
+def test_samples_that_are_not_finite_come_with_the_command_that_replays_them(api: FakeApi, capsys: Output) -> None:
+    api.metadata = {"bad_samples": {"count": 3, "first": [4, 2, 19]}}
+    assert (
+        main(["render", "cornell-box", "--method", "path", "--size", "8x6", "-q", "-o", "a.npy", "-o", "a b.exr"]) == 0
+    )
+    words = "render cornell-box --replay-settings 'a b.exr' --replay 4,2,19"
+    assert errors(capsys) == f"eclat: warning: to replay the first of these samples: eclat {words}\n"
+    api.metadata["bad_samples"]["count"] = 1
+    assert main(shlex.split(words)) == 0
+    assert (api.calls[1]["crop"], api.calls[1]["samples"], api.calls[1]["size"]) == ((4, 2, 5, 3), 20, (8, 6))
+    assert capsys.readouterr().out.startswith("pixel (4, 2), samples 0 to 19: 1 NOT FINITE, the first is number 19, ")
 
 
 def test_scenes_are_listed(capsys: Output) -> None:

@@ -120,9 +120,11 @@ def test_bad_overrides_are_named(arguments: dict[str, object], message: str) -> 
 
 
 def test_a_broken_environment_file_is_named(tmp_path: Path) -> None:
-    (tmp_path / "sky.hdr").write_bytes(b"#?RADIANCE\nnot really")
-    with pytest.raises(EclatError):
-        complete(scene_of(icosphere(1), cameras=(CAMERA,)), environment=tmp_path / "sky.hdr")
+    for name, content in (("sky.hdr", b"#?RADIANCE\nnot really"), ("sky.txt", b"no image at all")):
+        (tmp_path / name).write_bytes(content)
+        with pytest.raises(EclatError, match=f"environment: .*{name}: ") as error:
+            complete(scene_of(icosphere(1), cameras=(CAMERA,)), environment=tmp_path / name)
+        assert " at 0x" not in str(error.value)  # no address of a Python object
 
 
 def test_environment_of_one_colour_replaces_the_scenes(recwarn: pytest.WarningsRecorder) -> None:

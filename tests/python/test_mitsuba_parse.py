@@ -221,7 +221,10 @@ def test_a_light_of_one_number_is_grey_before_version_3(
     [
         ('<shape type="sphere"><float name="radius" value="1,5x"/></shape>', "expected a number, got '1,5x'"),
         ('<shape type="sphere"><float name="radius" value="nan"/></shape>', "expected a number, got 'nan'"),
-        ('<shape type="sphere"><float name="radius" value="1e999"/></shape>', "expected a finite number, got inf"),
+        (
+            '<shape type="sphere"><float name="radius" value="1e999"/></shape>',
+            "expected a finite number of at most 1e+30 in size, got inf",
+        ),
         ('<shape type="sphere"><float name="radius"/></shape>', "expected the attribute value"),
         (
             '<shape type="cube"><boolean name="flip_normals" value="maybe"/></shape>',
@@ -238,6 +241,11 @@ def test_a_light_of_one_number_is_grey_before_version_3(
         (
             '<shape type="cube"><transform name="to_world"><lookat origin="0 0 0"/></transform></shape>',
             "attribute target",
+        ),
+        (
+            '<sensor type="perspective"><transform name="to_world">'
+            '<lookat origin="0 1 0" target="0 1 0" up="0 0 1"/></transform></sensor>',
+            "differ, got [0.0, 1.0, 0.0] twice",
         ),
         ('<emitter type="point"><rgb name="intensity" value="1 2"/></emitter>', "expected three numbers, one, or"),
         ('<emitter type="point"><spectrum name="intensity" value="400:a"/></emitter>', "expected a number, got 'a'"),

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import importlib
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -89,7 +90,7 @@ def test_keeping_partial_pictures_changes_no_bits(cornell: eclat.Scene) -> None:
     assert "samples_done" not in kept.metadata
 
 
-def test_samples_that_are_not_finite_are_told_with_both_replays(
+def test_samples_that_are_not_finite_are_counted_and_told_with_their_replay(
     cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     class Film(rendering._core.Film):
@@ -98,12 +99,25 @@ def test_samples_that_are_not_finite_are_told_with_both_replays(
 
     monkeypatch.setattr(rendering._core, "Film", Film)
     with pytest.warns(eclat.EclatWarning) as warnings:
-        eclat.render(cornell, eclat.Path(), samples=20, size=(8, 8), seed=7)
+        image = eclat.render(cornell, eclat.Path(), samples=20, size=(8, 8), seed=7)
     assert str(warnings[0].message) == (
-        "3 of 1,280 samples were not finite; first at pixel (4, 7), sample 19\n"
-        "         replay: eclat render cornell-box --method path --size 8x8 --seed 7 --replay 4,7,19\n"
-        "         or: eclat.render(scene, eclat.Path(), samples=20, seed=7, crop=(4, 7, 5, 8), size=(8, 8))"
+        "3 of 1,280 samples were not finite and are left out; first at pixel (4, 7), sample 19\n"
+        "         replay: the same eclat.render(…) with samples=20, crop=(4, 7, 5, 8), size=(8, 8)"
     )
+    assert image.metadata["bad_samples"] == {"count": 3, "first": [4, 7, 19]}
+
+
+def test_a_replay_meets_the_very_sample_that_was_not_finite(cornell: eclat.Scene) -> None:
+    """A light so near to the ceiling that it is brighter there than a float can say."""
+    blinding = eclat.scene.PointLight((0.6, 0.999, 0.5), (1e37, 1e37, 1e37))
+    scene = replace(cornell, lights=(blinding,))
+    with pytest.warns(eclat.EclatWarning, match="samples were not finite"):
+        whole = eclat.render(scene, eclat.Path(), samples=4, size=(16, 16))
+    assert np.isfinite(whole.pixels).all()
+    x, y, sample = whole.metadata["bad_samples"]["first"]
+    with pytest.warns(eclat.EclatWarning, match="1 of"):
+        again = eclat.render(scene, eclat.Path(), samples=sample + 1, crop=(x, y, x + 1, y + 1), size=(16, 16))
+    assert again.metadata["bad_samples"] == {"count": 1, "first": [x, y, sample]}
 
 
 @pytest.mark.parametrize(

@@ -76,6 +76,20 @@ def test_damage_is_named(solution: eclat.Solution, tmp_path: Path, changes: dict
     assert str(error.value).startswith(f"{path}: ")
 
 
+@pytest.mark.parametrize("content", [b"", b"0 0 0 0 1 0\n", b"\x93NUMPY\x01\x00", b"PK\x03\x04 and no more"])
+def test_files_that_are_no_archives_are_refused(tmp_path: Path, content: bytes) -> None:
+    path = tmp_path / "a.npz"
+    path.write_bytes(content)
+    with pytest.raises(eclat.EclatError, match="not a cache that Éclat saved") as error:
+        eclat.Solution.load(path)
+    assert "pickle" not in str(error.value)
+    np.save(tmp_path / "array.npy", np.zeros(3))
+    with pytest.raises(eclat.EclatError, match=r"array\.npy: not a cache"):
+        eclat.Solution.load(tmp_path / "array.npy")
+    with pytest.raises(eclat.EclatError, match="no such file"):
+        eclat.Solution.load(tmp_path / "missing.npz")
+
+
 def test_records_under_an_open_sky_survive(tmp_path: Path) -> None:
     """They see nothing, at an infinite distance."""
     scene = build("cornell-box")

@@ -25,6 +25,8 @@ class FakeApi:
         self.calls: list[dict[str, Any]] = []
         self.raises: BaseException | None = None
         self.during: Callable[[], None] | None = None
+        self.metadata: dict[str, Any] = {}
+        """Beside what every picture says."""
         monkeypatch.setitem(vars(eclat), "render", self.render)
         monkeypatch.setitem(vars(eclat), "irradiance", self.irradiance)
 
@@ -46,6 +48,7 @@ class FakeApi:
         layers = {"depth": np.full((height, width), 2.0), "normal": np.broadcast_to([0.0, 0, 1], (height, width, 3))}
         statistics = {"samples": float(samples), "rays": 100.0 * samples, "seconds": 0.01 * samples}
         metadata = {"scene": scene.name, "method": "path", "seed": keywords.get("seed"), "statistics": statistics}
+        metadata |= self.metadata
         return Image(pixels.astype(np.float32), layers, metadata)
 
     def irradiance(self, scene: Scene, points: Any, normals: Any, what: Any = None, **keywords: Any) -> np.ndarray:

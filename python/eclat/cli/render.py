@@ -25,7 +25,13 @@ from eclat.cli.quality_options import (
     samples_option,
     time_option,
 )
-from eclat.cli.replay import REPEATED, replayed_flags, say_replayed_sample, settings_of
+from eclat.cli.replay import (
+    REPEATED,
+    replayed_flags,
+    say_replay_of_bad_samples,
+    say_replayed_sample,
+    settings_of,
+)
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
     CAMERA,
@@ -131,6 +137,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
                 say_replayed_sample(reporter, image, flags["replay"])
             else:
                 _say_result(reporter, image, outputs)
+                say_replay_of_bad_samples(reporter, image, flags["scene"], outputs)
 
         with keeping_partial(flags["keep_partial"], keep, reporter):
             image = eclat.render(scene, what, **common)

@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+import shlex
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
-import numpy as np
 
 from eclat.cli.reporting import Reporter
 from eclat.errors import EclatError
@@ -23,6 +23,9 @@ REPEATED = (
     *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment"),
 )
 """The flags that a picture's values depend on, by name; the scene is given anew, since files move."""
+
+_WITH_SETTINGS = (".exr", ".png")
+"""Pictures that hold metadata."""
 
 
 def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[str, Any]:
@@ -62,12 +65,24 @@ def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
     return flags
 
 
+def say_replay_of_bad_samples(reporter: Reporter, image: Image, scene: str, outputs: Sequence[str]) -> None:
+    """Where samples were not finite: the command that replays the first of them with all settings of the picture."""
+    files = [name for name in outputs if Path(name).suffix.lower() in _WITH_SETTINGS]
+    bad = image.metadata.get("bad_samples")
+    if bad and files:
+        place = ",".join(map(str, bad["first"]))
+        words = ("eclat", "render", scene, "--replay-settings", files[0], "--replay", place)
+        reporter.warn(f"to replay the first of these samples: {shlex.join(words)}")
+
+
 def say_replayed_sample(reporter: Reporter, image: Image, replay: tuple[int, int, int]) -> None:
     """The value of the pixel whose sample was replayed."""
     x, y, sample = replay
     value = [float(channel) for channel in image.pixels[y, x]]
-    finite = bool(np.isfinite(value).all())
-    verdict = "finite" if finite else "NOT FINITE"
+    # The pixel itself is the mean of what was finite.
+    bad = image.metadata.get("bad_samples")
+    finite = bad is None
+    verdict = "finite" if bad is None else f"{bad['count']} NOT FINITE, the first is number {bad['first'][2]}"
     red, green, blue = value
     text = f"pixel ({x}, {y}), samples 0 to {sample}: {verdict}, mean radiance {red:.6g} {green:.6g} {blue:.6g}"
     reporter.result(text, pixel=[x, y], sample=sample, finite=finite, radiance=value)

@@ -13,7 +13,7 @@ from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
-from PIL import Image
+from PIL import Image, UnidentifiedImageError
 from PIL.PngImagePlugin import PngImageFile
 
 from eclat.errors import EclatError
@@ -42,6 +42,8 @@ def decode_image(data: bytes) -> NDArray[Any]:
                 pixels = _pixels(image, data)
     except EclatError:
         raise
+    except UnidentifiedImageError:
+        raise EclatError(f"the image cannot be decoded: expected one of {', '.join(FORMATS)}") from None
     except _DECODER_ERRORS as error:
         raise EclatError(f"the image cannot be decoded: {error or type(error).__name__}") from None
     if not np.isfinite(pixels).all():

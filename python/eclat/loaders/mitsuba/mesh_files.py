@@ -9,10 +9,11 @@ the file replace those.
 from __future__ import annotations
 
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 
-from eclat.errors import did_you_mean, warn
+from eclat.errors import EclatError, did_you_mean, warn
 from eclat.loaders.mitsuba.materials import Materials, default_material
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.obj import load_obj
@@ -69,10 +70,10 @@ def _with_file_materials(node: Node) -> list[Mesh]:
     face_normals = node.boolean("face_normals", default=False)
     if node.type == "obj":
         flip = node.boolean("flip_tex_coords", default=True)
-        return load_obj(node.file("filename"), face_normals=face_normals, flip_v=flip)
+        return load_obj(_path(node), face_normals=face_normals, flip_v=flip)
     from eclat.loaders.gltf import load_gltf  # the largest loader, seldom needed here
 
-    scene = load_gltf(node.file("filename"))
+    scene = load_gltf(_path(node))
     if scene.lights or scene.environment:
         warn(f"{node.where}: only the meshes of the glTF file are used, not its lights")
     if face_normals:
@@ -80,9 +81,16 @@ def _with_file_materials(node: Node) -> list[Mesh]:
     return list(scene.meshes)
 
 
+def _path(node: Node) -> Path:
+    path = node.file("filename")
+    if not path.exists():
+        raise EclatError(f"{node.where}, filename: file not found: {path}")
+    return path
+
+
 def _bare(node: Node) -> list[Mesh]:
     """The meshes without materials; as in Mitsuba normals are computed where the file has none."""
-    path = node.file("filename")
+    path = _path(node)
     face_normals = node.boolean("face_normals", default=False)
     if node.type == "obj":
         flip = node.boolean("flip_tex_coords", default=True)

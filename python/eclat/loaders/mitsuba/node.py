@@ -202,7 +202,7 @@ def parse_number(text: str, where: str) -> float:
 def check_number(value: float, where: str) -> float:
     """`value`, or EclatError where it is not finite or absurdly large."""
     if not math.isfinite(value) or abs(value) > MAX_MAGNITUDE:
-        raise EclatError(f"{where}: expected a finite number, got {value:g}")
+        raise EclatError(f"{where}: expected a finite number of at most {MAX_MAGNITUDE:g} in size, got {value:g}")
     return value
 
 

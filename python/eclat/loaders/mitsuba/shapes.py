@@ -48,7 +48,7 @@ class Shapes:
         elif node.type in _PRIMITIVES:
             meshes = self._primitive(node)
         else:
-            near = did_you_mean(node.type, PLUGINS["shape"] | {"gltf"})
+            near = "" if node.type in PLUGINS["shape"] else did_you_mean(node.type, PLUGINS["shape"])
             warn(f"{node.where}: a shape of a type that is not supported{near}; left out")
             return []
         self._check(meshes, node)

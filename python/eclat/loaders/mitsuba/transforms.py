@@ -85,7 +85,9 @@ def look_at_mitsuba(origin: NDArray[Any], target: NDArray[Any], up: NDArray[Any]
     """Mitsuba's camera frame at `origin`: +z to the target, +x to the left, +y up. Raises EclatError."""
     forward = np.asarray(target, dtype=np.float64) - origin
     if not np.any(forward):
-        raise EclatError(f"{where}: expected an origin and a target that differ, got {list(origin)} twice")
+        raise EclatError(
+            f"{where}: expected an origin and a target that differ, got {[float(x) for x in origin]} twice"
+        )
     forward = normalize(forward)
     left = np.cross(normalize(np.asarray(up, dtype=np.float64)), forward)
     if np.linalg.norm(left) < 1e-9:
