@@ -68,6 +68,12 @@ def two_sided(bsdf: dict) -> dict:
 def scenes() -> dict[str, dict]:
     t = mi.ScalarTransform4f()
     matte = two_sided({"type": "diffuse", "reflectance": rgb(0.3, 0.5, 0.7)})
+    # Bright on one side and above, so that a turned or mirrored image would show.
+    rows, columns = np.mgrid[0:16, 0:32].astype(np.float32)
+    texels = np.stack(
+        [np.exp(-((columns - 22) ** 2 + (rows - 4) ** 2) / 12) * 9 + 0.2, columns / 40, rows / 20], axis=-1
+    )
+    gradient = {"type": "envmap", "bitmap": mi.Bitmap(texels.astype(np.float32))}
     sky = {"type": "constant", "radiance": rgb(0.5, 0.7, 1)}
     rough = {
         "type": "roughconductor",
@@ -95,6 +101,11 @@ def scenes() -> dict[str, dict]:
         "thin glass": room(light=sky, object=cube({"type": "thindielectric"})),
         "smooth plastic": room(light=area_light(), object=cube(two_sided(
             {"type": "plastic", "diffuse_reflectance": rgb(0.2, 0.5, 0.3), "nonlinear": True}))),
+        "rough plastic": room(light=area_light(), object=cube(two_sided(
+            {"type": "roughplastic", "diffuse_reflectance": rgb(0.2, 0.5, 0.3), "alpha": 0.3, "distribution": "ggx"}))),
+        "blend": room(light=area_light(), object=cube(
+            {"type": "blendbsdf", "weight": 0.3, "a": two_sided(rough), "b": matte})),
+        "environment image": room(light=gradient, object=cube(matte)),
         "mask": room(light=area_light(), object=cube({
             "type": "mask", "opacity": 0.4, "bsdf": matte})),
     }  # fmt: skip
