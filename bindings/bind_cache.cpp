@@ -44,8 +44,8 @@ void bind_cache(nb::module_& m) {
         .def(nb::init<>())
         .def_rw("spacing", &IrradianceCacheOptions::spacing)
         .def_prop_rw(
-            "harmonic", [](const IrradianceCacheOptions& o) { return o.distance == Spacing::harmonic; },
-            [](IrradianceCacheOptions& o, bool on) { o.distance = on ? Spacing::harmonic : Spacing::minimum; })
+            "metric", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.metric); },
+            [](IrradianceCacheOptions& o, int metric) { o.metric = static_cast<Metric>(metric); })
         .def_prop_rw(
             "ward_weight", [](const IrradianceCacheOptions& o) { return o.cache.weight == Weight::ward; },
             [](IrradianceCacheOptions& o, bool on) { o.cache.weight = on ? Weight::ward : Weight::tabellion; })

@@ -125,6 +125,10 @@ TranslationGradient translation_gradient(const HemisphereSamples& samples) {
     return out;
 }
 
+void keep_off(HemisphereSamples& samples, float least) {
+    for (float& r : samples.distance) r = std::max(r, least);
+}
+
 float harmonic_mean_distance(const HemisphereSamples& samples) {
     float sum = 0;
     for (float r : samples.distance) sum += 1 / r;

@@ -13,11 +13,13 @@
 namespace eclat {
 
 struct HemisphereSamples {
-    int rows = 0, columns = 0;    // M, N
-    Frame frame;                  // its u is the direction of the grid's φ = 0
-    std::vector<Color> radiance;  // L_jk, row by row from the zenith
-    std::vector<float> distance;  // r_jk, infinite where nothing was met
-    std::vector<uint8_t> apart;   // 1 where what was met stands apart from the surface itself
+    int rows = 0, columns = 0;     // M, N
+    Frame frame;                   // its u is the direction of the grid's φ = 0
+    std::vector<Color> radiance;   // L_jk, row by row from the zenith
+    std::vector<float> distance;   // r_jk, infinite where nothing was met
+    std::vector<Vec3> direction;   // unit, in `frame`
+    std::vector<Vec3> hit_normal;  // of what was met, in `frame`, on the side that is seen
+    std::vector<uint8_t> apart;    // 1 where what was met stands apart from the surface itself
 
     const Color& L(int j, int k) const { return radiance[size_t(j) * columns + k]; }
     float r(int j, int k) const { return distance[size_t(j) * columns + k]; }
@@ -42,6 +44,8 @@ float relative_noise(const HemisphereSamples& samples);
 RotationGradient rotation_gradient(const HemisphereSamples& samples);
 TranslationGradient translation_gradient(const HemisphereSamples& samples);
 
+/// No distance stays less than `least`.
+void keep_off(HemisphereSamples& samples, float least);
 /// Harmonic mean of the distances; a miss is infinitely far.
 float harmonic_mean_distance(const HemisphereSamples& samples);
 /// Whether a hit with normal `there` belongs to something else than the surface of normal `here`, gone on in a curve:

@@ -15,7 +15,7 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
     if (options_.neighbor_clamping) clamp_to_neighbors(spacing, threads);
     std::vector<SphereTree::Sphere> spheres;
     spheres.reserve(records_.size());
-    for (const auto& r : records_) spheres.push_back({r.position, r.radius * options_.relaxation});
+    for (const auto& r : records_) spheres.push_back({r.position, r.radius * r.elongation * options_.relaxation});
     tree_ = SphereTree(spheres);
     footings_.clear();
     for (uint32_t i : tree_.order()) {
@@ -25,9 +25,14 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
         }
         const IrradianceRecord& r = records_[i];
         const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
-        footings_.push_back({r.position, r.radius, r.normal, nearest});
+        const Frame frame = Frame::around(r.normal);
+        const Vec3 axis = frame.u * std::cos(r.axis) + frame.v * std::sin(r.axis);
+        footings_.push_back({r.position, r.radius, r.normal, nearest, axis * safe_sqrt(1 - 1 / sqr(r.elongation))});
     }
     share_excess(threads);
+    double sum = 0;
+    for (const auto& r : records_) sum += luminance(r.irradiance);
+    mean_luminance_ = static_cast<float>(sum / static_cast<double>(std::max<size_t>(1, records_.size())));
 }
 
 // Each record reads the weighted mean of what its wider surroundings found in excess: the sum of all stays about the same,

@@ -42,6 +42,9 @@ class RecordCache {
     /// Sum of the weights there: the density of records.
     float density(Vec3 p, Vec3 normal) const;
 
+    /// Mean luminance of the records' irradiance; 0 without records.
+    float mean_luminance() const { return mean_luminance_; }
+
     const std::vector<IrradianceRecord>& records() const { return records_; }
     const CacheOptions& options() const { return options_; }
 
@@ -54,6 +57,7 @@ class RecordCache {
 
     CacheOptions options_;
     std::vector<IrradianceRecord> records_;
+    float mean_luminance_ = 0;
     SphereTree tree_;
     std::vector<Footing> footings_;     // of the records, in the tree's slots
     std::vector<Color> shared_excess_;  // of each record's surroundings, in the tree's slots

@@ -2,7 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // How much a record counts at a point: 1 at the record, falling to 0 at the border of its validity, so that no border
-// shows. `relaxation` ≥ 1 widens the validity: records are placed by a strict test and read by a relaxed one.
+// shows. `relaxation` ≥ 1 widens the radius, and the turn a little: records are placed by a strict test and read by a relaxed
+// one.
 
 #pragma once
 
@@ -13,10 +14,16 @@ namespace eclat {
 enum class Weight : uint8_t { tabellion, ward };
 
 namespace detail {
-// √(1 − cos 10°): a normal that differs by 10° ends a record's validity [Tabellion04].
+// √(1 − cos 10°): a normal that differs by 10° keeps others from being placed [Tabellion04].
 constexpr float sqrt_one_minus_cos_10 = 0.12326f;
-// How far behind or before a record's plane a point may lie, as a part of the record's radius.
-constexpr float plane_tolerance = 0.25f;
+// Reading stretches that to at most 0.2 rad [Schwarzhaupt12]: what rises over the horizon is not known, and a bevel's record
+// must not be read on the faces beside it.
+constexpr float largest_turn = 1.146f;
+inline float tolerated_turn(float relaxation) { return sqrt_one_minus_cos_10 * std::min(relaxation, largest_turn); }
+// How far behind or before a record's plane a point may lie, as a part of the record's radius, and no farther when it is
+// read: along a smooth surface the mean of both normals is at right angles to the way, however it bends. The ceiling behind
+// a panel that hangs close below it must not take the panel's light.
+constexpr float plane_tolerance = 0.05f;
 }  // namespace detail
 
 /// Where a record lies and how far it reaches: all that its weight depends on.
@@ -25,29 +32,32 @@ struct Footing {
     float radius;
     Vec3 normal;
     float clearance;  // the least of the record's sectors
+    Vec3 stretch{};   // along the long axis, of length √(1 − (R1/R2)²): lengths are measured shorter there
 };
 
 /// 0 where the record does not serve the point.
 inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float relaxation) {
     // Normals that differ by more than the tolerance end the validity under both weights; most misses end here.
     const float cosine = dot(n, record.normal);
-    if (1 - cosine >= sqr(detail::sqrt_one_minus_cos_10 * relaxation)) return 0;
+    const float tolerated = detail::tolerated_turn(relaxation);
+    if (1 - cosine >= sqr(tolerated)) return 0;
     const Vec3 d = p - record.position;
     const float reach = record.radius * relaxation;
-    const float distance2 = length_squared(d);
+    // An ellipse in the record's plane with the small radius off it [Schwarzhaupt12].
+    const float distance2 = length_squared(d) - sqr(dot(d, record.stretch));
     if (distance2 >= reach * reach) return 0;
     const float e_position = std::sqrt(distance2) / reach;
     const float turn = safe_sqrt(1 - cosine);
     // The point must lie in the record's plane, by the mean of both normals: what is behind one sees what the other
     // cannot [Ward88]. Relative to the radius, so that no unit of length matters.
-    const float off_plane = std::fabs(dot(d, n + record.normal)) * 0.5f / (detail::plane_tolerance * reach);
+    const float off_plane = std::fabs(dot(d, n + record.normal)) * 0.5f / (detail::plane_tolerance * record.radius);
     if (kind == Weight::tabellion) {
         // The larger of both errors [Tabellion04]; the square makes the border smooth.
-        const float e = std::max(std::max(e_position, off_plane), turn / (detail::sqrt_one_minus_cos_10 * relaxation));
+        const float e = std::max(std::max(e_position, off_plane), turn / tolerated);
         return e < 1 ? sqr(1 - e) : 0;
     }
     // The inverse of the summed errors [Ward88], the radius standing for a R, minus its value at the border.
-    const float e = e_position + turn / (detail::sqrt_one_minus_cos_10 * relaxation);
+    const float e = e_position + turn / tolerated;
     if (e >= 1 || off_plane >= 1) return 0;
     return (1 / std::max(e, 1e-3f) - 1) * (1 - off_plane);
 }

@@ -4,11 +4,11 @@
 // Irradiance caching: indirect light on diffuse surfaces, computed at few points, interpolated between them.
 // Irradiance changes slowly where surfaces are far away, so records may be sparse there and must be dense in corners.
 //
-// References   [Ward88], [WardHeckbert92], [Tabellion04], [Krivanek06]
+// References   [Ward88], [WardHeckbert92], [Tabellion04], [Krivanek06], [Schwarzhaupt12]
 //
 // Symbol       name here            meaning                                      unit
 //   E_i        record.irradiance    irradiance at record i                       W m⁻²
-//   R_i        record.distance      least or harmonic mean distance to what it sees   m
+//   ℓ_i        record.distance      the length that its radius follows, see cache/spacing.cpp   m
 //   M, N       rows, columns        rows and columns of a gather                 1
 //
 // Departures   Filled in coarse-to-fine passes against a frozen cache instead of on demand, so that it does not depend

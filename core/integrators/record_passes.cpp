@@ -32,7 +32,7 @@ CachedIrradiance read_far(const RecordCache& far) {
 
 // What stands low beside the point, or hangs close under the ceiling that it is part of, fills so little of the hemisphere
 // that a gather meets it by luck; yet light ends behind it. Rays along the horizon look for it in every direction.
-void look_along_horizon(const World& world, const Candidate& candidate, IrradianceRecord& record, Spacing distance,
+void look_along_horizon(const World& world, const Candidate& candidate, IrradianceRecord& record, Metric metric,
                         Progress& progress) {
     constexpr float degree = pi / 180;
     constexpr size_t turns = 24;
@@ -58,7 +58,7 @@ void look_along_horizon(const World& world, const Candidate& candidate, Irradian
             float& clearance = record.clearance[clearance_sector(frame, rays[ring + heard].direction)];
             clearance = std::min(clearance, hits[i].t);
         }
-        if (distance == Spacing::minimum) record.distance = std::min(record.distance, hits[i].t);
+        if (metric != Metric::harmonic) record.distance = std::min(record.distance, hits[i].t);
     }
 }
 
@@ -97,9 +97,22 @@ HemisphereSamples sample_hemisphere(const World& world, const Candidate& candida
     for (size_t i = 0; i < count; ++i) {
         samples.radiance.push_back(results[i].radiance);
         samples.distance.push_back(results[i].distance);
+        samples.direction.push_back(samples.frame.to_local(rays[i].ray.direction));
+        samples.hit_normal.push_back(samples.frame.to_local(results[i].normal));
         samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
     }
     return samples;
+}
+
+// How E bends at the record, and along which axis less.
+void bend(const HemisphereSamples& samples, Curvature curvature, float far, IrradianceRecord& record) {
+    const auto bends = principal_curvatures(irradiance_hessian(samples, curvature, far));
+    record.curvature = bends.larger;
+    record.elongation = elongation(bends);
+    // The long axis lies across that of the larger curvature.
+    const Vec3 axis = samples.frame.v * std::cos(bends.angle) - samples.frame.u * std::sin(bends.angle);
+    const Frame frame = Frame::around(record.normal);
+    record.axis = std::atan2(dot(axis, frame.v), dot(axis, frame.u));
 }
 
 IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
@@ -112,38 +125,30 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     record.position = candidate.position;
     record.normal = samples.frame.n;
     record.irradiance = irradiance(samples);
-    record.rotation = rotation_gradient(samples);
-    record.translation = translation_gradient(samples);
-    record.distance =
-        options.distance == Spacing::minimum ? minimum_distance(samples) : harmonic_mean_distance(samples);
+    record.distance = options.metric == Metric::harmonic ? harmonic_mean_distance(samples) : minimum_distance(samples);
     record.clearance = sector_clearance(samples);
-    look_along_horizon(world, candidate, record, options.distance, progress);
     record.least_radius = options.least_pixels * candidate.footprint;
     record.largest_radius = options.largest_pixels * candidate.footprint;
+    // What touches the point, like the surface itself by rounding, would move infinitely fast.
+    keep_off(samples, std::max(record.least_radius, 1e-5f * world.geometry.radius()));
+    record.rotation = rotation_gradient(samples);
+    record.translation = translation_gradient(samples);
+    // Beyond twenty scene radii nothing has parallax.
+    if (const auto curvature = curvature_of(options.metric))
+        bend(samples, *curvature, 20 * world.geometry.radius(), record);
+    look_along_horizon(world, candidate, record, options.metric, progress);
     return record;
 }
 
-// The gradient limits the radius, and the radius, once its lower bound has raised it, the gradient [Krivanek06].
-void limit_gradient(IrradianceRecord& record, const IrradianceCacheOptions& options) {
-    Vec3 gradient;
-    for (int c = 0; c < 3; ++c)
-        gradient += record.translation.channel[c] * (c == 0 ? 0.2126f : c == 1 ? 0.7152f : 0.0722f);
-    const float steepness = length(gradient), E = luminance(record.irradiance);
-    if (options.gradient_limit && steepness > 0) record.distance = std::min(record.distance, E / steepness);
-    record.radius = clamp(options.spacing * record.distance, record.least_radius, record.largest_radius);
-    const float raised = options.spacing * record.distance / record.radius;
-    if (raised < 1)
-        for (Vec3& g : record.translation.channel) g = g * raised;
-}
-
+/// `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
 template <class Rows>
 std::vector<IrradianceRecord> gather_each(const World& world, std::span<const Candidate> candidates,
                                           const RecordCache& far, const IrradianceCacheOptions& options,
-                                          uint32_t stream, const Rows& rows, Progress& progress) {
+                                          uint32_t stream, const Rows& rows, float mean, Progress& progress) {
     return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
         progress.check();
         IrradianceRecord record = gather(world, candidates[i], far, options, stream, rows(candidates[i]), progress);
-        limit_gradient(record, options);
+        space(record, candidates[i].footprint, mean, {options.metric, options.spacing, options.gradient_limit});
         return record;
     });
 }
@@ -185,7 +190,7 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
                                              const RecordCache& far, const IrradianceCacheOptions& options,
                                              uint32_t stream, int rows, Progress& progress) {
-    return gather_each(world, candidates, far, options, stream, [&](const Candidate&) { return rows; }, progress);
+    return gather_each(world, candidates, far, options, stream, [&](const Candidate&) { return rows; }, 0, progress);
 }
 
 CacheOptions far_reading(const CacheOptions& near) {
@@ -205,7 +210,9 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     // scene.
     const float least = 0.01f * world.geometry.radius(), largest = 0.2f * world.geometry.radius();
     const RecordCache none;
-    auto records = gather_records(world, thinned(unserved(far, candidates, options.threads), 2 * least), none, options,
+    IrradianceCacheOptions coarse = options;
+    if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // they are no wider than that anyway
+    auto records = gather_records(world, thinned(unserved(far, candidates, options.threads), 2 * least), none, coarse,
                                   far_stream, options.far_rows, progress);
     for (IrradianceRecord& r : records) {
         r.least_radius = least;
@@ -258,7 +265,7 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto wanted = unserved(caches.near, candidates, options.threads);
     const auto records = gather_each(
         world, wanted, caches.far, options, near_stream,
-        [&](const Candidate& c) { return rows_for(c, caches.near, options); }, progress);
+        [&](const Candidate& c) { return rows_for(c, caches.near, options); }, caches.near.mean_luminance(), progress);
     caches.near.insert(records, options.spacing, options.threads);
     progress.advance();
     return wanted.size();

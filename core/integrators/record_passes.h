@@ -10,16 +10,15 @@
 #include <vector>
 
 #include "cache/irradiance_cache.h"
+#include "cache/spacing.h"
 #include "transport/paths.h"
 
 namespace eclat {
 
-enum class Spacing : uint8_t { minimum, harmonic };
-
 struct IrradianceCacheOptions {
-    float spacing = 0.4f;  // radius of a record in units of its distance R
-    Spacing distance = Spacing::minimum;
-    float least_pixels = 4;  // bounds of a record's radius, in pixels
+    float spacing = 0.8f;  // radius of a record in units of the length that its metric gives
+    Metric metric = Metric::occlusion;
+    float least_pixels = 1;  // bounds of a record's radius, in pixels
     float largest_pixels = 40;
     int rows = 14;  // M of a gather; N = π M
     int far_rows = 9;

@@ -27,6 +27,10 @@ class Path:
         _check_range("Path", "roulette_depth", self.roulette_depth, 1, 10**6)
 
 
+METRICS = ("occlusion", "radiometric", "geometric", "minimum", "harmonic")
+"""What the radius of a record can follow, in the core's order."""
+
+
 @dataclass(frozen=True)
 class IrradianceCache:
     """Irradiance caching: diffuse indirect light from records, the rest traced.
@@ -38,13 +42,15 @@ class IrradianceCache:
     """Wanted relative error of the indirect light, 0.0005..0.5."""
     weight: Literal["tabellion", "ward"] = "tabellion"
     """How records are weighted: Tabellion and Lamorlette 2004, or Ward's split sphere (1988)."""
-    distance: Literal["minimum", "harmonic"] = "minimum"
-    """What a record's radius follows: the least distance to what it sees, or the harmonic mean."""
+    metric: Literal["occlusion", "radiometric", "geometric", "minimum", "harmonic"] = "occlusion"
+    """What a record's radius follows: how irradiance bends, with what hides and appears (Schwarzhaupt et al. 2012),
+    without it, or for even radiance (Jarosz et al. 2012); the least distance to what it sees; or the harmonic mean of
+    all distances (Ward 1988)."""
     spacing: float | None = None
     """Radius of a record in units of that distance."""
     rows: int | None = None
     """Rows M of a gather; it has about π·M² rays."""
-    least_pixels: float = 4.0
+    least_pixels: float = 1.0
     """Lower bound of a record's radius, in pixels."""
     largest_pixels: float = 40.0
     """Upper bound of a record's radius, in pixels."""
@@ -69,7 +75,7 @@ class IrradianceCache:
         _check_range("IrradianceCache", "least_pixels", self.least_pixels, 0.25, 1000)
         _check_range("IrradianceCache", "largest_pixels", self.largest_pixels, self.least_pixels, 10**5)
         _check_range("IrradianceCache", "relaxation", self.relaxation, 1, 4)
-        for name, known in (("weight", ("tabellion", "ward")), ("distance", ("minimum", "harmonic"))):
+        for name, known in (("weight", ("tabellion", "ward")), ("metric", METRICS)):
             if getattr(self, name) not in known:
                 raise EclatError(
                     f"IrradianceCache: {name} must be one of {', '.join(known)}, got {getattr(self, name)!r}"

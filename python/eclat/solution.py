@@ -16,10 +16,10 @@ from eclat import _core
 from eclat.atomic_file import write_file
 from eclat.compiled import compiled, fingerprint
 from eclat.errors import EclatError, warn
-from eclat.options import IrradianceCache
+from eclat.options import METRICS, IrradianceCache
 from eclat.scene import FloatArray, Scene
 
-FORMAT_VERSION = 2
+FORMAT_VERSION = 3
 
 _COLUMNS = {
     "positions": slice(0, 3),
@@ -30,6 +30,9 @@ _COLUMNS = {
     "translation_gradients": slice(21, 30),
     "distances": slice(30, 31),
     "radii": slice(31, 32),
+    "elongations": slice(32, 33),
+    "axes": slice(33, 34),
+    "curvatures": slice(34, 35),
 }
 
 
@@ -40,9 +43,10 @@ def core_options(
     of a record's radius, a gather's noise falls with the number of its rows."""
     out = _core.IrradianceCacheOptions()
     relative = options.max_error / 0.01
-    out.spacing = options.spacing if options.spacing is not None else min(0.9, 0.4 * relative**0.5)
+    usual = 0.4 if options.metric in ("minimum", "harmonic") else 0.8
+    out.spacing = options.spacing if options.spacing is not None else min(2 * usual, usual * relative**0.5)
     out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), 8, 64))
-    out.harmonic = options.distance == "harmonic"
+    out.metric = METRICS.index(options.metric)
     out.ward_weight = options.weight == "ward"
     for name in (
         "relaxation", "rotation_gradient", "translation_gradient", "neighbor_clamping", "gradient_limit",

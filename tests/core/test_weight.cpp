@@ -56,16 +56,19 @@ TEST_CASE("relaxation widens the radius and the tolerated turn") {
     for (Weight kind : both) {
         CHECK(weight(record(), beside(2.9f), {0, 0, 1}, kind, 1.5f) > 0);
         CHECK(weight(record(), beside(3.01f), {0, 0, 1}, kind, 1.5f) == 0);
-        CHECK(weight(record(), beside(0), tilted(14), kind, 1.5f) > 0);
-        CHECK(weight(record(), beside(0), tilted(16), kind, 1.5f) == 0);
+        // 0.2 rad is the most.
+        for (float relaxation : {1.5f, 3.0f}) {
+            CHECK(weight(record(), beside(0), tilted(11.4), kind, relaxation) > 0);
+            CHECK(weight(record(), beside(0), tilted(11.6), kind, relaxation) == 0);
+        }
     }
 }
 
 TEST_CASE("points off the record's plane are not served, in front or behind") {
     for (Weight kind : both)
         for (float side : {-1.0f, 1.0f}) {
-            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.3f}, {0, 0, 1}, kind, 1) > 0);
-            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.6f}, {0, 0, 1}, kind, 1) == 0);
+            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.09f}, {0, 0, 1}, kind, 1) > 0);
+            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.11f}, {0, 0, 1}, kind, 1) == 0);
         }
 }
 
@@ -73,7 +76,7 @@ TEST_CASE("the unit of length does not matter") {
     for (Weight kind : both)
         for (float scale : {0x1p-10f, 0x1p10f}) {
             const Footing small{{0, 0, 0}, 2, {0, 0, 1}, infinity}, large{{0, 0, 0}, 2 * scale, {0, 0, 1}, infinity};
-            const Vec3 p{0.7f, -0.4f, 0.1f};
+            const Vec3 p{0.7f, -0.4f, 0.02f};
             const float w = weight(small, p, tilted(4), kind, 1);
             CHECK(w > 0);
             CHECK(weight(large, p * scale, tilted(4), kind, 1) == w);
@@ -94,16 +97,17 @@ TEST_CASE("reach, height and turn at which a weight ends grow with the relaxatio
             CHECK(at({1.001f * reach, 0, 0}, up) == 0);
             // Behind and before alike: nothing that is not nearly in the plane.
             for (const float side : {-1.0f, 1.0f}) {
-                CHECK(at({0, 0, side * 0.2f * reach}, up) > 0);
-                CHECK(at({0, 0, side * 0.3f * reach}, up) == 0);
+                CHECK(at({0, 0, side * 0.024f}, up) > 0);
+                CHECK(at({0, 0, side * 0.026f}, up) == 0);
             }
             const auto turned = [&](float degrees) {
                 const float a = degrees * pi / 180;
                 return at({}, {std::sin(a), 0, std::cos(a)});
             };
             CHECK(turned(5) > 0);
-            CHECK(turned(9.99f * relaxation) < 0.01f);
-            CHECK(turned(10.2f * relaxation) == 0);
+            const float widest = relaxation == 1 ? 10 : 11.46f;
+            CHECK(turned(0.999f * widest) < 0.01f);
+            CHECK(turned(1.02f * widest) == 0);
             CHECK(turned(180) == 0);
         }
 }
@@ -120,4 +124,19 @@ TEST_CASE("the unit of length does not matter at any place and turn") {
                 CHECK(weight(scaled, p * scale, n, kind, 1.3f) ==
                       doctest::Approx(weight(record, p, n, kind, 1.3f)).epsilon(1e-3).scale(1e-3));
         }
+}
+
+TEST_CASE("an ellipse: validity ends at its own radius along each axis, and at the small one off the plane") {
+    // Twice as long along y.
+    const Footing long_record{{1, 2, 3}, 0.5f, {0, 0, 1}, infinity, Vec3{0, std::sqrt(0.75f), 0}};
+    for (const Weight kind : both) {
+        const auto at = [&](Vec3 d) { return weight(long_record, long_record.position + d, {0, 0, 1}, kind, 1); };
+        CHECK(at({0.499f, 0, 0}) > 0);
+        CHECK(at({0.501f, 0, 0}) == 0);
+        CHECK(at({0, 0.998f, 0}) > 0);
+        CHECK(at({0, 1.002f, 0}) == 0);
+        CHECK(at({0.2f, 0, 0}) == doctest::Approx(at({0, 0.4f, 0})).epsilon(1e-4));
+        CHECK(at({0, 0, 0.024f}) > 0);
+        CHECK(at({0, 0, 0.026f}) == 0);
+    }
 }

@@ -27,7 +27,11 @@ def test_each_method_has_a_name_and_sound_defaults(method: str) -> None:
         ("irradiance-cache", {"max_error": "small"}, "max_error must be between"),
         ("irradiance-cache", {"least_pixels": 50.0}, "largest_pixels must be between 50 and"),
         ("irradiance-cache", {"weight": "tabelion"}, "did you mean 'tabellion'?"),
-        ("irradiance-cache", {"distance": "median"}, "distance must be one of minimum, harmonic"),
+        (
+            "irradiance-cache",
+            {"metric": "median"},
+            "metric must be one of occlusion, radiometric, geometric, minimum, harmonic",
+        ),
         ("irradiance-cache", {"spacing": 3.0}, "spacing must be between"),
         ("path", {"roulette_depth": 0}, "Path: roulette_depth must be between 1 and"),
     ],
