@@ -9,10 +9,12 @@ void bind_scene(nb::module_& m);
 void bind_render(nb::module_& m);
 void bind_cache(nb::module_& m);
 void bind_harmonics(nb::module_& m);
+void bind_brdf_table(nb::module_& m);
 
 NB_MODULE(_core, m) {
     bind_scene(m);
     bind_render(m);
     bind_cache(m);
     bind_harmonics(m);
+    bind_brdf_table(m);
 }

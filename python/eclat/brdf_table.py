@@ -1,0 +1,224 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Reflection as coefficients: f · cosθ_i of a lobe in harmonics over wi, tabulated over wo, kept on disk once computed.
+
+The reflected radiance under light with coefficients λ is their dot product. What the tables lose:
+docs/algorithms/radiance_cache.md.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import io
+import os
+import zipfile
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+from typing import Literal, NamedTuple, get_args
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eclat import _core
+from eclat.arguments import thread_count
+from eclat.atomic_file import write_file
+from eclat.errors import EclatError, did_you_mean, warn
+from eclat.harmonics import Basis
+from eclat.running import ProgressReport, run
+
+Kind = Literal["lambert", "phong", "ward", "ggx", "beckmann", "metallic-roughness"]
+Floats = NDArray[np.float32]
+
+MAX_ORDER = int(_core.max_table_order)
+
+_BASES = {"spherical": _core.Basis.spherical, "hemispherical": _core.Basis.hemispherical}
+_CORE_KINDS = {
+    "lambert": _core.TableLobeKind.lambert,
+    "phong": _core.TableLobeKind.phong,
+    "ward": _core.TableLobeKind.ward,
+    "ggx": _core.TableLobeKind.ggx,
+    "beckmann": _core.TableLobeKind.beckmann,
+    "metallic-roughness": _core.TableLobeKind.ggx,
+}
+# α of the lobes of a metallic-roughness table, uniform in √α; below 0.1 no order up to 12 serves anywhere.
+_ROUGHNESS_AXIS = tuple(float(x) for x in np.linspace(0.1**0.5, 1, 20) ** 2)
+
+
+class Lookup(NamedTuple):
+    """Coefficients of a lobe for N directions."""
+
+    orders: NDArray[np.int64]
+    """(N,) order that the direction needs; 0 where the table's largest does not suffice: trace, do not cache."""
+    coefficients: Floats
+    """(N, terms, order²), zeros beyond each direction's order."""
+    errors: Floats
+    """(N,) relative L2 error of the table's largest order."""
+
+
+@dataclass(frozen=True)
+class BrdfTable:
+    """A tabulated lobe; `brdf_table` makes it."""
+
+    kind: Kind
+    basis: Basis
+    order: int
+    core: _core.BrdfTable
+
+    @property
+    def terms(self) -> int:
+        """1, or 3 where facets reflect: the factors of F0, of F90 and of the dip of metals (`split_conductor`)."""
+        return int(self.core.terms)
+
+    def lookup(self, directions: ArrayLike, alpha: ArrayLike | None = None) -> Lookup:
+        """Coefficients for view directions (N, 3), unit vectors with z > 0 in the surface's frame.
+
+        `alpha` is the GGX roughness, a number or (N,), for "metallic-roughness" only.
+        """
+        w = np.ascontiguousarray(directions, np.float32)
+        if w.ndim != 2 or w.shape[1] != 3 or not np.isfinite(w).all():
+            raise EclatError(f"directions must be finite and have shape (N, 3), got {w.shape}")
+        if (alpha is not None) != (self.kind == "metallic-roughness"):
+            raise EclatError(f"alpha is asked of a table over roughness only, and always; this is {self.kind!r}")
+        roughness = np.asarray(0.0 if alpha is None else alpha, np.float32)
+        if roughness.shape not in ((), (len(w),)) or not np.isfinite(roughness).all():
+            raise EclatError(f"alpha must be a finite number or {len(w)} of them, got shape {roughness.shape}")
+        orders, coefficients, errors = self.core.lookup(w, np.ascontiguousarray(np.broadcast_to(roughness, len(w))))
+        return Lookup(np.asarray(orders).astype(np.int64), np.asarray(coefficients), np.asarray(errors))
+
+
+def brdf_table(
+    kind: Kind,
+    *,
+    alpha: float | tuple[float, float] | None = None,
+    exponent: float | None = None,
+    basis: Basis = "hemispherical",
+    order: int = 10,
+    max_error: float = 0.2,
+    keep: bool = True,
+    threads: int | None = None,
+    progress: ProgressReport | None = None,
+) -> BrdfTable:
+    """The coefficients of a white lobe over all view directions; a second or so the first time, then from disk.
+
+    Parameters
+    ----------
+    kind : "lambert"; "phong" with `exponent`; "ward", "ggx" or "beckmann" with `alpha`, one number or those along u and
+        v; "metallic-roughness" for GGX as in glTF with all roughnesses in one table. Reflection only.
+    basis : "hemispherical", or "spherical" for least-squares fits (whose light is given by inner products over the
+        hemisphere: `harmonics.project`).
+    order : largest order, 1 to 12.
+    max_error : relative L2 error up to which a direction is cached; it decides each direction's order.
+    keep : read from and write to the user's cache folder: `$XDG_CACHE_HOME/eclat`, `~/.cache/eclat` without.
+
+    Raises
+    ------
+    EclatError : arguments out of range or missing.
+
+    Examples
+    --------
+    >>> table = brdf_table("lambert", keep=False)
+    >>> found = table.lookup([[0.0, 0.0, 1.0]])
+    >>> sky = np.sqrt(2 * np.pi)  # the only coefficient of a sky of radiance 1
+    >>> int(found.orders[0]), round(float(found.coefficients[0, 0, 0] * sky), 4)
+    (2, 1.0)
+    """
+    lobes = _lobes(kind, alpha, exponent)
+    if basis not in _BASES:
+        raise EclatError(f"basis must be one of {', '.join(_BASES)}, got {basis!r}{did_you_mean(str(basis), _BASES)}")
+    if not 1 <= order <= MAX_ORDER:
+        raise EclatError(f"order must be in [1, {MAX_ORDER}], got {order}")
+    if not 0 < max_error <= 1:
+        raise EclatError(f"max_error must be in (0, 1], got {max_error}")
+    isotropic = all(u == v for u, v in lobes)
+    resolution = 2 if kind == "lambert" else 64 if isotropic else 32
+    key = _key(kind, lobes, basis, order, max_error, resolution)
+    made = [_core.TableLobe(_CORE_KINDS[kind], u, v, kind == "metallic-roughness") for u, v in lobes]
+    options = _core.BrdfTableOptions(_BASES[basis], order, max_error, resolution, thread_count(threads))
+    core = _read(key, made, options) if keep else None
+    if core is None:
+        core = run("table", lambda p: _core.BrdfTable(made, options, p), progress, _core.Progress())
+        if keep:
+            _write(key, core)
+    return BrdfTable(kind, basis, order, core)
+
+
+def split_conductor(eta: tuple[float, float, float], k: tuple[float, float, float]) -> Floats:
+    """(3 terms, RGB) factors of a conductor's Fresnel reflectance, complex index eta + i·k per channel."""
+    return np.asarray(_core.split_conductor(eta, k))
+
+
+def split_dielectric(ior: float) -> Floats:
+    """(3 terms, RGB) factors of a dielectric interface's reflectance; `ior` is inside over outside."""
+    return np.asarray(_core.split_dielectric(ior))
+
+
+def cache_folder() -> Path:
+    """Where tables are kept: by the XDG base directory specification."""
+    given = os.environ.get("XDG_CACHE_HOME", "")
+    # A relative path is to be ignored, says the specification.
+    base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"
+    return base / "eclat"
+
+
+def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: float | None) -> list[tuple[float, float]]:
+    """Parameters along u and v, one pair a lobe."""
+    if kind not in get_args(Kind):
+        known = get_args(Kind)
+        raise EclatError(f"kind must be one of {', '.join(known)}, got {kind!r}{did_you_mean(str(kind), known)}")
+    takes = {"phong": "exponent", "ward": "alpha", "ggx": "alpha", "beckmann": "alpha"}.get(kind)
+    for name, value in (("alpha", alpha), ("exponent", exponent)):
+        if (value is not None) != (name == takes):
+            raise EclatError(f"{kind!r} {'needs' if name == takes else 'takes no'} {name}")
+    if kind == "phong" and exponent is not None:
+        if not 0 <= exponent < np.inf:
+            raise EclatError(f"exponent must be finite and at least 0, got {exponent}")
+        return [(float(exponent), float(exponent))]
+    if alpha is not None:
+        pair = tuple(float(a) for a in alpha) if isinstance(alpha, tuple) else (float(alpha), float(alpha))
+        if len(pair) != 2 or not all(0.001 <= a <= 1 for a in pair):
+            raise EclatError(f"alpha must be one or two numbers in [0.001, 1], got {alpha}")
+        return [pair]
+    return [(a, a) for a in _ROUGHNESS_AXIS] if kind == "metallic-roughness" else [(1.0, 1.0)]
+
+
+@cache
+def _core_digest() -> str:
+    """Of the code that makes tables: other code, other tables."""
+    return hashlib.sha256(Path(str(_core.__file__)).read_bytes()).hexdigest()
+
+
+def _key(*parameters: object) -> str:
+    return hashlib.sha256(repr((_core_digest(), parameters)).encode()).hexdigest()[:32]
+
+
+def _file(key: str) -> Path:
+    return cache_folder() / f"brdf-{key}.npz"
+
+
+def _read(key: str, lobes: list[_core.TableLobe], options: _core.BrdfTableOptions) -> _core.BrdfTable | None:
+    """The table of a file; None, with a warning, where the file is damaged."""
+    path = _file(key)
+    try:
+        data = path.read_bytes()
+    except OSError:
+        return None
+    try:
+        # The members' checksums tell whether a byte has changed.
+        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
+            return _core.BrdfTable(lobes, options, arrays["orders"], arrays["errors"], arrays["coefficients"])
+    except (ValueError, TypeError, KeyError, EOFError, OSError, zipfile.BadZipFile) as error:
+        warn(f"{path}: damaged ({error}); the table is computed anew")
+        return None
+
+
+def _write(key: str, table: _core.BrdfTable) -> None:
+    path = _file(key)
+    data = io.BytesIO()
+    orders = np.frombuffer(table.orders, np.uint8)
+    np.savez(data, orders=orders, errors=table.errors, coefficients=table.coefficients)
+    try:
+        path.parent.mkdir(mode=0o700, parents=True, exist_ok=True)
+        write_file(path, data.getvalue())
+    except (OSError, EclatError) as error:
+        warn(f"{path}: the table could not be kept and will be computed again ({error})")
