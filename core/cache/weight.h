@@ -20,9 +20,9 @@ constexpr float sqrt_one_minus_cos_10 = 0.12326f;
 // must not be read on the faces beside it.
 constexpr float largest_turn = 1.146f;
 inline float tolerated_turn(float relaxation) { return sqrt_one_minus_cos_10 * std::min(relaxation, largest_turn); }
-// How far behind or before a record's plane a point may lie, as a part of the record's radius, and no farther when it is
-// read: along a smooth surface the mean of both normals is at right angles to the way, however it bends. The ceiling behind
-// a panel that hangs close below it must not take the panel's light.
+// How far behind or before a record's plane a point may lie beyond what the turn of the normal explains, as a part of the
+// record's radius, and no farther when it is read. At 0.25 the ceiling behind a panel that hangs close below it took the
+// light of the panel's front.
 constexpr float plane_tolerance = 0.05f;
 }  // namespace detail
 
@@ -49,8 +49,12 @@ inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float re
     const float e_position = std::sqrt(distance2) / reach;
     const float turn = safe_sqrt(1 - cosine);
     // The point must lie in the record's plane, by the mean of both normals: what is behind one sees what the other
-    // cannot [Ward88]. Relative to the radius, so that no unit of length matters.
-    const float off_plane = std::fabs(dot(d, n + record.normal)) * 0.5f / (detail::plane_tolerance * record.radius);
+    // cannot [Ward88]. On a sphere that mean is at right angles to the chord; across an edge between two facets the
+    // offset is at most half the distance times the sine of their angle. Relative to the radius, so that no unit of
+    // length matters.
+    const float facets = std::sqrt(length_squared(d) * std::max(0.0f, 1 - cosine * cosine));
+    const float offset = 0.5f * (std::fabs(dot(d, n + record.normal)) - facets);
+    const float off_plane = std::max(0.0f, offset) / (detail::plane_tolerance * record.radius);
     if (kind == Weight::tabellion) {
         // The larger of both errors [Tabellion04]; the square makes the border smooth.
         const float e = std::max(std::max(e_position, off_plane), turn / tolerated);

@@ -67,8 +67,22 @@ TEST_CASE("relaxation widens the radius and the tolerated turn") {
 TEST_CASE("points off the record's plane are not served, in front or behind") {
     for (Weight kind : both)
         for (float side : {-1.0f, 1.0f}) {
-            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.09f}, {0, 0, 1}, kind, 1) > 0);
-            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.11f}, {0, 0, 1}, kind, 1) == 0);
+            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.06f}, {0, 0, 1}, kind, 1) > 0);
+            CHECK(weight(record(), Vec3{1, 2, 3 + side * 0.12f}, {0, 0, 1}, kind, 1) == 0);
+        }
+}
+
+TEST_CASE("the plane follows a curved surface, and an edge between two facets") {
+    for (Weight kind : both)
+        for (float degrees : {3.0f, 6.0f, 9.0f}) {
+            // On a sphere of radius 2 / 3 the chord leaves the tangent plane by degrees / 2, the mean plane not at all.
+            const float a = degrees * pi / 180, sphere = 2 / 3.0f;
+            const Vec3 n{std::sin(a), 0, std::cos(a)};
+            CHECK(weight(record(), Vec3{1, 2, 3} + (n - Vec3{0, 0, 1}) * sphere, n, kind, 1) > 0);
+            // The record lies at the edge, the point down the next facet.
+            const Vec3 down = Vec3{std::cos(a), 0, -std::sin(a)} * 0.15f;
+            CHECK(weight(record(), Vec3{1, 2, 3} + down, n, kind, 1) > 0);
+            CHECK(weight(record(), Vec3{1, 2, 3} + down + Vec3{0, 0, -0.15f}, n, kind, 1) == 0);
         }
 }
 
