@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Put the stored results of all benchmarks into docs/benchmarks.md, each table between its markers.
+"""Put the stored results of all benchmarks into docs/benchmarks.md and docs/peers.md, each table between its markers.
 
 A benchmark without a result in benchmarks/results is left as it is, and named.
 """
@@ -17,10 +17,11 @@ import lazy_fill
 import max_error
 import memory
 import path_rate
+import peers
 import scaling
 from harness.benchmark import RESULTS
 
-MODULES = (path_rate, embree_rate, equal_error, max_error, scaling, memory, lazy_fill, far_end)
+MODULES = (path_rate, embree_rate, equal_error, max_error, scaling, memory, lazy_fill, far_end, peers)
 
 
 def main() -> None:

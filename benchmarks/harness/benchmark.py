@@ -35,6 +35,10 @@ class Settings:
     repeats: int
     threads: int
     reference_samples: int
+    side: int | None = None
+    """Longer side of the pictures in pixels; None = each scene's own."""
+    peers: tuple[str, ...] = ()
+    """Who takes part, of those that the benchmark names."""
 
 
 @dataclass(frozen=True)
@@ -54,6 +58,10 @@ class Benchmark:
     """Called once before all scenes; returns names of peers. May raise UnavailableError: no result then."""
     reference_samples: int | None = None
     """Default paths per pixel of each half of a reference, for benchmarks that have one."""
+    page: Path = document.DOCUMENT
+    """Where its tables go."""
+    peers: tuple[str, ...] = ()
+    """Names that --peers may choose from; a benchmark with such names has --size and --resume too."""
 
     def markdown(self, result: dict[str, Any]) -> str:
         """Tables and where they were measured."""
@@ -63,41 +71,57 @@ class Benchmark:
         """Into the document, plots beside it."""
         for name, svg in self.plots(result).items():
             document.write_plot(name, svg)
-        document.write(self.name, self.markdown(result))
+        document.write(self.name, self.markdown(result), self.page)
 
 
 def main(benchmark: Benchmark) -> None:
     """Run it as the command line says. Exit code 2 where nothing could be measured."""
-    settings, write_docs = _parse(benchmark)
+    settings, write_docs, resume = _parse(benchmark)
+    path = (RESULTS / "quick" if settings.quick else RESULTS) / f"{benchmark.name}.json"
     skipped: dict[str, str] = {}
     measured: dict[str, Any] = {}
     try:
         peers = list(benchmark.prepare())
     except UnavailableError as reason:
         sys.exit(f"{benchmark.name}: skipped: {reason}")
+    result = {
+        "benchmark": benchmark.name, "machine": machine.describe(), "peers": peers,
+        "settings": json.loads(json.dumps(vars(settings))), "scenes": measured, "skipped": skipped,
+    }  # fmt: skip
+    if resume:
+        measured |= _stored(path, result)
     for name in settings.scenes:
+        if name in measured:
+            print(f"{benchmark.name}: {name}: measured before", flush=True)
+            continue
         try:
             print(f"{benchmark.name}: {name}", flush=True)
             measured[name] = benchmark.run(name, SCENES[name], settings)
         except UnavailableError as reason:
             skipped[name] = str(reason)
             print(f"{name}: skipped: {reason}", file=sys.stderr)
+            continue
+        result["machine"] |= {"embree": machine.describe()["embree"]}  # known once the core is loaded
+        path.parent.mkdir(parents=True, exist_ok=True)
+        path.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     if not measured:
         sys.exit(2)
-    result = {
-        "benchmark": benchmark.name, "machine": machine.describe(), "peers": peers,
-        "settings": vars(settings) | {"scenes": list(settings.scenes)}, "scenes": measured, "skipped": skipped,
-    }  # fmt: skip
-    folder = RESULTS / "quick" if settings.quick else RESULTS
-    folder.mkdir(parents=True, exist_ok=True)
-    path = folder / f"{benchmark.name}.json"
     path.write_text(json.dumps(result, indent=1, ensure_ascii=False) + "\n", encoding="utf-8")
     print(f"\n{benchmark.markdown(result)}\n\n{path}")
     if write_docs:
         benchmark.write(result)
 
 
-def _parse(benchmark: Benchmark) -> tuple[Settings, bool]:
+def _stored(path: Path, result: dict[str, Any]) -> dict[str, Any]:
+    """The scenes of an unfinished run of the same commit with the same settings; none of any other."""
+    if not path.is_file():
+        return {}
+    stored: dict[str, Any] = json.loads(path.read_text(encoding="utf-8"))
+    same = stored["settings"] == result["settings"] and stored["machine"]["commit"] == result["machine"]["commit"]
+    return dict(stored["scenes"]) if same else {}
+
+
+def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
     parser = argparse.ArgumentParser(
         description=benchmark.description, epilog=EPILOG, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -109,15 +133,28 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool]:
     if benchmark.reference_samples is not None:
         add("--reference-samples", type=int, default=benchmark.reference_samples, metavar="N",
             help="paths per pixel of each of two references, which are kept (default %(default)s)")  # fmt: skip
-    add("--write-docs", action="store_true", help="put tables and plots into docs/benchmarks.md")
+    if benchmark.peers:
+        # Beside --peers, which takes all names that follow it.
+        add("--scenes", nargs="+", dest="chosen", metavar="SCENE", help="the same as naming them first")
+        add("--peers", nargs="+", choices=benchmark.peers, default=benchmark.peers, metavar="NAME",
+            help=f"who takes part; default: {' '.join(benchmark.peers)}")  # fmt: skip
+        add("--size", type=int, default=512, metavar="PIXELS", help="longer side of the pictures (default %(default)s)")
+        add("--resume", action="store_true", help="leave out scenes that the stored result of this commit holds")
+    add("--write-docs", action="store_true", help=f"put tables and plots into docs/{benchmark.page.name}")
     given = parser.parse_args()
+    given.scenes = getattr(given, "chosen", None) or given.scenes
+    if given.quick and benchmark.peers and given.scenes == benchmark.scenes:
+        given.scenes = benchmark.scenes[:1]
     for name in given.scenes:
         if name not in SCENES:
             parser.error(f"unknown scene {name!r}, expected some of {', '.join(SCENES)}")
-    if given.repeats < 1 or given.threads < 1:
-        parser.error("--repeats and --threads must be at least 1")
+    side = getattr(given, "size", None)
+    if given.repeats < 1 or given.threads < 1 or (side is not None and side < 16):
+        parser.error("--repeats and --threads must be at least 1, --size at least 16")
     if given.quick and given.write_docs:
         parser.error("--quick measures nothing that belongs into the document")
     samples = 64 if given.quick else getattr(given, "reference_samples", 0)
     repeats = 1 if given.quick else given.repeats
-    return Settings(given.quick, tuple(given.scenes), repeats, given.threads, samples), given.write_docs
+    peers = tuple(getattr(given, "peers", ()))
+    settings = Settings(given.quick, tuple(given.scenes), repeats, given.threads, samples, side, peers)
+    return settings, given.write_docs, getattr(given, "resume", False)

@@ -1,19 +1,23 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Mitsuba 3 (`llvm_ad_rgb`) as a peer: a scene of ours as one of theirs."""
+"""Mitsuba 3 (`llvm_ad_rgb`) as a peer: a scene of ours as one of theirs, and its path tracer in the race."""
 
 from __future__ import annotations
 
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
-from eclat.scene import Camera, DirectionalLight, Material, Mesh, Scene
+from eclat.scene import DEFAULTS, Camera, DirectionalLight, Material, Mesh, Scene
+from harness.entrant import Picture, timed
 from harness.unavailable import UnavailableError
 
 VARIANT = "llvm_ad_rgb"
 FLIP_X_AND_Z = np.diag([-1.0, 1.0, -1.0, 1.0])
 """Their cameras look along local +z with +x to the left, ours along −z with +x to the right."""
+
+SAMPLES = (4, 16, 64, 256)
+"""A pixel, of the race's levels."""
 
 
 def start() -> Any:
@@ -34,7 +38,7 @@ def start() -> Any:
 
 
 def convert(mitsuba: Any, scene: Scene, size: tuple[int, int]) -> Any:
-    """Their scene, of the same triangles. Raises UnavailableError for what is not diffuse, constant and simple."""
+    """Their scene, of the same triangles. Raises UnavailableError for what is neither diffuse nor rough metal of one colour."""
     camera = scene.cameras[0]
     described: dict[str, Any] = {"type": "scene", "sensor": _sensor(mitsuba, camera, size)}
     for i, mesh in enumerate(scene.meshes):
@@ -57,6 +61,31 @@ def version(mitsuba: Any) -> str:
     return f"Mitsuba {mitsuba.__version__} {VARIANT}"
 
 
+def use_threads(threads: int) -> None:
+    """From now on, in this process."""
+    import drjit
+
+    drjit.set_thread_count(threads)
+
+
+class Entrant:
+    """Times hold the paths; Mitsuba's scene is built before, and its kernels are compiled by the first picture."""
+
+    unbiased: ClassVar[bool] = True
+
+    def __init__(self, scene: Scene, size: tuple[int, int], threads: int) -> None:
+        self.mitsuba = start()
+        use_threads(threads)
+        self.scene = convert(self.mitsuba, scene, size)
+        self.integrator = self.mitsuba.load_dict({"type": "path", "max_depth": -1})
+        self.levels = tuple(f"{samples} samples" for samples in SAMPLES)
+        self.version = version(self.mitsuba)
+
+    def render(self, level: int) -> Picture:
+        spp = SAMPLES[level]
+        return timed(lambda: np.array(self.mitsuba.render(self.scene, integrator=self.integrator, spp=spp, seed=1)))
+
+
 def _sensor(mitsuba: Any, camera: Camera, size: tuple[int, int]) -> dict[str, Any]:
     if camera.projection != "perspective" or camera.aperture_radius or any(camera.shift):
         raise UnavailableError("only a pinhole camera is given to Mitsuba")
@@ -76,25 +105,53 @@ def _sensor(mitsuba: Any, camera: Camera, size: tuple[int, int]) -> dict[str, An
 
 
 def _mesh(mitsuba: Any, mesh: Mesh, index: int) -> Any:
-    if mesh.normals is not None:
-        raise UnavailableError(f"mesh {mesh.name!r}: only flat shading is given to Mitsuba")
     properties = mitsuba.Properties()
     properties["bsdf"] = mitsuba.load_dict(_bsdf(mesh.material))
-    properties["face_normals"] = True
+    properties["face_normals"] = mesh.normals is None
     if mesh.material.emission is not None:
         radiance = {"type": "rgb", "value": list(mesh.material.emission.constant)}
         properties["emitter"] = mitsuba.load_dict({"type": "area", "radiance": radiance})
-    out = mitsuba.Mesh(f"mesh{index}", len(mesh.positions), len(mesh.triangles), props=properties)
+    smooth = mesh.normals is not None
+    out = mitsuba.Mesh(
+        f"mesh{index}", len(mesh.positions), len(mesh.triangles), has_vertex_normals=smooth, props=properties
+    )
     parameters = mitsuba.traverse(out)
     parameters["vertex_positions"] = np.asarray(mesh.positions, np.float32).ravel()
     parameters["faces"] = np.asarray(mesh.triangles, np.uint32).ravel()
+    if smooth:
+        parameters["vertex_normals"] = np.asarray(mesh.normals, np.float32).ravel()
     parameters.update()
     return out
 
 
 def _bsdf(material: Material) -> dict[str, Any]:
-    value = material.parameters.get("reflectance")
-    if material.kind != "diffuse" or value is None or value.texture is not None or material.opacity.constant[0] != 1:
-        raise UnavailableError(f"material {material.name!r}: only constant diffuse ones are given to Mitsuba")
-    diffuse = {"type": "diffuse", "reflectance": {"type": "rgb", "value": list(value.constant)}}
-    return {"type": "twosided", "bsdf": diffuse} if material.two_sided else diffuse
+    where = f"material {material.name!r}"
+    values = {name: material.parameters.get(name, DEFAULTS[name]) for name in _PARAMETERS.get(material.kind, ())}
+    textured = any(value.texture is not None for value in values.values()) or material.normal_map is not None
+    if not values or textured or material.opacity.constant[0] != 1 or material.opacity.texture is not None:
+        raise UnavailableError(f"{where}: only diffuse ones and rough metal of one colour are given to Mitsuba")
+    if material.kind == "diffuse":
+        inner = {"type": "diffuse", "reflectance": _rgb(values["reflectance"].constant)}
+    else:
+        alpha, eta, k = (values[name].constant for name in ("alpha_u", "eta", "k"))
+        if (
+            "alpha_v" in material.parameters
+            or material.distribution != "ggx"
+            or alpha[0] <= 0
+            or any(eta)
+            or k != (1, 1, 1)
+        ):
+            raise UnavailableError(f"{where}: only isotropic GGX metal that reflects everything is given to Mitsuba")
+        inner = {
+            "type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": alpha[0],
+            "specular_reflectance": _rgb(values["specular_reflectance"].constant),
+        }  # fmt: skip
+    return {"type": "twosided", "bsdf": inner} if material.two_sided else inner
+
+
+_PARAMETERS = {"diffuse": ("reflectance",), "conductor": ("eta", "k", "specular_reflectance", "alpha_u")}
+"""What is read of the materials that have a counterpart."""
+
+
+def _rgb(color: tuple[float, float, float]) -> dict[str, Any]:
+    return {"type": "rgb", "value": list(color)}

@@ -13,6 +13,7 @@ import eclat
 from eclat.metrics import TARGET_C
 from eclat.scene import Scene
 from harness.machine import ROOT
+from harness.painted import painted
 from harness.unavailable import UnavailableError
 
 FOLDER = Path(os.environ.get("ECLAT_SCENES", ROOT.parent / "shared" / "scenes"))
@@ -21,11 +22,12 @@ QUICK_SIDE = 64
 
 @dataclass(frozen=True)
 class BenchmarkScene:
-    """`source` is a built-in name, or a file in `FOLDER`."""
+    """`source` is a built-in name, or a file in `FOLDER`; `paint` gives every surface one diffuse colour."""
 
     source: str
     size: tuple[int, int]
     c: float | None = None
+    paint: bool = False
 
     def load(self) -> Scene:
         """The scene. Raises UnavailableError where its file is absent."""
@@ -37,18 +39,22 @@ class BenchmarkScene:
             raise UnavailableError(f"{path} is absent: {how}")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the file's own dirt calls for, named by `eclat info`
-            return eclat.load(str(path))
+            scene = eclat.load(str(path))
+        return painted(scene) if self.paint else scene
 
-    def size_for(self, quick: bool) -> tuple[int, int]:
-        """(width, height), with a longer side of `QUICK_SIDE` pixels for smoke runs."""
-        scale = QUICK_SIDE / max(self.size) if quick else 1.0
+    def size_for(self, quick: bool, side: int | None = None) -> tuple[int, int]:
+        """(width, height), with a longer side of `side` pixels where it is given, of `QUICK_SIDE` for smoke runs."""
+        wanted = QUICK_SIDE if quick else side
+        scale = 1.0 if wanted is None else wanted / max(self.size)
         return max(1, round(self.size[0] * scale)), max(1, round(self.size[1] * scale))
 
 
 SCENES: dict[str, BenchmarkScene] = {
     "cornell-box": BenchmarkScene("cornell-box", (512, 512), TARGET_C),
+    "glossy-box": BenchmarkScene("glossy-box", (512, 512), TARGET_C),
     "door-ajar": BenchmarkScene("door-ajar", (512, 288)),
     "sponza": BenchmarkScene("targets/sponza-sun.xml", (512, 512), TARGET_C),
     "sibenik": BenchmarkScene("sibenik/nave.xml", (512, 288)),
+    "sibenik-painted": BenchmarkScene("sibenik/nave.xml", (512, 288), paint=True),
     "atrium": BenchmarkScene("atrium", (512, 288)),
 }

@@ -1,0 +1,181 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The race: Éclat's irradiance cache against renderers that people use, on the same scenes by the same measure.
+
+Mitsuba 3 (path tracing), the same with Open Image Denoise, Radiance (ambient cache), POV-Ray (radiosity) and LuxCore
+(PhotonGI) get the same triangles, colours, lights and camera, each in a process of its own, and draw at several levels
+of quality, in turn. A renderer that is missing, fails, or has no counterpart of what a scene holds is skipped, with the
+reason in the table. Draws docs/benchmarks/peers-SCENE.svg. Also needs: apt-get install povray libllvm19.
+
+An estimate from single pictures, not a measurement: on two cores at 512 pixels about 40 minutes, after references that
+take about half an hour and are kept; --size 256 takes a quarter of that, except of what caches cost at any size. What was
+measured is stored after each scene; --resume goes on from there.
+"""
+
+from __future__ import annotations
+
+from functools import partial
+from typing import Any
+
+import numpy as np
+
+from eclat.compare import auto_exposure
+from eclat.image import Image
+from eclat.svg_plot import log_log_plot
+from harness import document
+from harness.benchmark import Benchmark, Settings, main
+from harness.machine import ROOT
+from harness.race import Course, Judge, Judged, race, start, time_to
+from harness.references import reference
+from harness.scenes import BenchmarkScene
+from harness.unavailable import UnavailableError
+from harness.worker import Worker
+
+ECLAT = "Éclat"
+ENTRANTS = {
+    "eclat": (ECLAT, "harness.eclat_entrant:Entrant"),
+    "mitsuba": ("Mitsuba 3 path", "harness.mitsuba_peer:Entrant"),
+    "denoised": ("Mitsuba 3 + OIDN", "harness.denoised_peer:Entrant"),
+    "radiance": ("Radiance", "harness.radiance_peer:Entrant"),
+    "povray": ("POV-Ray", "harness.povray_peer:Entrant"),
+    "luxcore": ("LuxCore PhotonGI", "harness.luxcore_peer:Entrant"),
+}
+"""Name on the command line → name in tables, and where it is."""
+
+WANTED = (0.05, 0.02, 0.01, 0.005)
+WANTED_FLIP = (0.05, 0.02, 0.01)
+QUICK_LEVELS = 1
+PAGE = ROOT / "docs" / "peers.md"
+
+
+def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
+    scene, size = place.load(), place.size_for(settings.quick, settings.side)
+    truth = reference(name, scene, size, place.c, settings.reference_samples)
+    exposure = auto_exposure(Image(((truth.a + truth.b) / 2).astype(np.float32)))
+    makers = {
+        ENTRANTS[key][0]: partial(Worker, ENTRANTS[key][1], scene, size, settings.threads) for key in settings.peers
+    }
+    runners, skipped = start(makers)
+    try:
+        judge = Judge(truth, exposure)
+        courses = race(runners, judge, settings.repeats, QUICK_LEVELS if settings.quick else None)
+    finally:
+        for runner in runners.values():
+            runner.close()
+    if not any(course.levels for course in courses.values()):
+        raise UnavailableError("; ".join(f"{peer}: {reason}" for peer, reason in skipped.items()) or "nothing finished")
+    rows = {peer: course.as_row() for peer, course in courses.items()}
+    return {
+        "courses": rows, "skipped": skipped, "exposure": exposure, "reference": truth.described(), "size": size,
+    }  # fmt: skip
+
+
+def courses_of(scene: dict[str, Any]) -> dict[str, Course]:
+    """Of one scene of a result."""
+    return {name: Course.from_row(row) for name, row in scene["courses"].items()}
+
+
+def tables(result: dict[str, Any]) -> str:
+    parts = [
+        "### Time to an error, all pixels", _times(result, WANTED, "error"),
+        "### Time to an error, away from edges", _times(result, WANTED, "error_away"),
+        "### Time to a FLIP", _times(result, WANTED_FLIP, "flip"),
+        "### Where another renderer is faster", losses(result),
+        "### Error against time",
+        "\n".join(f"![{name}: error against time](benchmarks/peers-{name}.svg)" for name in result["scenes"]),
+        "### Every level", _levels(result),
+        "### What did not take part", _missing(result),
+        "### Versions", _versions(result),
+    ]  # fmt: skip
+    return "\n\n".join(parts)
+
+
+def _times(result: dict[str, Any], wanted: tuple[float, ...], measure: str) -> str:
+    rows = []
+    for name, scene in result["scenes"].items():
+        for peer, course in courses_of(scene).items():
+            rows.append([name, peer, *(_time(course, value, measure) for value in wanted)])
+    heads = [f"{value:g}" if measure == "flip" else f"{100 * value:g} %" for value in wanted]
+    return document.table(["scene", "renderer", *heads], rows)
+
+
+def _time(course: Course, wanted: float, measure: str) -> str:
+    if not any(getattr(level, measure) is not None for level in course.levels):
+        return "not measured"
+    cost, at_once = time_to(course, wanted, measure)
+    return "not reached" if cost is None else ("≤ " if at_once else "") + document.seconds(cost.value)
+
+
+def losses(result: dict[str, Any]) -> str:
+    """A sentence for every scene and error at which Éclat is not the fastest, made from the measurements."""
+    lines = []
+    for name, scene in result["scenes"].items():
+        courses = courses_of(scene)
+        if ECLAT not in courses or len(courses) < 2:
+            continue
+        for wanted in WANTED:
+            found = {peer: cost.value for peer, c in courses.items() if (cost := time_to(c, wanted)[0]) is not None}
+            ours = found.pop(ECLAT, None)
+            if not found or (ours is not None and ours <= min(found.values())):
+                continue
+            best = min(found, key=lambda peer: found[peer])
+            time = "does not reach it" if ours is None else f"takes {document.seconds(ours)}"
+            lines.append(f"- {name}, {100 * wanted:g} %: {best} takes {document.seconds(found[best])}, Éclat {time}.")
+    return "\n".join(lines) or "At no error of the table, on no scene of this run."
+
+
+def _levels(result: dict[str, Any]) -> str:
+    rows = []
+    for name, scene in result["scenes"].items():
+        for peer, course in courses_of(scene).items():
+            rows += [_level(name, peer, level) for level in course.levels]
+    header = ["scene", "renderer", "level", "time", "rounds", "error", "away from edges", "FLIP", "mean : reference"]
+    return document.table(header, rows)
+
+
+def _level(scene: str, peer: str, level: Judged) -> list[str]:
+    seen = "not measured" if level.flip is None else f"{level.flip:.4f}"
+    return [
+        scene, peer, level.label, document.seconds(level.seconds), str(len(level.rounds)),
+        document.percent(level.error), document.percent(level.error_away), seen, f"{level.mean_ratio:.4f}",
+    ]  # fmt: skip
+
+
+def _missing(result: dict[str, Any]) -> str:
+    rows = []
+    for name, scene in result["scenes"].items():
+        rows += [[name, peer, reason.splitlines()[0]] for peer, reason in scene["skipped"].items()]
+        rows += [[name, peer, c.stopped.splitlines()[0]] for peer, c in courses_of(scene).items() if c.stopped]
+    return document.table(["scene", "renderer", "reason"], rows) if rows else "All renderers drew all scenes."
+
+
+def _versions(result: dict[str, Any]) -> str:
+    versions = {peer: row["version"] for scene in result["scenes"].values() for peer, row in scene["courses"].items()}
+    named = [f"{peer}: {version}" for peer, version in versions.items()]
+    shown = [
+        f"{name}: {scene['size'][0]} × {scene['size'][1]}, reference {scene['reference']['samples']} samples a half with "
+        f"{document.percent(scene['reference']['noise'])} noise, FLIP at {scene['exposure']:+g} stops"
+        for name, scene in result["scenes"].items()
+    ]
+    return "\n".join(f"- {line}" for line in [*named, *shown])
+
+
+def plots(result: dict[str, Any]) -> dict[str, str]:
+    return {
+        f"peers-{name}": log_log_plot(
+            {peer: [(v.seconds, v.error) for v in course.levels] for peer, course in courses_of(scene).items()},
+            "seconds",
+            f"{name}: error",
+            lambda error: f"{100 * error:g} %",
+        )
+        for name, scene in result["scenes"].items()
+    }
+
+
+BENCHMARK = Benchmark(
+    "peers", __doc__, ("cornell-box", "glossy-box", "sponza", "door-ajar", "sibenik-painted"), run, tables, plots,
+    reference_samples=1024, page=PAGE, peers=tuple(ENTRANTS),
+)  # fmt: skip
+
+if __name__ == "__main__":
+    main(BENCHMARK)

@@ -1,0 +1,276 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The race of benchmarks/peers.py: its arithmetic on made-up entrants, and that each peer is given our scene."""
+
+from __future__ import annotations
+
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eclat
+import peers
+from eclat.image import Image
+from eclat.scene import Material, Mesh, Scene, Texture, Value
+from harness import benchmark, povray_peer, radiance_peer
+from harness.entrant import Picture
+from harness.lamps import lamps
+from harness.luxcore_peer import scene_properties
+from harness.painted import mean_colour, painted
+from harness.race import Course, Judge, Judged, race, time_to
+from harness.references import Reference
+from harness.unavailable import UnavailableError
+from harness.worker import Worker, WorkerError
+
+SIZE = (32, 32)
+
+
+class Scripted:
+    """An entrant whose pictures are the truth times a factor; a level of None fails."""
+
+    version = "scripted 1"
+
+    def __init__(self, log: list[str], name: str, factors: list[float | None], unbiased: bool = False) -> None:
+        self.log, self.name, self.factors, self.unbiased = log, name, factors, unbiased
+        self.levels = tuple(f"level {i}" for i in range(len(factors)))
+
+    def render(self, level: int) -> Picture:
+        self.log.append(f"{self.name}{level}")
+        factor = self.factors[level]
+        if factor is None:
+            raise WorkerError("broken")
+        return Picture(np.full((16, 16, 3), 0.5 * factor, np.float32), 2.0**level)
+
+    def close(self) -> None:
+        raise AssertionError("the race does not own its runners")
+
+
+@pytest.fixture
+def judge() -> Judge:
+    truth = np.full((16, 16, 3), 0.5)
+    return Judge(Reference(truth, truth, np.ones((16, 16), bool), 0.0, 64), 0.0)
+
+
+def test_entrants_draw_in_turn_and_are_judged_by_the_measure(judge: Judge) -> None:
+    log: list[str] = []
+    runners = {"a": Scripted(log, "a", [1.1, 1.02]), "b": Scripted(log, "b", [0.7])}
+    courses = race(runners, judge, 2)
+    assert log == ["a0", "b0", "a0", "b0", "a1", "a1"]
+    first, second = courses["a"].levels
+    assert first.error == pytest.approx(0.1, rel=1e-5) and second.error == pytest.approx(0.02, rel=1e-4)
+    assert first.mean_ratio == pytest.approx(1.1) and first.error_away == first.error
+    assert (second.seconds, second.rounds) == (2.0, (2.0, 2.0))
+
+
+def test_an_entrant_that_fails_keeps_what_it_drew_and_stops(judge: Judge) -> None:
+    log: list[str] = []
+    courses = race({"a": Scripted(log, "a", [1.1, None, 1.01])}, judge, 1)
+    assert [level.label for level in courses["a"].levels] == ["level 0"]
+    assert courses["a"].stopped == "level 1: broken"
+    assert log == ["a0", "a1"]
+
+
+def test_an_unbiased_entrant_with_another_mean_draws_another_scene(judge: Judge) -> None:
+    courses = race({"a": Scripted([], "a", [1.02], unbiased=True), "b": Scripted([], "b", [1.009], True)}, judge, 1)
+    assert not courses["a"].levels and "not the same scene" in courses["a"].stopped
+    assert courses["b"].levels and not courses["b"].stopped
+
+
+def test_noise_widens_what_an_unbiased_mean_may_be(judge: Judge) -> None:
+    rng = np.random.default_rng(1)
+    noisy = 0.5 * (1 + rng.standard_normal((16, 16, 3)))
+    noisy *= 0.5 * 1.04 / noisy.mean()
+    assert judge.mismatch(noisy) == ""
+    assert judge.mismatch(np.full((16, 16, 3), 0.52)) != ""
+
+
+def course(*points: tuple[float, float]) -> Course:
+    levels = [Judged(f"{s} s", s, (s,), e, e / 2, None, 1.0) for s, e in points]
+    return Course("1", False, levels)
+
+
+def test_times_lie_between_levels_and_beyond_them_there_are_none() -> None:
+    measured = course((1, 0.08), (4, 0.04), (16, 0.02))
+    cost, at_once = time_to(measured, 0.02 * 2**0.5)
+    assert cost is not None and cost.value == pytest.approx(8) and not at_once
+    assert time_to(measured, 0.01) == (None, False)
+    assert time_to(measured, 0.1)[1]
+    away, _ = time_to(measured, 0.01, "error_away")
+    assert away is not None and away.value == pytest.approx(16)
+    assert time_to(measured, 0.01, "flip") == (None, False)
+
+
+@pytest.fixture
+def result() -> dict[str, Any]:
+    courses = {
+        "Éclat": course((1, 0.04), (4, 0.008)).as_row(),
+        "Radiance": course((3, 0.04), (30, 0.02)).as_row(),
+        "Mitsuba 3 + OIDN": replace(course((0.5, 0.03)), stopped="64 samples: broken").as_row(),
+    }
+    scene = {
+        "courses": courses, "skipped": {"POV-Ray": "not installed\nat all"}, "exposure": 1.5,
+        "reference": {"samples": 64, "noise": 0.01}, "size": [64, 64],
+    }  # fmt: skip
+    return {"scenes": {"cornell-box": json.loads(json.dumps(scene))}}
+
+
+def test_tables_say_what_was_not_reached_and_who_was_not_there(result: dict[str, Any]) -> None:
+    text = peers.tables(result)
+    assert "| cornell-box | Radiance | ≤ 3 s | 30 s | not reached | not reached |" in text
+    assert "| cornell-box | POV-Ray | not installed |" in text
+    assert "| cornell-box | Mitsuba 3 + OIDN | 64 samples: broken |" in text
+    assert "not measured" in text  # FLIP
+
+
+def test_losses_are_named_from_the_data(result: dict[str, Any]) -> None:
+    said = peers.losses(result)
+    assert said == "- cornell-box, 5 %: Mitsuba 3 + OIDN takes 0.5 s, Éclat takes 1 s."
+    assert set(peers.plots(result)) == {"peers-cornell-box"}
+
+
+def test_a_result_is_resumed_only_by_the_same_run(tmp_path: Path) -> None:
+    result = {"settings": {"side": 64}, "machine": {"commit": "a"}, "scenes": {}}
+    path = tmp_path / "peers.json"
+    assert benchmark._stored(path, result) == {}
+    path.write_text(json.dumps({**result, "scenes": {"x": {}}}))
+    assert benchmark._stored(path, result) == {"x": {}}
+    assert benchmark._stored(path, {**result, "machine": {"commit": "b"}}) == {}
+    assert benchmark._stored(path, {**result, "settings": {"side": 32}}) == {}
+
+
+def test_a_worker_answers_fails_and_dies_alone() -> None:
+    scene = eclat.load("cornell-box")
+    place = "support.peers:Obedient"
+    worker = Worker(place, scene, (4, 2), 1)
+    assert worker.levels == ("draw", "raise", "die") and not worker.unbiased
+    picture = worker.render(0)
+    assert picture.pixels.shape == (2, 4, 3) and picture.seconds == 0.5
+    with pytest.raises(WorkerError, match="ended with code 7"):
+        worker.render(2)
+    with pytest.raises(UnavailableError, match="no meshes"):
+        Worker(place, Scene(), (4, 2), 1)
+
+
+def test_lamps_of_a_quad_a_box_and_a_disc() -> None:
+    (quad,) = lamps(eclat.load("cornell-box").meshes[0])
+    assert not quad.circular and quad.area == pytest.approx(0.46 * 0.38)
+    assert quad.normal == pytest.approx([0, -1, 0], abs=1e-6) and quad.centre == pytest.approx(
+        [0, 0.99, 0.01], abs=1e-6
+    )
+    corners = quad.corners()
+    normal = np.cross(corners[1] - corners[0], corners[2] - corners[0])
+    assert normal[1] == pytest.approx(-0.46 * 0.38) and np.ptp(corners, axis=0) == pytest.approx(
+        [0.46, 0, 0.38], abs=1e-6
+    )
+    box = lamps(next(mesh for mesh in eclat.load("door-ajar").meshes if mesh.name == "lamp"))
+    assert len(box) == 6 and sum(face.area for face in box) == pytest.approx(2 * (0.8 * 3.4 + 0.05 * (0.8 + 3.4)))
+    angles = np.linspace(0, 2 * np.pi, 48, endpoint=False)
+    rim = np.stack([2 * np.cos(angles), np.full(48, 3), 2 * np.sin(angles)], axis=1)
+    fan = np.array([(48, (i + 1) % 48, i) for i in range(48)])
+    (disc,) = lamps(Mesh(np.vstack([rim, [(0, 3, 0)]]), fan, Material()))
+    assert disc.circular and disc.normal == pytest.approx([0, 1, 0])
+    assert np.linalg.norm(disc.across) == pytest.approx(2 * np.sqrt(disc.area / np.pi))
+    with pytest.raises(UnavailableError, match="neither"):
+        lamps(Mesh(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], float), np.array([(0, 1, 2)]), Material()))
+
+
+def test_paint_is_the_mean_of_the_texels_in_linear_light() -> None:
+    image = np.array([[(0, 0, 0), (255, 255, 255)]], np.uint8)
+    assert mean_colour(Value((0.5, 1.0, 1.0), Texture(image, srgb=True))).constant == pytest.approx((0.25, 0.5, 0.5))
+    glossy = painted(eclat.load("glossy-box"))
+    assert {mesh.material.kind for mesh in glossy.meshes} == {"diffuse"}
+    assert glossy.meshes[1].material.parameters["reflectance"].constant == (0.8, 0.8, 0.8)
+    assert glossy.meshes[0].material.emission is not None
+
+
+def test_what_a_peer_has_no_model_for_is_refused_by_name() -> None:
+    scene = eclat.load("glossy-box")
+    for refuse in (
+        lambda: radiance_peer.describe(scene),
+        lambda: povray_peer.describe(scene, SIZE, povray_peer.LEVELS[0]),
+        lambda: scene_properties(scene, SIZE),
+    ):
+        with pytest.raises(UnavailableError, match="'gloss' is conductor"):
+            refuse()
+
+
+def test_a_sun_in_radiance_gives_its_irradiance() -> None:
+    scene = replace(
+        eclat.load("cornell-box"), lights=(eclat.scene.DirectionalLight((0.0, -1.0, 0.0), (20.0, 18.0, 15.0)),)
+    )
+    lines = radiance_peer.describe(scene).splitlines()
+    radiance = float(lines[lines.index("void light sun0") + 3].split()[1])
+    degrees = float(lines[lines.index("sun0 source disc0") + 3].split()[4])
+    assert radiance * np.pi * np.sin(np.radians(degrees / 2)) ** 2 == pytest.approx(20, rel=1e-4)
+
+
+def drawn(place: str, name: str, size: tuple[int, int] = SIZE, level: int = 0) -> np.ndarray:
+    """A peer's picture of a built-in scene; skips where the peer is missing."""
+    try:
+        worker = Worker(place, eclat.load(name), size, 2)
+    except UnavailableError as reason:
+        pytest.skip(str(reason))
+    try:
+        return worker.render(level).pixels
+    finally:
+        worker.close()
+
+
+def reference_of(name: str, size: tuple[int, int] = SIZE, **options: Any) -> np.ndarray:
+    return eclat.render(eclat.load(name), eclat.Path(), samples=256, size=size, seed=3, **options).pixels
+
+
+def beside_the_lamp(ours: np.ndarray) -> np.ndarray:
+    """Pixels that are lit and two pixels from the lamp, whose rim few rays a pixel do not resolve."""
+    brightest = ours.max(axis=-1)
+    padded = np.pad(brightest, 2)
+    height, width = brightest.shape
+    around = [padded[y : y + height, x : x + width] for y in range(5) for x in range(5)]
+    return np.asarray((np.max(around, axis=0) < 2) & (brightest > 0.02))
+
+
+def ratio_beside_the_lamp(theirs: np.ndarray, ours: np.ndarray) -> float:
+    counted = beside_the_lamp(ours)
+    return float(theirs[counted].mean() / ours[counted].mean())
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("name", ["cornell-box", "glossy-box", "door-ajar"])
+def test_mitsuba_draws_our_scene(name: str) -> None:
+    """Normals of vertices and rough metal are given to it too."""
+    theirs, ours = drawn("harness.mitsuba_peer:Entrant", name, level=2), reference_of(name)
+    truth = Reference(ours, ours, np.ones(ours.shape[:2], bool), None, 256)
+    assert Judge(truth, 0.0).mismatch(theirs) == ""
+
+
+@pytest.mark.slow
+def test_the_denoiser_keeps_the_mean_and_takes_the_noise() -> None:
+    ours = reference_of("cornell-box")
+    noisy, theirs = (drawn(f"harness.{peer}_peer:Entrant", "cornell-box", level=1) for peer in ("mitsuba", "denoised"))
+    assert ratio_beside_the_lamp(theirs, ours) == pytest.approx(1, abs=0.03)
+    counted = beside_the_lamp(ours)
+    assert np.abs(theirs - ours)[counted].mean() < 0.7 * np.abs(noisy - ours)[counted].mean()
+
+
+@pytest.mark.slow
+def test_radiance_draws_our_direct_light() -> None:
+    theirs = drawn("support.peers:RadianceDirect", "cornell-box")
+    assert ratio_beside_the_lamp(theirs, reference_of("cornell-box", max_depth=2)) == pytest.approx(1, abs=0.03)
+
+
+@pytest.mark.slow
+def test_povray_draws_our_direct_light() -> None:
+    theirs = drawn("support.peers:POVRayDirect", "cornell-box")
+    assert ratio_beside_the_lamp(theirs, reference_of("cornell-box", max_depth=2)) == pytest.approx(1, abs=0.05)
+
+
+@pytest.mark.slow
+def test_luxcore_draws_our_scene() -> None:
+    theirs = drawn("support.peers:LuxCorePaths", "cornell-box", level=1)
+    ours = reference_of("cornell-box")
+    assert ratio_beside_the_lamp(theirs, ours) == pytest.approx(1, abs=0.03)
+    assert Image(theirs).pixels.shape == ours.shape
