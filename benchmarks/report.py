@@ -10,6 +10,8 @@ from __future__ import annotations
 import argparse
 import json
 
+import calibration
+import convergence
 import embree_rate
 import equal_error
 import far_end
@@ -21,7 +23,19 @@ import peers
 import scaling
 from harness.benchmark import RESULTS
 
-MODULES = (path_rate, embree_rate, equal_error, max_error, scaling, memory, lazy_fill, far_end, peers)
+MODULES = (
+    path_rate,
+    embree_rate,
+    equal_error,
+    max_error,
+    scaling,
+    memory,
+    lazy_fill,
+    far_end,
+    peers,
+    calibration,
+    convergence,
+)
 
 
 def main() -> None:

@@ -7,6 +7,7 @@
 #include <cstring>
 
 #include "arrays.h"
+#include "integrators/error_estimate.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/solve_points.h"
 #include "world_holder.h"
@@ -66,6 +67,7 @@ void bind_cache(nb::module_& m) {
         .def_rw("largest_pixels", &IrradianceCacheOptions::largest_pixels)
         .def_rw("rows", &IrradianceCacheOptions::rows)
         .def_rw("far_rows", &IrradianceCacheOptions::far_rows)
+        .def_rw("far_spacing", &IrradianceCacheOptions::far_spacing)
         .def_rw("far_records", &IrradianceCacheOptions::far_records)
         .def_rw("max_depth", &IrradianceCacheOptions::max_depth)
         .def_rw("seed", &IrradianceCacheOptions::seed)
@@ -74,7 +76,7 @@ void bind_cache(nb::module_& m) {
         .def("__init__",
              [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
                  new (c) SolvedCaches{from_array(near, o.cache, o.spacing),
-                                      from_array(far, far_reading(o.cache), far_spacing)};
+                                      from_array(far, far_reading(o.cache), o.far_spacing)};
              })
         .def(nb::init<>())
         .def_prop_ro(
@@ -104,4 +106,49 @@ void bind_cache(nb::module_& m) {
             solve_everywhere(scene.world(), options, caches, progress);
         },
         "scene"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+    nb::class_<ErrorCheck>(m, "ErrorCheck")
+        .def(nb::init<>())
+        .def_rw("rays", &ErrorCheck::rays)
+        .def_rw("wanted", &ErrorCheck::wanted)
+        .def_rw("max_depth", &ErrorCheck::max_depth)
+        .def_rw("seed", &ErrorCheck::seed)
+        .def_rw("threads", &ErrorCheck::threads);
+    nb::class_<ErrorEstimate>(m, "ErrorEstimate")
+        .def_ro("squared", &ErrorEstimate::squared)
+        .def_ro("deviation", &ErrorEstimate::deviation)
+        .def_ro("missed", &ErrorEstimate::missed)
+        .def_ro("paths", &ErrorEstimate::paths)
+        .def_prop_ro(
+            "places",
+            [](const ErrorEstimate& e) {
+                return float_array({e.places.size(), 4}, [&](float* data) {
+                    for (const ErrorPlace& p : e.places) {
+                        for (int k = 0; k < 3; ++k) *data++ = p.position[k];
+                        *data++ = p.squared;
+                    }
+                });
+            },
+            nb::rv_policy::move);
+    m.def(
+        "estimate_error_for_camera",
+        [](const CoreScene& scene, const Camera& camera, const SolvedCaches& caches, const ErrorCheck& check,
+           Progress& progress) { return estimate_error(scene.world(), camera, caches, check, progress); },
+        "scene"_a, "camera"_a, "caches"_a, "check"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+    m.def(
+        "estimate_error_at_points",
+        [](const CoreScene& scene, Points positions, Points normals, const SolvedCaches& caches,
+           const ErrorCheck& check, Progress& progress) {
+            const auto points = points_with_normals(positions, normals);
+            const nb::gil_scoped_release unlocked;
+            return estimate_error(scene.world(), points, caches, check, progress);
+        },
+        "scene"_a, "positions"_a, "normals"_a, "caches"_a, "check"_a, "progress"_a);
+    m.def(
+        "estimate_error_everywhere",
+        [](const CoreScene& scene, size_t count, const SolvedCaches& caches, const ErrorCheck& check,
+           Progress& progress) {
+            const auto points = points_everywhere(scene.world(), count, check.seed);
+            return estimate_error(scene.world(), points, caches, check, progress);
+        },
+        "scene"_a, "count"_a, "caches"_a, "check"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
 }

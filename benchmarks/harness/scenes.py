@@ -51,7 +51,9 @@ class BenchmarkScene:
 
 SCENES: dict[str, BenchmarkScene] = {
     "cornell-box": BenchmarkScene("cornell-box", (512, 512), TARGET_C),
+    "furnace": BenchmarkScene("furnace", (512, 512)),
     "glossy-box": BenchmarkScene("glossy-box", (512, 512), TARGET_C),
+    "two-rooms": BenchmarkScene("two-rooms", (512, 512)),
     "door-ajar": BenchmarkScene("door-ajar", (512, 288)),
     "sponza": BenchmarkScene("targets/sponza-sun.xml", (512, 512), TARGET_C),
     "sibenik": BenchmarkScene("sibenik/nave.xml", (512, 288)),

@@ -20,16 +20,6 @@ constexpr float usual_rows = 14;         // of the gather whose noise records ke
 constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
 constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
 
-// A far record must not be read closer than its own radius: nearby, its neighbours' error would be seen from corners.
-CachedIrradiance read_far(const RecordCache& far) {
-    return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
-        float radius = 0;
-        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
-        if (!E || distance < radius) return std::nullopt;
-        return E;
-    };
-}
-
 // What stands low beside the point, or hangs close under the ceiling that it is part of, fills so little of the hemisphere
 // that a gather meets it by luck; yet light ends behind it. Rays along the horizon look for it in every direction.
 void look_along_horizon(const World& world, const Candidate& candidate, IrradianceRecord& record, Metric metric,
@@ -200,6 +190,15 @@ CacheOptions far_reading(const CacheOptions& near) {
     return far;
 }
 
+CachedIrradiance read_far(const RecordCache& far) {
+    return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
+        float radius = 0;
+        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
+        if (!E || distance < radius) return std::nullopt;
+        return E;
+    };
+}
+
 SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
     return {RecordCache(options.cache), RecordCache(far_reading(options.cache))};
 }
@@ -207,8 +206,9 @@ SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
              RecordCache& far, Progress& progress) {
     // Far records only feed averages over whole hemispheres, so they may be coarse: never finer than a hundredth of the
-    // scene.
-    const float least = 0.01f * world.geometry.radius(), largest = 0.2f * world.geometry.radius();
+    // scene, unless finer spacing is asked for.
+    const float unit = options.far_spacing / usual_far_spacing * world.geometry.radius();
+    const float least = 0.01f * unit, largest = 0.2f * unit;
     const RecordCache none;
     IrradianceCacheOptions coarse = options;
     if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // they are no wider than that anyway
@@ -217,9 +217,9 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     for (IrradianceRecord& r : records) {
         r.least_radius = least;
         r.largest_radius = largest;
-        r.radius = clamp(far_spacing * r.distance, least, largest);
+        r.radius = clamp(options.far_spacing * r.distance, least, largest);
     }
-    far.insert(records, far_spacing, options.threads);
+    far.insert(records, options.far_spacing, options.threads);
     progress.advance();
 }
 

@@ -15,6 +15,8 @@
 
 namespace eclat {
 
+constexpr float usual_far_spacing = 0.3f;
+
 struct IrradianceCacheOptions {
     float spacing = 0.8f;  // radius of a record in units of the length that its metric gives
     Metric metric = Metric::occlusion;
@@ -23,6 +25,9 @@ struct IrradianceCacheOptions {
     int rows = 14;  // M of a gather; N = π M
     int far_rows = 9;
     int far_records = 2000;  // candidates of the coarse cache that answers at the far end of gather rays
+    /// Radius of a far record in units of its distance R. Coarser ones blur what gather rays see: half darkened rooms that
+    /// are lit through a gap by two per cent.
+    float far_spacing = usual_far_spacing;
     bool gradient_limit = true;
     CacheOptions cache;
     int max_depth = -1;
@@ -66,11 +71,12 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
 
 /// Empty caches, each with how it is read.
 SolvedCaches empty_caches(const IrradianceCacheOptions& options);
-/// Radius of a far record in units of its distance R. Coarser ones blur what gather rays see: half darkened rooms that are lit
-/// through a gap by two per cent.
-constexpr float far_spacing = 0.3f;
 /// How far records are read from where gather rays end: coarsely, and without turning, since only averages matter.
 CacheOptions far_reading(const CacheOptions& near);
+
+/// How gather rays read far records where they end; nothing closer than a record's own radius, where its neighbours' error
+/// would be seen from corners.
+CachedIrradiance read_far(const RecordCache& far);
 
 /// A pass of the far cache: coarse records at the candidates that are not served. Rays find candidates by chance, so
 /// those that lie close to each other are thinned, in order.

@@ -124,4 +124,13 @@ void solve_everywhere(const World& world, const IrradianceCacheOptions& options,
     }
 }
 
+std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed) {
+    constexpr uint32_t no_pass = 1u << 20;
+    const SurfacePoints surface(world);
+    std::vector<PointNormal> out;
+    if (surface.empty()) return out;
+    for (const Candidate& c : surface.spread(count, no_pass, seed)) out.push_back({c.position, c.normal});
+    return out;
+}
+
 }  // namespace eclat

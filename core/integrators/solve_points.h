@@ -6,6 +6,7 @@
 #pragma once
 
 #include <span>
+#include <vector>
 
 #include "integrators/point_irradiance.h"
 
@@ -20,5 +21,8 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
 /// doubled until the records serve almost all new ones.
 void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
                       Progress& progress);
+
+/// Points spread evenly over the same surfaces, about `count` of them, but not those that a solve looked at.
+std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed);
 
 }  // namespace eclat

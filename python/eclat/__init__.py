@@ -18,12 +18,13 @@ if TYPE_CHECKING:
     from eclat.rendering import render
     from eclat.scene import Scene
     from eclat.solution import Solution, merge
-    from eclat.solving import solve
+    from eclat.solving import refine, solve
 
 _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
     "solve": "eclat.solving",
+    "refine": "eclat.solving",
     "render": "eclat.rendering",
     "irradiance": "eclat.point_irradiance",
     "Solution": "eclat.solution",
@@ -53,6 +54,7 @@ __all__ = [
     "load",
     "load_dict",
     "merge",
+    "refine",
     "render",
     "solve",
 ]

@@ -67,7 +67,11 @@ class Sampling:
         """Sample until the goal is reached."""
         if goal.samples is not None:
             self._expected = goal.samples
+            self._pass(goal.samples // 2)
+            half = self.film.radiance if goal.samples % 2 == 0 else None
             self._pass(goal.samples)
+            if half is not None:
+                self.noise = estimated_error(half, self.film.radiance)
         elif goal.deadline is not None:
             self._until(goal.deadline)
         else:

@@ -63,6 +63,9 @@ class IrradianceCache:
     far_records: int = 2000
     """Candidates for the coarse records in which gather rays end; 0 traces every path to its end."""
     far_rows: int = 9
+    """Rows of the gathers of far records."""
+    far_spacing: float = 0.3
+    """Radius of a far record in units of the distance to what it sees."""
 
     def __post_init__(self) -> None:
         _check_range("IrradianceCache", "max_error", self.max_error, 0.0005, 0.5)
@@ -70,6 +73,7 @@ class IrradianceCache:
             _check_range("IrradianceCache", "spacing", self.spacing, 0.01, 2)
         if self.rows is not None:
             _check_range("IrradianceCache", "rows", self.rows, 2, 256)
+        _check_range("IrradianceCache", "far_spacing", self.far_spacing, 0.01, 2)
         _check_range("IrradianceCache", "far_rows", self.far_rows, 2, 256)
         _check_range("IrradianceCache", "far_records", self.far_records, 0, 10**7)
         _check_range("IrradianceCache", "least_pixels", self.least_pixels, 0.25, 1000)

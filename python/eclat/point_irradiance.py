@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import time as clock
 from typing import Literal, get_args
 
@@ -14,13 +15,33 @@ from eclat import _core
 from eclat.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
 from eclat.compiled import compiled
 from eclat.errors import EclatError, did_you_mean
-from eclat.options import Direct, IrradianceCache, Options
+from eclat.options import Direct, IrradianceCache, Options, Path
 from eclat.running import ProgressReport, run
 from eclat.scene import FloatArray, Scene
 from eclat.solution import Solution, core_options
 from eclat.solving import solve
 
 Component = Literal["total", "direct", "indirect"]
+
+RAYS_OF_TRACED_PATH, RAYS_OF_GATHER_PATH = 7, 2.5
+"""Rays of a path that is traced to its end, shadow rays included, and of one that ends in a far record. Counted in the
+Cornell box; darker rooms have shorter paths, so that both methods cost less there."""
+
+PATHS_OF_POINT = 8192
+"""Of a point that is gathered by paths alone, to err by about a hundredth; their error falls with the square root."""
+
+
+def paths_for_few(count: int, max_error: float) -> int | None:
+    """Paths per point where fewer rays gather all points by paths than records would take; None where records pay.
+
+    The rule counts rays, so that the choice is the same on every machine: records first need their far records, which
+    cost the same for one point as for thousands.
+    """
+    options = core_options(IrradianceCache(max_error=max_error))
+    paths = max(1, round(PATHS_OF_POINT * (0.01 / max_error) ** 2))
+    far = options.far_records * math.pi * options.far_rows**2 * RAYS_OF_TRACED_PATH
+    gather = math.pi * options.rows**2 * RAYS_OF_GATHER_PATH
+    return paths if count * paths * RAYS_OF_TRACED_PATH < far + count * gather else None
 
 
 def irradiance(
@@ -30,6 +51,7 @@ def irradiance(
     what: Solution | Options | None = None,
     *,
     component: Component = "total",
+    max_error: float = 0.01,
     samples: int = 1024,
     max_depth: int = -1,
     seed: int = 0,
@@ -42,7 +64,8 @@ def irradiance(
     Parameters
     ----------
     points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
-    what : a Solution, the options of a method, or None for irradiance caching.
+    what : a Solution, the options of a method, or None: irradiance caching, or paths where the points are so few that
+        these take fewer rays (`paths_for_few`).
 
         ====================  ==================================================================================
         `Solution`            indirect light is read from its records; a point that none of them serves is
@@ -54,11 +77,12 @@ def irradiance(
 
     component : "direct" is what arrives straight from lights, the environment and suns included; "indirect" the rest;
         the same for every method.
+    max_error : relative error of indirect light that None aims at.
     samples : of the lights, and paths of `Path`, per point.
     max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. A Solution must have been solved
         with the same.
     statistics : a dict that is filled with `points`, `served` (by records) and `gathered` (both only where a cache
-        was read), `rays` and `seconds`.
+        was read), `paths` per point (only where None chose them), `rays` and `seconds`.
 
     Raises
     ------
@@ -79,14 +103,19 @@ def irradiance(
         )
     started = clock.perf_counter()
     places, sides = points_with_normals(points, normals)
-    common = checked_samples(samples), checked_seed(seed), thread_count(threads)
+    common = checked_seed(seed), thread_count(threads)
+    checked_samples(samples)
     depth = 2 if isinstance(what, Direct) else checked_max_depth(max_depth)
     counts: dict[str, float] = {"points": float(len(places)), "rays": 0.0}
+    indirect = component != "direct" and (depth < 0 or depth > 2)
     if what is None:
-        what = IrradianceCache()
+        what = IrradianceCache(max_error=max_error)
+        paths = paths_for_few(len(places), max_error)
+        if indirect and paths is not None:
+            what, samples = Path(), max(samples, paths)
+            counts["paths"] = float(samples)
     if isinstance(what, Solution):
         what.check(scene, max_depth)
-    indirect = component != "direct" and (depth < 0 or depth > 2)
     if indirect and isinstance(what, IrradianceCache):
         what = solve(
             scene, what, points=(places, sides), max_depth=depth, seed=seed, threads=threads, progress=progress
@@ -102,7 +131,7 @@ def irradiance(
         result, served, gathered = run(
             "irradiance",
             lambda p: _core.irradiance_from_caches(
-                prepared.core, positions, directions, caches, settings, p, number, *common
+                prepared.core, positions, directions, caches, settings, p, number, samples, *common
             ),
             progress,
             counted,
@@ -112,7 +141,7 @@ def irradiance(
         result = run(
             "irradiance",
             lambda p: _core.irradiance_by_paths(
-                prepared.core, positions, directions, p, number, samples, depth, *common[1:]
+                prepared.core, positions, directions, p, number, samples, depth, *common
             ),
             progress,
             counted,

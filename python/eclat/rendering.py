@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import time as clock
 from dataclasses import asdict, dataclass
+from functools import partial
 from typing import Any
 
 import numpy as np
@@ -25,6 +26,7 @@ from eclat.arguments import (
 )
 from eclat.compiled import compiled
 from eclat.convergence import Goal, Sampling
+from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.image import Image
 from eclat.options import Direct, IrradianceCache, Options, Path, method_name
@@ -33,6 +35,7 @@ from eclat.running import ProgressReport, run
 from eclat.scene import Camera, Scene
 from eclat.solution import Solution
 from eclat.solving import solve
+from eclat.time_budget import solve_within
 
 _FILTERS = ("box", "tent")
 
@@ -52,6 +55,8 @@ def render(
     threads: int | None = None,
     filter: str = "box",
     keep_partial: bool = False,
+    check: bool = True,
+    refine: bool = False,
     progress: ProgressReport | None = None,
     tile_order: list[int] | None = None,
 ) -> Image:
@@ -64,13 +69,18 @@ def render(
     max_error : relative error at which the noise of the picture, estimated from its halves, is small enough; the
         samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With a cache this is the noise of
         direct and traced light only; the error of its records is bounded by the `max_error` of its options.
-    time : stop after about this many seconds instead (the number of samples then depends on the machine).
+    time : stop after about this many seconds instead. What fits is chosen by the clock (`time_budget`): how fine records
+        are, and how many samples; the metadata hold both, and with them the same picture is made again, bit for bit.
     size, crop : (width, height), and (x0, y0, x1, y1) in pixels, exclusive; the rest of the picture stays black.
     max_depth : edges of a path: 1 emission, 2 direct light, −1 unlimited. A Solution must have been solved with the
         same.
     filter : of pixels, "box" or "tent".
     keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then a whole Image of fewer
         samples, their number in its metadata as `samples_done`; absent before the first sample of each pixel.
+    check : where records are solved on the fly, estimate their error as `solve` does. The statistics of the picture
+        then hold `estimated_error` with `_low` and `_high` (95 %) of the whole picture, the noise of its samples
+        included where there are at least two, and `cache_error`, without it.
+    refine : where records are solved on the fly, go on until their estimated error meets their `max_error`.
     tile_order : a permutation in which tiles are worked on; it changes nothing (tests use it to show that).
 
     Returns
@@ -91,6 +101,8 @@ def render(
     """
     if samples is not None and time is not None:
         raise EclatError("render: expected samples or time, got both")
+    if refine and time is not None:
+        raise EclatError("render: expected refine or time, got both")
     if filter not in _FILTERS:
         known = ", ".join(_FILTERS)
         raise EclatError(f"filter must be one of {known}, got {filter!r}{did_you_mean(str(filter), _FILTERS)}")
@@ -102,10 +114,14 @@ def render(
     width, height = picture_size(view, size)
     region = checked_crop(crop, width, height)
     common: dict[str, Any] = {"max_depth": max_depth, "seed": checked_seed(seed), "threads": threads}
+    estimate: ErrorEstimate | None = None  # of this view: a Solution that was given may have been checked elsewhere
     if what is None:
         what = IrradianceCache(max_error=max_error)
     if isinstance(what, IrradianceCache):
-        what = solve(scene, what, camera=view, size=(width, height), progress=progress, **common)
+        compiled(scene)  # before a clock looks at what rays take
+        records = partial(solve, refine=refine) if deadline is None else partial(solve_within, deadline=deadline)
+        what = records(scene, what, camera=view, size=(width, height), check=check, progress=progress, **common)
+        estimate = what.estimate
     solution = what if isinstance(what, Solution) else None
     if solution is not None:
         solution.check(scene, max_depth)
@@ -135,7 +151,9 @@ def render(
         sampling.run(goal)
     except KeyboardInterrupt as stop:
         if sampling.partial is not None:
-            statistics = _statistics(sampling, sampling.partial_taken, solution, film, clock.perf_counter() - started)
+            statistics = _statistics(
+                sampling, sampling.partial_taken, solution, estimate, film, clock.perf_counter() - started
+            )
             image = about.image(sampling.partial, statistics)
             image.metadata["samples_done"] = sampling.partial_taken
             stop.partial = image  # type: ignore[attr-defined]
@@ -143,7 +161,8 @@ def render(
     if samples is None and deadline is None and sampling.noise > max_error:
         noise = f"the noise is still {sampling.noise:.2g}, not {max_error:g}"
         warn(f"after {sampling.taken:,} samples {noise}: stopped there")
-    image = about.image(film, _statistics(sampling, sampling.taken, solution, film, clock.perf_counter() - started))
+    seconds = clock.perf_counter() - started
+    image = about.image(film, _statistics(sampling, sampling.taken, solution, estimate, film, seconds))
     about.tell_bad_samples(image, film, sampling.taken)
     return image
 
@@ -202,7 +221,12 @@ class _About:
 
 
 def _statistics(
-    sampling: Sampling, samples: int, solution: Solution | None, film: _core.Film, seconds: float
+    sampling: Sampling,
+    samples: int,
+    solution: Solution | None,
+    estimate: ErrorEstimate | None,
+    film: _core.Film,
+    seconds: float,
 ) -> dict[str, float]:
     statistics = {"samples": float(samples), "rays": sampling.rays, "seconds": seconds}
     if sampling.noise == sampling.noise:
@@ -210,4 +234,7 @@ def _statistics(
     if solution is not None:
         statistics["rays"] += solution.statistics.get("rays", 0.0)
         statistics |= {"records": float(len(solution)), "cache_misses": float(film.cache_misses)}
+    if estimate is not None:
+        noise = statistics.get("noise", 0.0)
+        statistics |= estimate.with_noise(noise).statistics() | {"cache_error": estimate.quoted}
     return statistics

@@ -15,6 +15,7 @@ import numpy as np
 from eclat import _core
 from eclat.atomic_file import write_file
 from eclat.compiled import compiled, fingerprint
+from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, warn
 from eclat.options import METRICS, IrradianceCache
 from eclat.scene import FloatArray, Scene
@@ -50,7 +51,7 @@ def core_options(
     out.ward_weight = options.weight == "ward"
     for name in (
         "relaxation", "rotation_gradient", "translation_gradient", "neighbor_clamping", "gradient_limit",
-        "least_pixels", "largest_pixels", "far_rows", "far_records",
+        "least_pixels", "largest_pixels", "far_rows", "far_records", "far_spacing",
     ):  # fmt: skip
         setattr(out, name, getattr(options, name))
     out.max_depth, out.seed, out.threads = max_depth, seed, threads
@@ -115,6 +116,14 @@ class Solution:
     def translation_gradients(self) -> np.ndarray:
         """(N, 3 channels, 3) gradient in the tangent plane, W·m⁻³."""
         return self._column("translation_gradients").reshape(-1, 3, 3)
+
+    @property
+    def estimate(self) -> ErrorEstimate | None:
+        """The error of the records where they were wanted, unless that was not checked."""
+        names = ("estimated_error", "estimated_error_low", "estimated_error_high", "unserved")
+        if not set(names) <= set(self.statistics):
+            return None
+        return ErrorEstimate(*(self.statistics[name] for name in names))
 
     def core(self) -> _core.SolvedCaches:
         """The caches as the core reads them."""

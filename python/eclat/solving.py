@@ -6,10 +6,11 @@ from __future__ import annotations
 
 import time as clock
 from collections.abc import Callable
+from dataclasses import dataclass, replace
 
 import numpy as np
 
-from eclat import _core
+from eclat import _core, refining
 from eclat.arguments import (
     checked_max_depth,
     checked_seed,
@@ -18,15 +19,26 @@ from eclat.arguments import (
     points_with_normals,
     thread_count,
 )
-from eclat.compiled import Compiled, compiled
-from eclat.errors import EclatError
+from eclat.compiled import compiled
+from eclat.error_estimate import CHECK_SHARE, ErrorEstimate
+from eclat.errors import EclatError, warn
 from eclat.options import IrradianceCache
+from eclat.refining import CHECK_SHARE_OF_REFINEMENT, finer, rays_after, step_towards
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, FloatArray, Scene
 from eclat.solution import Solution, core_options, solved_from_core
 
-Fill = Callable[[_core.SolvedCaches, _core.Progress], None]
-"""Fills caches in place; what it has done when it is stopped stays in them."""
+SURFACE_POINTS = 1 << 14
+"""At which irradiance everywhere is checked, evenly spread over all surfaces."""
+
+
+@dataclass(frozen=True)
+class Where:
+    """What records are for: how caches are filled for it, and how their error there is estimated."""
+
+    fill: Callable[[_core.SolvedCaches, _core.IrradianceCacheOptions, _core.Progress], None]
+    """In place; what it has done when it is stopped stays."""
+    estimate: Callable[[_core.SolvedCaches, _core.ErrorCheck, _core.Progress], _core.ErrorEstimate]
 
 
 def solve(
@@ -41,6 +53,8 @@ def solve(
     seed: int = 0,
     threads: int | None = None,
     keep_partial: bool = False,
+    check: bool = True,
+    refine: bool = False,
     progress: ProgressReport | None = None,
 ) -> Solution:
     """Compute irradiance records where they are wanted: in a view (the default), at points, or everywhere.
@@ -57,6 +71,13 @@ def solve(
     keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then the Solution of the
         passes that were finished, for a view, points or everywhere alike, marked incomplete; absent as long as there
         are far records only, which the first passes make.
+    check : estimate the error of the records where they are wanted, by path-traced gathers that never end in a cache.
+        It takes up to `CHECK_SHARE` of the solve's rays, and says in the statistics `estimated_error` with
+        `estimated_error_low` and `_high` (95 %), the measure of `metrics.relative_rmse` over all pixels of the view,
+        over the points, or over all surfaces; of the light that records answer for, in units of all light there.
+    refine : solve again with finer settings until the estimate and its margin meet the `max_error` of the options, or a
+        step would take more than `refining.MOST_RAYS`, which is said in a warning. The statistics then hold the number of
+        `refinements`; rays and seconds are those of all.
 
     Same arguments, same bits, whatever `threads`.
 
@@ -74,49 +95,169 @@ def solve(
     1
     """
     options = options or IrradianceCache()
-    settings = core_options(
-        options, max_depth=checked_max_depth(max_depth), seed=checked_seed(seed), threads=thread_count(threads)
+    where = where_wanted(scene, camera=camera, size=size, points=points, view_independent=view_independent)
+    job = Job(
+        scene, where, checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), keep_partial, progress
     )
+    solution = job.solve(options, CHECK_SHARE_OF_REFINEMENT if refine else CHECK_SHARE if check else 0.0)
+    return job.refined(solution, options.max_error) if refine else solution
+
+
+def refine(
+    solution: Solution,
+    scene: Scene,
+    max_error: float | None = None,
+    *,
+    camera: int | Camera | None = None,
+    size: tuple[int, int] | None = None,
+    points: tuple[FloatArray, FloatArray] | None = None,
+    view_independent: bool = False,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: ProgressReport | None = None,
+) -> Solution:
+    """Go on from a Solution with finer settings: towards the exact light, the more often it is called.
+
+    Every setting that the error depends on is made finer (`refining.finer`), that of records and that of the far records
+    in which their gathers end, and records are gathered anew with more rays: none of the old noise stays.
+
+    Parameters
+    ----------
+    max_error : go on until the estimated error with its margin meets it, as `solve` does with `refine`; None: one step,
+        to half the error.
+    camera, size, points, view_independent : what the Solution was solved for, as in `solve`.
+
+    Raises
+    ------
+    EclatError : a Solution of another scene; else as `solve`.
+    """
+    solution.check(scene, solution.max_depth)
+    where = where_wanted(scene, camera=camera, size=size, points=points, view_independent=view_independent)
+    job = Job(scene, where, solution.max_depth, checked_seed(seed), thread_count(threads), False, progress)
+    if max_error is None:
+        return job.solve(finer(solution.options, 0.5), CHECK_SHARE)
+    if solution.estimate is None:
+        solution = job.checked(solution, CHECK_SHARE_OF_REFINEMENT)
+    return job.refined(solution, max_error)
+
+
+@dataclass(frozen=True, eq=False)
+class Job:
+    """Solves of one scene for one purpose."""
+
+    scene: Scene
+    where: Where
+    max_depth: int
+    seed: int
+    threads: int
+    keep_partial: bool
+    progress: ProgressReport | None
+
+    def _settings(self, options: IrradianceCache) -> _core.IrradianceCacheOptions:
+        return core_options(options, max_depth=self.max_depth, seed=self.seed, threads=self.threads)
+
+    def solve(self, options: IrradianceCache, check_share: float) -> Solution:
+        """One solve, checked with that share of its rays."""
+        started = clock.perf_counter()
+        settings, caches, counted = self._settings(options), _core.SolvedCaches(), _core.Progress()
+
+        def solution(complete: bool) -> Solution:
+            statistics = {
+                "records": float(caches.near_count),
+                "far_records": float(caches.far_count),
+                "rays": float(counted.rays),
+                "seconds": clock.perf_counter() - started,
+            }
+            return solved_from_core(
+                self.scene, options, caches, statistics, max_depth=self.max_depth, complete=complete
+            )
+
+        try:
+            run("solve", lambda p: self.where.fill(caches, settings, p), self.progress, counted)
+        except KeyboardInterrupt as stop:
+            if self.keep_partial and caches.near_count:
+                stop.partial = solution(False)  # type: ignore[attr-defined]
+            raise
+        return self.checked(solution(True), check_share, caches) if check_share > 0 else solution(True)
+
+    def checked(
+        self, solution: Solution, share: float, caches: _core.SolvedCaches | None = None, max_error: float | None = None
+    ) -> Solution:
+        """The same with an estimate of its error in the statistics, by gathers of at most that share of its rays; fewer
+        where it is soon clear on which side of `max_error` (default: that of its options) the error lies."""
+        started, counted, check = clock.perf_counter(), _core.Progress(), _core.ErrorCheck()
+        check.rays = int(share * solution.statistics["rays"])
+        check.wanted = solution.options.max_error if max_error is None else max_error
+        check.max_depth, check.seed, check.threads = self.max_depth, self.seed, self.threads
+        read = solution.core() if caches is None else caches
+        try:
+            found = run("check", lambda p: self.where.estimate(read, check, p), self.progress, counted)
+        except KeyboardInterrupt as stop:
+            if self.keep_partial:
+                stop.partial = solution  # type: ignore[attr-defined]
+            raise
+        statistics = solution.statistics | ErrorEstimate.of(found).statistics()
+        statistics["check_rays"] = float(counted.rays)
+        statistics["rays"] += float(counted.rays)
+        statistics["seconds"] += clock.perf_counter() - started
+        return replace(solution, statistics=statistics)
+
+    def refined(self, solution: Solution, max_error: float) -> Solution:
+        """Solves with finer settings until the estimate and its margin meet `max_error`, or it is said why not."""
+        refinements, rays, seconds = 0, solution.statistics["rays"], solution.statistics["seconds"]
+        while (estimate := solution.estimate) is not None and estimate.high > max_error:
+            ratio = step_towards(estimate, max_error)
+            options = finer(solution.options, ratio)
+            needed = rays_after(solution.statistics["rays"], ratio)
+            stopped = f"stopped at {100 * estimate.quoted:.2g} %, expected {100 * max_error:.2g} %: another refinement"
+            if needed > refining.MOST_RAYS:
+                warn(
+                    f"{stopped} would take {needed / 1e6:,.0f} million rays, more than {refining.MOST_RAYS / 1e6:,.0f}"
+                )
+                break
+            if replace(options, max_error=solution.options.max_error) == solution.options:
+                warn(f"{stopped} would need settings beyond their limits")
+                break
+            try:
+                solution = self.checked(self.solve(options, 0.0), CHECK_SHARE_OF_REFINEMENT, max_error=max_error)
+            except KeyboardInterrupt as stop:
+                if self.keep_partial:
+                    stop.partial = solution  # type: ignore[attr-defined]
+                raise
+            refinements += 1
+            rays += solution.statistics["rays"]
+            seconds += solution.statistics["seconds"]
+        total = {"rays": rays, "seconds": seconds, "refinements": float(refinements)}
+        return replace(solution, statistics=solution.statistics | total)
+
+
+def where_wanted(
+    scene: Scene,
+    *,
+    camera: int | Camera | None = None,
+    size: tuple[int, int] | None = None,
+    points: tuple[FloatArray, FloatArray] | None = None,
+    view_independent: bool = False,
+) -> Where:
+    """What records are for, by the arguments of `solve`. Raises EclatError where they contradict each other."""
     if (camera is not None or size is not None) + (points is not None) + view_independent > 1:
         raise EclatError("solve: expected one of camera (with size), points and view_independent, got several")
-    started = clock.perf_counter()
     prepared = compiled(scene)
     if points is not None:
-        fill = _fill_points(prepared, *points_with_normals(*points), settings)
-    elif view_independent:
-
-        def fill(caches: _core.SolvedCaches, p: _core.Progress) -> None:
-            _core.solve_everywhere(prepared.core, settings, caches, p)
-    else:
-        view = chosen_camera(scene, 0 if camera is None else camera)
-        core_camera = prepared.camera(view, picture_size(view, size))
-
-        def fill(caches: _core.SolvedCaches, p: _core.Progress) -> None:
-            _core.solve_for_camera(prepared.core, core_camera, settings, caches, p)
-
-    caches = _core.SolvedCaches()
-
-    def solution(complete: bool, rays: float) -> Solution:
-        statistics = {
-            "records": float(caches.near_count),
-            "far_records": float(caches.far_count),
-            "rays": rays,
-            "seconds": clock.perf_counter() - started,
-        }
-        return solved_from_core(scene, options, caches, statistics, max_depth=max_depth, complete=complete)
-
-    counted = _core.Progress()
-    try:
-        run("solve", lambda p: fill(caches, p), progress, counted)
-    except KeyboardInterrupt as stop:
-        if keep_partial and caches.near_count:
-            stop.partial = solution(False, float(counted.rays))  # type: ignore[attr-defined]
-        raise
-    return solution(True, float(counted.rays))
-
-
-def _fill_points(
-    prepared: Compiled, points: FloatArray, normals: FloatArray, settings: _core.IrradianceCacheOptions
-) -> Fill:
-    positions, directions = prepared.to_core(points), np.ascontiguousarray(normals, np.float32)
-    return lambda caches, p: _core.solve_at_points(prepared.core, positions, directions, settings, caches, p)
+        places, sides = points_with_normals(*points)
+        positions, directions = prepared.to_core(places), np.ascontiguousarray(sides, np.float32)
+        return Where(
+            lambda caches, o, p: _core.solve_at_points(prepared.core, positions, directions, o, caches, p),
+            lambda caches, c, p: _core.estimate_error_at_points(prepared.core, positions, directions, caches, c, p),
+        )
+    if view_independent:
+        return Where(
+            lambda caches, o, p: _core.solve_everywhere(prepared.core, o, caches, p),
+            lambda caches, c, p: _core.estimate_error_everywhere(prepared.core, SURFACE_POINTS, caches, c, p),
+        )
+    view = chosen_camera(scene, 0 if camera is None else camera)
+    core_camera = prepared.camera(view, picture_size(view, size))
+    return Where(
+        lambda caches, o, p: _core.solve_for_camera(prepared.core, core_camera, o, caches, p),
+        lambda caches, c, p: _core.estimate_error_for_camera(prepared.core, core_camera, caches, c, p),
+    )

@@ -119,10 +119,15 @@ def sampling(keep_partial: bool = False) -> tuple[Sampling, list[tuple[int, int]
     return made, ranges, fractions
 
 
-def test_a_number_of_samples_is_one_pass() -> None:
+def test_a_number_of_samples_is_taken_in_halves_that_tell_the_noise() -> None:
     made, ranges, fractions = sampling()
     made.run(Goal(100, 0.01, None))
-    assert ranges == [(0, 100)] and fractions == [0.0, 0.5, 1.0]
+    assert ranges == [(0, 50), (50, 100)] and fractions == [0.0, 0.25, 0.5, 0.5, 0.75, 1.0]
+    assert made.noise > 0
+    # Halves of an odd number would not weigh the same.
+    made, ranges, _ = sampling()
+    made.run(Goal(1, 0.01, None))
+    assert ranges == [(0, 1)] and math.isnan(made.noise)
 
 
 def test_progress_is_measured_against_what_the_error_asks_for() -> None:

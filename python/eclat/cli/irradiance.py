@@ -78,12 +78,14 @@ def command(context: click.Context, /, **flags: Any) -> None:
         _check_output(output, flags["as_json"])
         check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)
         what: Any = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        if not flags["settings"] and context.get_parameter_source("method") is click.core.ParameterSource.DEFAULT:
+            what = None  # records or, for few points, paths
         points, normals = read_points(flags["points"])
         scene = load_scene(flags)
         if flags["cache"]:
             what = eclat.Solution.load(flags["cache"], scene)
         statistics: dict[str, float] = {}
-        keywords = {name: flags[name] for name in ("component", "samples", "max_depth", "seed", "threads")}
+        keywords = {name: flags[name] for name in ("component", "max_error", "samples", "max_depth", "seed", "threads")}
         irradiance = eclat.irradiance(
             scene, points, normals, what, progress=reporter.progress, statistics=statistics, **keywords
         )
@@ -108,6 +110,8 @@ def _how(statistics: dict[str, float], photometric: bool) -> str:
     parts = []
     if "served" in statistics:
         parts.append(f"{statistics['served']:,.0f} served by records, {statistics['gathered']:,.0f} gathered")
+    if "paths" in statistics:
+        parts.append(f"each by {statistics['paths']:,.0f} paths, which take fewer rays than records would")
     parts.append("RGB in lux" if photometric else f"RGB in W/m², lux by {LUMENS_PER_WATT:g} lm/W")
     return ", ".join(parts)
 

@@ -37,6 +37,17 @@ def time_option(help: str) -> Callable[[F], F]:
     return option("--time", type=Number(float, 0, 1e7, above=True), section=QUALITY, help=help)
 
 
+def no_check_option() -> Callable[[F], F]:
+    """`--no-check`."""
+    help = "Do not estimate the error of the records, which takes up to a quarter of their rays."
+    return option("--no-check", "check", flag_value=False, default=True, section=QUALITY, help=help)
+
+
+def refine_option(help: str) -> Callable[[F], F]:
+    """`--refine`."""
+    return option("--refine", is_flag=True, section=QUALITY, help=help)
+
+
 def exposure_option(help: str, default: float | None) -> Callable[[F], F]:
     """`--exposure`."""
     return option("--exposure", type=Number(float, -64, 64), default=default, section="Output", help=help)

@@ -21,12 +21,15 @@ from eclat.cli.quality_options import (
     exposure_option,
     max_depth_option,
     max_error_option,
+    no_check_option,
     output_option,
+    refine_option,
     samples_option,
     time_option,
 )
 from eclat.cli.replay import (
     REPEATED,
+    chosen_by_clock,
     replayed_flags,
     say_replay_of_bad_samples,
     say_replayed_sample,
@@ -43,13 +46,25 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
+from eclat.error_estimate import error_text
 from eclat.errors import EclatError
 
 if TYPE_CHECKING:
     from eclat.image import Image
     from eclat.options import Options
 
-REACHING_RENDER = ("samples", "max_error", "time", "size", "crop", "max_depth", "seed", "threads", "keep_partial")
+REACHING_RENDER = (
+    "samples",
+    "max_error",
+    "time",
+    "size",
+    "crop",
+    "max_depth",
+    "seed",
+    "threads",
+    "keep_partial",
+    "check",
+)
 """Flags that are arguments of `eclat.render` as they are."""
 
 EXAMPLES = {
@@ -85,6 +100,8 @@ _quality_options = together(
     time_option("Seconds to spend instead."),
     option("--crop", type=CROP, section=CAMERA, help="Only these pixels; the rest stays black."),
     max_depth_option(),
+    no_check_option(),
+    refine_option("Refine the records until their estimated error meets --max-error."),
     option(
         "--replay-settings",
         metavar="FILE",
@@ -136,7 +153,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
             if flags["replay"]:
                 say_replayed_sample(reporter, image, flags["replay"])
             else:
-                _say_result(reporter, image, outputs)
+                _say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata))
                 say_replay_of_bad_samples(reporter, image, flags["scene"], outputs)
 
         with keeping_partial(flags["keep_partial"], keep, reporter):
@@ -159,6 +176,8 @@ def _options(flags: dict[str, Any], context: click.Context) -> Options | None:
     """The method's options, or None where a solved cache brings its own."""
     if flags["samples"] is not None and flags["time"] is not None:
         raise EclatError("--time: expected no --samples beside it")
+    if flags["refine"] and flags["time"] is not None:
+        raise EclatError("--time: expected no --refine beside it")
     given = context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT
     check_cache_alone(flags, given and not flags["replay_settings"])
     options = None
@@ -188,7 +207,7 @@ def _finished(image: Image, flags: dict[str, Any]) -> Image:
     return image.show_records(flags["exposure"]) if flags["show_records"] else image
 
 
-def _say_result(reporter: Reporter, image: Image, outputs: list[str]) -> None:
+def _say_result(reporter: Reporter, image: Image, outputs: list[str], chosen: list[str]) -> None:
     statistics = image.metadata.get("statistics", {})
     parts = [f"{image.width}x{image.height}", str(image.metadata.get("method", ""))]
     if "seconds" in statistics:
@@ -198,6 +217,9 @@ def _say_result(reporter: Reporter, image: Image, outputs: list[str]) -> None:
             parts.append(f"{statistics[name]:,.0f} {name}")
     if "samples_done" in image.metadata:
         parts.append("interrupted")
+    parts.append(error_text(statistics))
+    if chosen:
+        parts.append("records by --set " + " --set ".join(chosen))
     text = f"{', '.join(map(str, outputs))}: {', '.join(filter(None, parts))}"
     reporter.result(text, files=[str(Path(o)) for o in outputs], metadata=image.metadata)
 

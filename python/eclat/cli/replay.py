@@ -19,7 +19,7 @@ if TYPE_CHECKING:
     from eclat.image import Image
 
 REPEATED = (
-    *("method", "settings", "cache", "max_error", "samples", "time", "max_depth", "seed", "size", "crop"),
+    *("method", "settings", "cache", "max_error", "refine", "samples", "time", "max_depth", "seed", "size", "crop"),
     *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment"),
 )
 """The flags that a picture's values depend on, by name; the scene is given anew, since files move."""
@@ -31,12 +31,23 @@ _WITH_SETTINGS = (".exr", ".png")
 def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[str, Any]:
     """What `--replay-settings` needs to make the same picture: the flags, with the samples that were really taken."""
     settings = {name: flags[name] for name in REPEATED}
+    chosen = chosen_by_clock(flags, metadata)
+    if chosen:
+        settings["settings"] = chosen
     taken = metadata.get("statistics", {}).get("samples")
     if taken is not None:
         settings["samples"], settings["time"] = int(taken), None
     # Through JSON, so that it is the same whether it comes from a file or from memory.
     plain: dict[str, Any] = json.loads(json.dumps(settings))
     return plain
+
+
+def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> list[str]:
+    """The options of records that `--time` chose, as values of `--set` that choose the same without a clock."""
+    options = metadata.get("options", {})
+    if flags["time"] is None or flags["cache"] or "spacing" not in options:
+        return []
+    return [f"{name}={str(value).lower()}" for name, value in options.items()]
 
 
 def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:

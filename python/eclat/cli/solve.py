@@ -15,7 +15,7 @@ from eclat.cli.command import Command, option
 from eclat.cli.method_options import DEFAULT_METHOD, method_notes, options_of, set_option
 from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.point_files import read_points
-from eclat.cli.quality_options import max_depth_option, max_error_option, output_option
+from eclat.cli.quality_options import max_depth_option, max_error_option, no_check_option, output_option, refine_option
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
     camera_index,
@@ -26,12 +26,14 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
+from eclat.error_estimate import error_text
 from eclat.errors import EclatError
 
 EXAMPLES = {
     "eclat solve room.glb": "Writes room.npz:",
     "eclat solve room.glb -o fine.npz --max-error 0.005": "Finer records:",
     "eclat render room.glb --cache fine.npz --samples 64": "Read them; the scene must be the same:",
+    "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Go on from there until that is met:",
     "eclat solve room.glb --view-independent": "For views that are not chosen yet:",
     "eclat solve room.glb --points desks.csv": "For points with normals, as `eclat irradiance` takes them:",
 }
@@ -55,6 +57,9 @@ EXAMPLES = {
 @option("--points", metavar="FILE", section="Input", help="Records for points x y z nx ny nz; text, .csv or .npy.")
 @max_error_option("Relative error of indirect light")
 @max_depth_option()
+@no_check_option()
+@refine_option("Go on until the estimated error meets --max-error.")
+@option("--cache", metavar="FILE", section="Input", help="Refine these records, which `eclat solve` wrote.")
 @set_option
 @camera_options
 @light_options
@@ -78,14 +83,23 @@ def command(**flags: Any) -> None:
             where |= {"camera": camera_index(scene, flags["camera"]), "size": flags["size"]}
         elif flags["camera"] is not None or flags["size"] is not None:
             raise EclatError("--camera, --size: expected neither beside --points or --view-independent")
-        common = {name: flags[name] for name in ("max_depth", "seed", "threads", "keep_partial")}
+        if flags["cache"] and not flags["refine"]:
+            raise EclatError("--cache: expected --refine beside it, since records are solved anew without")
+        if flags["cache"] and flags["settings"]:
+            raise EclatError("--cache: expected no --set beside it, since the cache brings its own")
+        common = {name: flags[name] for name in ("max_depth", "seed", "threads", "keep_partial", "check", "refine")}
 
         def keep(solution: eclat.Solution) -> None:
             solution.save(output)
             _say_result(reporter, solution, output)
 
         with keeping_partial(flags["keep_partial"], keep, reporter):
-            solution = eclat.solve(scene, options, progress=reporter.progress, **where, **common)
+            if flags["cache"]:
+                start = eclat.Solution.load(flags["cache"], scene)
+                where |= {"seed": flags["seed"], "threads": flags["threads"], "progress": reporter.progress}
+                solution = eclat.refine(start, scene, flags["max_error"], **where)
+            else:
+                solution = eclat.solve(scene, options, progress=reporter.progress, **where, **common)
         keep(solution)
 
 
@@ -93,4 +107,6 @@ def _say_result(reporter: Reporter, solution: eclat.Solution, output: str) -> No
     seconds = solution.statistics.get("seconds", 0.0)
     text = f"{output}: {len(solution):,} records, {seconds:.1f} s{'' if solution.complete else ', incomplete'}"
     statistics = dict(solution.statistics)
+    if error := error_text(statistics):
+        text += f", {error}"
     reporter.result(text, file=output, records=len(solution), complete=solution.complete, statistics=statistics)

@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The error of a cache as it is told: an estimate, its interval of 95 %, and the sentence for people."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING
+
+if TYPE_CHECKING:
+    from eclat import _core
+
+CHECK_SHARE = 0.25
+"""Rays of a check in units of those of the solve that it checks."""
+
+SIGMAS = 1.96
+"""Half an interval of 95 % in units of the standard error."""
+
+RESOLVED = 1.5
+"""Up to this ratio of the interval's end to the estimate the estimate is quoted; beyond it, the end, as a bound."""
+
+
+@dataclass(frozen=True)
+class ErrorEstimate:
+    """Relative error (the measure of `metrics.relative_rmse`) between `low` and `high` with 95 % confidence.
+
+    `unserved` is the part of the places looked at where no record serves anything: light is traced there, with noise
+    instead of an error, or there is no diffuse surface to be seen.
+    """
+
+    error: float
+    low: float
+    high: float
+    unserved: float = 0.0
+
+    @staticmethod
+    def of(found: _core.ErrorEstimate) -> ErrorEstimate:
+        """From what the core found. The interval is that of the squared error, whose mean is unbiased."""
+        bounds = (found.squared + sign * SIGMAS * found.deviation for sign in (0, -1, 1))
+        error, low, high = (math.sqrt(max(0.0, bound)) for bound in bounds)
+        return ErrorEstimate(error, low, high, found.missed)
+
+    @property
+    def quoted(self) -> float:
+        """What stands for the error: the estimate, or the interval's end where the estimate says little."""
+        return self.error if self.high <= RESOLVED * self.error else self.high
+
+    def statistics(self) -> dict[str, float]:
+        """For the statistics of a Solution or picture."""
+        return {
+            "estimated_error": self.quoted, "estimated_error_low": self.low, "estimated_error_high": self.high,
+            "unserved": self.unserved,
+        }  # fmt: skip
+
+    def with_noise(self, noise: float) -> ErrorEstimate:
+        """Of a picture that reads the cache and has that much noise of its own."""
+        error, low, high = (math.hypot(part, noise) for part in (self.error, self.low, self.high))
+        return ErrorEstimate(error, low, high, self.unserved)
+
+
+def error_text(statistics: Mapping[str, float]) -> str:
+    """`estimated error 0.9 % ± 0.1 (95 %)`; empty where nothing was estimated."""
+    if "estimated_error" not in statistics:
+        return ""
+    quoted, low, high = (100 * statistics[f"estimated_error{end}"] for end in ("", "_low", "_high"))
+    if high == 0:
+        return "estimated error 0 % (95 %)"
+    if quoted >= high:
+        return f"estimated error at most {high:.2g} % (95 %)"
+    margin = (high - low) / 2
+    digits = max(0, 1 - math.floor(math.log10(high)))
+    return f"estimated error {quoted:.{digits}f} % ± {margin:.{digits}f} (95 %)"

@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""How an estimated error is told."""
+
+from __future__ import annotations
+
+import pytest
+
+from eclat.error_estimate import ErrorEstimate, error_text
+
+
+@pytest.mark.parametrize(
+    ("estimate", "text"),
+    [
+        (ErrorEstimate(0.009, 0.008, 0.010), "estimated error 0.9 % ± 0.1 (95 %)"),
+        (ErrorEstimate(0.12, 0.10, 0.14), "estimated error 12 % ± 2 (95 %)"),
+        (ErrorEstimate(0.005, 0.0, 0.009), "estimated error at most 0.9 % (95 %)"),
+        (ErrorEstimate(0.0, 0.0, 0.0), "estimated error 0 % (95 %)"),
+    ],
+)
+def test_text(estimate: ErrorEstimate, text: str) -> None:
+    assert error_text(estimate.statistics()) == text
+
+
+def test_nothing_is_said_of_what_was_not_estimated() -> None:
+    assert error_text({"rays": 1.0}) == ""
+
+
+def test_noise_of_a_picture_adds_in_squares() -> None:
+    assert ErrorEstimate(0.03, 0.0, 0.03).with_noise(0.04) == ErrorEstimate(0.05, 0.04, 0.05)
+
+
+def test_an_estimate_that_says_little_stands_as_its_bound() -> None:
+    assert ErrorEstimate(0.01, 0.0, 0.0149).quoted == 0.01
+    assert ErrorEstimate(0.01, 0.0, 0.016).quoted == 0.016
