@@ -4,7 +4,6 @@
 #include "bsdf/bsdf.h"
 
 #include <bit>
-#include <memory>
 #include <stdexcept>
 
 namespace eclat {
@@ -77,14 +76,8 @@ EvalPdf Bsdf::eval_lobes(Vec3 wo, Vec3 wi, Mask set) const {
     return sum;
 }
 
-std::optional<BsdfSample> Bsdf::sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
+std::optional<BsdfSample> Bsdf::sample_lobes(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
     const Mask lobes = members(set);
-    if (lobes != 0 && is_lambertian_) {
-        BsdfSample s;
-        if (!LambertLobe{}.sample(wo, u_lobe, u, s)) return std::nullopt;
-        s.weight = entries_[0].weight;
-        return s;
-    }
     std::array<float, capacity> probability;
     if (lobes == 0 || select(wo, lobes, probability) == 0) return std::nullopt;
 
@@ -116,7 +109,7 @@ std::optional<BsdfSample> Bsdf::sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet se
     return s;
 }
 
-Color Bsdf::albedo(Vec3 wo, LobeSet set) const {
+Color Bsdf::albedo_of_lobes(Vec3 wo, LobeSet set) const {
     Color sum;
     for_each_bit(members(set), [&](size_t i) { sum += entries_[i].weight * lobe_albedo(entries_[i].lobe, wo); });
     return sum;

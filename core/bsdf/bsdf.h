@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <optional>
 
 #include "bsdf/lobe.h"
@@ -25,6 +26,16 @@ class Bsdf {
     static constexpr int capacity = 8;
 
     Bsdf() {}  // constructs no lobe: those beyond `count_` stay uninitialised
+    /// A Lambertian lobe alone, which most points of most scenes are.
+    static Bsdf lambertian(Color reflectance) {
+        Bsdf bsdf;
+        if (is_black(reflectance)) return bsdf;
+        std::construct_at(&bsdf.entries_[0], LambertLobe{}, reflectance);
+        bsdf.diffuse_ = 1;
+        bsdf.count_ = 1;
+        bsdf.is_lambertian_ = true;
+        return bsdf;
+    }
 
     /// `weight` times a lobe; Lambertian ones share a place. Throws std::length_error beyond `capacity`.
     void add(const Lobe& lobe, Color weight);
@@ -34,6 +45,8 @@ class Bsdf {
     int count() const { return count_; }
     bool has(LobeSet set) const { return members(set) != 0; }
     bool has_non_delta() const { return (members(LobeSet::all) & ~delta_) != 0; }
+    /// Whether `sample` reads `u_lobe`.
+    bool chooses_lobe() const { return !is_lambertian_; }
 
     /// Value, and the density of `sample` over the same set.
     EvalPdf eval(Vec3 wo, Vec3 wi, LobeSet set) const {
@@ -43,13 +56,22 @@ class Bsdf {
     }
 
     /// A direction that light comes from; nothing where it is absorbed. `u_lobe` and `u` are in [0, 1).
-    std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const;
+    std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
+        if (!is_lambertian_) return sample_lobes(wo, u_lobe, u, set);
+        BsdfSample s;
+        if (set == LobeSet::glossy || !LambertLobe{}.sample(wo, u_lobe, u, s)) return std::nullopt;
+        s.weight = entries_[0].weight;
+        return s;
+    }
 
     /// ρ_d(wo): what the diffuse lobes reflect under uniform light; their indirect radiance is ρ_d / π · E.
     Color diffuse_albedo(Vec3 wo) const { return albedo(wo, LobeSet::diffuse); }
 
     /// Directional albedo: exact for diffuse and delta lobes, an estimate for rough ones.
-    Color albedo(Vec3 wo, LobeSet set = LobeSet::all) const;
+    Color albedo(Vec3 wo, LobeSet set = LobeSet::all) const {
+        if (!is_lambertian_) return albedo_of_lobes(wo, set);
+        return set != LobeSet::glossy && wo.z > 0 ? entries_[0].weight : Color();
+    }
 
   private:
     struct Entry {
@@ -63,6 +85,8 @@ class Bsdf {
         return set == LobeSet::all ? all : set == LobeSet::diffuse ? diffuse_ : all & ~diffuse_;
     }
     EvalPdf eval_lobes(Vec3 wo, Vec3 wi, Mask set) const;
+    std::optional<BsdfSample> sample_lobes(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const;
+    Color albedo_of_lobes(Vec3 wo, LobeSet set) const;
     float select(Vec3 wo, Mask set, std::array<float, capacity>& probability) const;
 
     union {

@@ -25,11 +25,7 @@ Lobe dielectric_lobe(float ior, float alpha_u, float alpha_v, const DielectricTi
 
 }  // namespace
 
-Bsdf make_diffuse(Color reflectance) {
-    Bsdf bsdf;
-    bsdf.add(LambertLobe{}, reflectance);
-    return bsdf;
-}
+Bsdf make_diffuse(Color reflectance) { return Bsdf::lambertian(reflectance); }
 
 Bsdf make_phong(Color diffuse, Color specular, float exponent) {
     Bsdf bsdf;

@@ -68,11 +68,23 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
     rtcReleaseGeometry(geometry);
 }
 
-void fill(RTCRay8& packet, std::span<const Ray> rays, int* valid) {
+/// What no query changes, and the same for all packets.
+void prepare(RTCRay8& packet, int* valid) {
     for (size_t i = 0; i < 8; ++i) {
-        const bool live = i < rays.size();
-        const Ray& ray = rays[live ? i : 0];
-        valid[i] = live ? -1 : 0;
+        valid[i] = -1;
+        packet.time[i] = 0;
+        packet.mask[i] = ~0u;
+        packet.id[i] = static_cast<unsigned>(i);
+        packet.flags[i] = 0;
+    }
+}
+
+/// The first eight of `rays`; where there are fewer, the other lanes stay as they are and are not valid.
+void fill(RTCRay8& packet, std::span<const Ray> rays, int* valid) {
+    const size_t live = std::min<size_t>(8, rays.size());
+    for (size_t i = live; i < 8; ++i) valid[i] = 0;
+    for (size_t i = 0; i < live; ++i) {
+        const Ray& ray = rays[i];
         packet.org_x[i] = ray.origin.x;
         packet.org_y[i] = ray.origin.y;
         packet.org_z[i] = ray.origin.z;
@@ -81,10 +93,6 @@ void fill(RTCRay8& packet, std::span<const Ray> rays, int* valid) {
         packet.dir_z[i] = ray.direction.z;
         packet.tnear[i] = ray.t_min;
         packet.tfar[i] = ray.t_max;
-        packet.time[i] = 0;
-        packet.mask[i] = ~0u;
-        packet.id[i] = static_cast<unsigned>(i);
-        packet.flags[i] = 0;
     }
 }
 
@@ -141,10 +149,11 @@ Intersector::~Intersector() = default;
 
 void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
     const QueryFlags flags = coherence == Coherence::camera ? coherent : incoherent;
+    alignas(32) RTCRayHit8 packet{};
+    alignas(32) int valid[8];
+    prepare(packet.ray, valid);
     for (size_t begin = 0; begin < rays.size(); begin += 8) {
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
-        alignas(32) RTCRayHit8 packet;
-        alignas(32) int valid[8];
         fill(packet.ray, some, valid);
         for (int i = 0; i < 8; ++i) packet.hit.geomID[i] = RTC_INVALID_GEOMETRY_ID;
         query(valid, impl_->scene, &packet, flags);
@@ -159,10 +168,11 @@ void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Cohe
 }
 
 void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out) const {
+    alignas(32) RTCRay8 packet{};
+    alignas(32) int valid[8];
+    prepare(packet, valid);
     for (size_t begin = 0; begin < rays.size(); begin += 8) {
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
-        alignas(32) RTCRay8 packet;
-        alignas(32) int valid[8];
         fill(packet, some, valid);
         query(valid, impl_->scene, &packet);
         for (size_t i = 0; i < some.size(); ++i) out[begin + i] = packet.tfar[i] < 0;

@@ -20,6 +20,13 @@ T interpolate(const std::vector<T>& values, const uint32_t* v, float b, float c)
     return (1 - b - c) * values[v[0]] + b * values[v[1]] + c * values[v[2]];
 }
 
+/// Unit normal of a triangle; any for one without an area.
+Vec3 normal_of(Vec3 p0, Vec3 p1, Vec3 p2) {
+    const Vec3 n = cross(p1 - p0, p2 - p0);
+    const float l2 = length_squared(n);
+    return l2 > 0 ? n / std::sqrt(l2) : Vec3{0, 0, 1};
+}
+
 /// The normal that `texel` of a normal map means where `up` is the direction of its green.
 Vec3 from_tangent_space(Color texel, float scale, const Frame& frame, Vec3 up) {
     const float x = (2 * texel.r - 1) * scale, y = (2 * texel.g - 1) * scale;
@@ -51,6 +58,7 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     for (Material& m : materials_) m.prepare(materials_);
     low_ = Vec3{infinity, infinity, infinity};
     high_ = -low_;
+    std::vector<Intersector::Triangle> triangles;
     std::vector<uint8_t> translucent;
     for (size_t i = 0; i < arrays_.size(); ++i) {
         MeshArrays& m = arrays_[i];
@@ -62,8 +70,8 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
         const bool sees_through = !material.opacity.is_constant() || material.opacity.constant.r < 1 ||
                                   (material.vertex_colors && !m.colors.empty());
         for (const auto& t : m.triangles) {
-            triangles_.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
-            triangle_mesh_.push_back(static_cast<uint32_t>(i));
+            triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
+            faces_.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}, static_cast<uint32_t>(i)});
             translucent.push_back(sees_through);
             for (int k = 0; k < 3; ++k) {
                 low_ = min(low_, m.positions[t.v[k]]);
@@ -72,30 +80,27 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
         }
         m.positions = {};
     }
-    if (triangles_.empty()) low_ = high_ = {};
+    if (faces_.empty()) low_ = high_ = {};
     vertices_.reserve(vertices_.size() + 1);  // wide loads read past the last
     intersector_ = std::make_unique<Intersector>(
-        vertices_, triangles_, translucent,
+        vertices_, triangles, translucent,
         [this](uint32_t t, float u, float v) { return opacity_at(material_of(t), coordinates(t, u, v)); });
 }
 
 Vec2 Geometry::uv(uint32_t triangle, int corner, int set) const {
-    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const Mesh& mesh = mesh_[faces_[triangle].mesh];
     const auto& uvs = set == 0 ? mesh.arrays->uvs : mesh.arrays->uvs2;
-    return uvs.empty() ? Vec2{} : uvs[triangles_[triangle].v[corner] - mesh.first_vertex];
+    return uvs.empty() ? Vec2{} : uvs[faces_[triangle].v[corner] - mesh.first_vertex];
 }
 
 Vec3 Geometry::geometric_normal(uint32_t triangle) const {
-    const Vec3 p = vertex(triangle, 0);
-    const Vec3 n = cross(vertex(triangle, 1) - p, vertex(triangle, 2) - p);
-    const float l2 = length_squared(n);
-    return l2 > 0 ? n / std::sqrt(l2) : Vec3{0, 0, 1};
+    return normal_of(vertex(triangle, 0), vertex(triangle, 1), vertex(triangle, 2));
 }
 
 SurfaceCoordinates Geometry::coordinates(uint32_t triangle, float u, float v) const {
-    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const Mesh& mesh = mesh_[faces_[triangle].mesh];
     const MeshArrays& a = *mesh.arrays;
-    const auto& t = triangles_[triangle].v;
+    const auto& t = faces_[triangle].v;
     const uint32_t local[3] = {t[0] - mesh.first_vertex, t[1] - mesh.first_vertex, t[2] - mesh.first_vertex};
     SurfaceCoordinates at;
     if (!a.uvs.empty()) at.uv = interpolate(a.uvs, local, u, v);
@@ -112,10 +117,10 @@ SurfaceCoordinates Geometry::coordinates(uint32_t triangle, float u, float v) co
 }
 
 Vec3 Geometry::shading_normal(uint32_t triangle, float u, float v, Vec3 geometric) const {
-    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const Mesh& mesh = mesh_[faces_[triangle].mesh];
     const auto& normals = mesh.arrays->normals;
     if (normals.empty()) return geometric;
-    const auto& t = triangles_[triangle].v;
+    const auto& t = faces_[triangle].v;
     const uint32_t local[3] = {t[0] - mesh.first_vertex, t[1] - mesh.first_vertex, t[2] - mesh.first_vertex};
     const Vec3 n = interpolate(normals, local, u, v);
     const float l2 = length_squared(n);
@@ -126,13 +131,13 @@ Vec3 Geometry::mapped_normal(const Material& material, const Hit& hit, const Sur
                              bool turned) const {
     const Value& map = material.normal_map;
     const uint32_t triangle = hit.triangle;
-    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const Mesh& mesh = mesh_[faces_[triangle].mesh];
     if (!material.bump && !mesh.arrays->tangents.empty()) {
         float t[4] = {};
         const float weights[3] = {1 - hit.u - hit.v, hit.u, hit.v};
         for (int k = 0; k < 3; ++k)
             for (int i = 0; i < 4; ++i)
-                t[i] += weights[k] * mesh.arrays->tangents[4 * (triangles_[triangle].v[k] - mesh.first_vertex) + i];
+                t[i] += weights[k] * mesh.arrays->tangents[4 * (faces_[triangle].v[k] - mesh.first_vertex) + i];
         const Frame frame = Frame::along(normal, {t[0], t[1], t[2]});
         const bool right_handed = (t[3] > 0) != turned;
         return from_tangent_space(map.color(at.uv, at.uv2), material.normal_scale, frame,
@@ -168,10 +173,10 @@ Vec3 Geometry::mapped_normal(const Material& material, const Hit& hit, const Sur
 SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
     const uint32_t triangle = hit.triangle;
     const Vec3 p0 = vertex(triangle, 0), p1 = vertex(triangle, 1), p2 = vertex(triangle, 2);
-    const Mesh& mesh = mesh_[triangle_mesh_[triangle]];
+    const Mesh& mesh = mesh_[faces_[triangle].mesh];
     const Material& material = materials_[mesh.material];
     const SurfaceCoordinates at = coordinates(triangle, hit.u, hit.v);
-    Vec3 normal = geometric_normal(triangle);
+    Vec3 normal = normal_of(p0, p1, p2);
     Vec3 n = shading_normal(triangle, hit.u, hit.v, normal);
     const bool turned = dot(n, normal) < 0;
     if (turned) n = -n;

@@ -33,18 +33,22 @@ class Geometry {
 
     const Intersector& rays() const { return *intersector_; }
     const std::vector<Material>& materials() const { return materials_; }
-    size_t triangle_count() const { return triangles_.size(); }
+    size_t triangle_count() const { return faces_.size(); }
     Vec3 low() const { return low_; }
     Vec3 high() const { return high_; }
     float radius() const { return 0.5f * length(high_ - low_); }
 
-    const Material& material_of(uint32_t triangle) const {
-        return materials_[mesh_[triangle_mesh_[triangle]].material];
-    }
-    Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[triangles_[triangle].v[corner]]; }
+    const Material& material_of(uint32_t triangle) const { return materials_[mesh_[faces_[triangle].mesh].material]; }
+    Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[faces_[triangle].v[corner]]; }
     Vec2 uv(uint32_t triangle, int corner, int set) const;
     /// Unit normal by counter-clockwise order.
     Vec3 geometric_normal(uint32_t triangle) const;
+
+    /// Hints that `surface_point` will ask for the triangle: first for the face, some hits later for its vertices.
+    void prefetch_face(uint32_t triangle) const { __builtin_prefetch(&faces_[triangle]); }
+    void prefetch_vertices(uint32_t triangle) const {
+        for (const uint32_t v : faces_[triangle].v) __builtin_prefetch(&vertices_[v]);
+    }
 
     /// The point of `hit`, seen from direction `wo` (away from the surface).
     SurfacePoint surface_point(const Hit& hit, Vec3 wo) const;
@@ -56,6 +60,9 @@ class Geometry {
         uint32_t first_vertex;
         const MeshArrays* arrays;
     };
+    struct Face {
+        uint32_t v[3], mesh;
+    };
     Vec3 shading_normal(uint32_t triangle, float u, float v, Vec3 geometric) const;
     /// `turned`: `normal` is against the mesh's own.
     Vec3 mapped_normal(const Material& material, const Hit& hit, const SurfaceCoordinates& at, Vec3 normal,
@@ -64,8 +71,7 @@ class Geometry {
     std::vector<MeshArrays> arrays_;
     std::vector<Mesh> mesh_;
     std::vector<Vec3> vertices_;
-    std::vector<Intersector::Triangle> triangles_;
-    std::vector<uint32_t> triangle_mesh_;
+    std::vector<Face> faces_;
     std::vector<Material> materials_;
     std::vector<std::unique_ptr<Texture>> textures_;
     std::unique_ptr<Intersector> intersector_;

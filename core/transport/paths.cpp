@@ -17,11 +17,9 @@ constexpr float shadow_shortening = 1 - 0x1p-13f;
 enum class Arrival : uint8_t { whole, weighted, none };
 
 struct State {
-    Ray ray;
     Color throughput{1};
     Sampler sampler;
     uint32_t index;
-    int edges = 0;   // of the path so far
     float pdf = 0;   // of the ray's direction
     float eta2 = 1;  // radiance scaling by refraction, which roulette must not mistake for absorption
     Arrival arrival;
@@ -41,35 +39,53 @@ class Tracer {
 
     void run(std::span<const PathRay> rays) {
         start(rays);
-        std::vector<State> next;
-        Coherence coherence = options_.coherence;
-        while (!states_.empty()) {
-            rays_.resize(states_.size());
-            hits_.resize(states_.size());
-            for (size_t i = 0; i < states_.size(); ++i) rays_[i] = states_[i].ray;
-            world_.geometry.rays().intersect(rays_, hits_, coherence);
-            coherence = Coherence::none;
+        for (edges_ = 1; !states_.empty(); ++edges_) {
+            hits_.resize(rays_.size());
+            world_.geometry.rays().intersect(rays_, hits_, edges_ == 1 ? options_.coherence : Coherence::none);
+            progress_.count_rays(rays_.size());
             shadow_rays_.clear();
             shadows_.clear();
-            next.clear();
-            for (size_t i = 0; i < states_.size(); ++i)
-                if (advance(states_[i], hits_[i])) next.push_back(states_[i]);
+            const size_t going_on = advance_all();
+            states_.erase(states_.begin() + static_cast<ptrdiff_t>(going_on), states_.end());
+            rays_.resize(going_on);
             resolve_shadows();
-            progress_.count_rays(rays_.size() + shadow_rays_.size());
-            states_.swap(next);
+            progress_.count_rays(shadow_rays_.size());
         }
     }
 
   private:
     void start(std::span<const PathRay> rays) {
         states_.reserve(rays.size());
+        rays_.reserve(rays.size());
         const Arrival arrival = options_.emission_at_first_hit ? Arrival::whole : Arrival::none;
-        for (uint32_t i = 0; i < rays.size(); ++i)
-            states_.push_back({.ray = rays[i].ray,
-                               .sampler = rays[i].sampler,
-                               .index = i,
-                               .arrival = arrival,
-                               .from = rays[i].ray.origin});
+        for (uint32_t i = 0; i < rays.size(); ++i) {
+            rays_.push_back(rays[i].ray);
+            states_.push_back({.sampler = rays[i].sampler, .index = i, .arrival = arrival, .from = rays[i].ray.origin});
+        }
+    }
+
+    /// Follow all paths over the edge that was traced; those that go on move to the front. Returns how many.
+    size_t advance_all() {
+        size_t kept = 0;
+        for (size_t i = 0; i < states_.size(); ++i) {
+            prefetch(i);
+            if (!advance(states_[i], rays_[i], hits_[i])) continue;
+            if (kept != i) {
+                states_[kept] = states_[i];
+                rays_[kept] = rays_[i];
+            }
+            ++kept;
+        }
+        return kept;
+    }
+
+    /// What the hits after the i-th will read lies anywhere in a large scene.
+    void prefetch(size_t i) const {
+        constexpr size_t for_face = 12, for_vertices = 6;  // hits ahead, about as long as memory takes to answer
+        if (i + for_face < hits_.size() && !hits_[i + for_face].missed())
+            world_.geometry.prefetch_face(hits_[i + for_face].triangle);
+        if (i + for_vertices < hits_.size() && !hits_[i + for_vertices].missed())
+            world_.geometry.prefetch_vertices(hits_[i + for_vertices].triangle);
     }
 
     bool may_have(int edges) const { return options_.max_depth < 0 || edges <= options_.max_depth; }
@@ -79,24 +95,23 @@ class Tracer {
         if (direct) out_[index].direct += radiance;
     }
 
-    /// Follow one path over the edge that ended at `hit`; true where it goes on.
-    bool advance(State& s, const Hit& hit) {
-        ++s.edges;
+    /// Follow one path over the edge `ray` that ended at `hit`; true where it goes on, along `ray`.
+    bool advance(State& s, Ray& ray, const Hit& hit) {
         if (hit.missed()) {
-            add_environment(s);
+            add_environment(s, ray.direction);
             return false;
         }
-        const Vec3 wo = -s.ray.direction;
+        const Vec3 wo = -ray.direction;
         const SurfacePoint point = world_.geometry.surface_point(hit, wo);
         const Vec3 wo_local = point.frame.to_local(wo);
-        if (s.edges == 1) {
+        if (edges_ == 1) {
             PathResult& first = out_[s.index];
             first.distance = hit.t;
             first.normal = point.frame.n;
             first.albedo = point.bsdf.albedo(wo_local);
         }
         add_emission(s, hit, point, wo);
-        if (!may_have(s.edges + 1)) return false;
+        if (!may_have(edges_ + 1)) return false;
 
         LobeSet going_on = LobeSet::all;
         if (options_.cache && point.bsdf.has(LobeSet::diffuse)) {
@@ -108,21 +123,19 @@ class Tracer {
             }
         }
         sample_lights(s, point, wo_local, going_on);
-        return continue_path(s, point, wo_local, going_on);
+        return continue_path(s, ray, point, wo_local, going_on);
     }
 
-    void add_environment(const State& s) {
-        const Vec3 w = s.ray.direction;
+    void add_environment(const State& s, Vec3 w) {
         const Lights::Infinite sampled = world_.lights.infinite(w, options_.light_set);
         Color radiance = sampled.radiance;
         if (s.arrival == Arrival::none) radiance = Color();
         if (s.arrival == Arrival::weighted)
-            radiance *=
-                power_heuristic(s.pdf, static_cast<float>(light_samples(s.edges - 1)) * sampled.pdf_solid_angle);
+            radiance *= power_heuristic(s.pdf, static_cast<float>(light_samples(edges_ - 1)) * sampled.pdf_solid_angle);
         // What light sampling leaves out arrives whole.
         if (options_.light_set == LightSet::without_environment_image)
             radiance += world_.lights.environment(w) - sampled.radiance;
-        add(s.index, s.throughput * radiance, s.edges <= 2);
+        add(s.index, s.throughput * radiance, edges_ <= 2);
     }
 
     void add_emission(const State& s, const Hit& hit, const SurfacePoint& point, Vec3 wo) {
@@ -133,16 +146,16 @@ class Tracer {
         float weight = 1;
         if (s.arrival == Arrival::weighted)
             weight = power_heuristic(
-                s.pdf, static_cast<float>(light_samples(s.edges - 1)) *
+                s.pdf, static_cast<float>(light_samples(edges_ - 1)) *
                            world_.lights.pdf_solid_angle(emitter, s.from, point.position, options_.light_set));
-        add(s.index, s.throughput * radiance * weight, s.edges <= 2);
+        add(s.index, s.throughput * radiance * weight, edges_ <= 2);
     }
 
     /// Light samples that the vertex at the end of that many edges takes.
     int light_samples(int edges) const { return edges == 1 ? options_.light_samples : 1; }
 
     void sample_lights(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
-        const int count = light_samples(s.edges);
+        const int count = light_samples(edges_);
         if (point.bsdf.has_non_delta())
             for (int i = 0; i < count; ++i)
                 sample_light(s, s.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), point, wo,
@@ -157,7 +170,7 @@ class Tracer {
         const Vec3 wi = point.frame.to_local(light.wi);
         if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading normal and the surface disagree
         // All samples of the vertex together are one technique, of so many times the density.
-        const float density = static_cast<float>(light_samples(s.edges)) * light.pdf_solid_angle;
+        const float density = static_cast<float>(light_samples(edges_)) * light.pdf_solid_angle;
         Color f;
         if (going_on == LobeSet::glossy) f = point.bsdf.eval(wo, wi, LobeSet::diffuse).f;
         const EvalPdf e = point.bsdf.eval(wo, wi, going_on);
@@ -165,30 +178,38 @@ class Tracer {
         if (is_black(f)) return;
         const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / density);
         shadow_rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
-        shadows_.push_back({contribution, s.index, s.edges == 1});
+        shadows_.push_back({contribution, s.index, edges_ == 1});
     }
 
-    bool continue_path(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
-        const float u_lobe = s.sampler.next_1d();
+    bool continue_path(State& s, Ray& ray, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+        const bool roulette = edges_ >= options_.roulette_depth;
+        const float u_lobe = draw_if(point.bsdf.chooses_lobe(), s.sampler);
         const Vec2 u = s.sampler.next_2d();
-        const float u_roulette = s.sampler.next_1d();
+        const float u_roulette = draw_if(roulette, s.sampler);
         const auto sample = point.bsdf.sample(wo, u_lobe, u, going_on);
         if (!sample) return false;
         const Vec3 wi = point.frame.to_world(sample->wi);
         if (dot(wi, point.normal) * sample->wi.z <= 0) return false;
         s.throughput *= sample->weight;
         if (sample->transmission) s.eta2 *= sqr(sample->eta_ratio);
-        if (s.edges >= options_.roulette_depth) {
+        if (roulette) {
             const float survival = std::min(0.95f, max_component(s.throughput) * s.eta2);  // [ArvoKirk90]
             if (u_roulette >= survival) return false;
             s.throughput *= 1 / survival;
         }
         if (!(max_component(s.throughput) > 0)) return false;
-        s.ray = point.ray(wi);
+        ray = point.ray(wi);
         s.from = point.position;
         s.pdf = sample->pdf_solid_angle;
         s.arrival = sample->delta ? Arrival::whole : Arrival::weighted;
         return true;
+    }
+
+    /// The sampler's next number; 0 where nobody will look at it, which costs nothing.
+    static float draw_if(bool wanted, Sampler& sampler) {
+        if (wanted) return sampler.next_1d();
+        sampler.skip(1);
+        return 0;
     }
 
     void resolve_shadows() {
@@ -202,8 +223,10 @@ class Tracer {
     const PathOptions& options_;
     std::span<PathResult> out_;
     Progress& progress_;
+    int edges_ = 0;  // of all paths under way, the one that is traced included
     std::vector<State> states_;
-    std::vector<Ray> rays_, shadow_rays_;
+    std::vector<Ray> rays_;  // of each state
+    std::vector<Ray> shadow_rays_;
     std::vector<Hit> hits_;
     std::vector<Shadow> shadows_;
     std::vector<uint8_t> occluded_;

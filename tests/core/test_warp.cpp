@@ -45,6 +45,15 @@ void at_interior_points(F&& f) {
 
 }  // namespace
 
+TEST_CASE("sine and cosine of an eighth of a turn are those of the library") {
+    for (int i = -1000; i <= 1000; ++i) {
+        const float x = static_cast<float>(i) * (pi / 4 / 1000);
+        const SineCosine at = sine_and_cosine(x);
+        CHECK(std::abs(at.sine - std::sin(double(x))) < 6e-8 + 6e-8 * std::abs(x));
+        CHECK(std::abs(at.cosine - std::cos(double(x))) < 1.2e-7);
+    }
+}
+
 TEST_CASE("the concentric disc is uniform in area and inside the circle") {
     at_interior_points([](Vec2 u) {
         CHECK(stretch_2d(square_to_concentric_disk, u) * concentric_disk_pdf_area() ==

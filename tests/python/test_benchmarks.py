@@ -13,6 +13,7 @@ from eclat.image import Image
 from eclat.metrics import relative_rmse
 from harness import document
 from harness.curves import Cost, Point, cost_at
+from harness.flame_graph import Node, stacks, svg
 from harness.references import Reference
 from harness.timing import in_turn
 
@@ -104,3 +105,44 @@ def test_a_table_replaces_what_stood_between_its_markers(tmp_path: Path) -> None
     assert path.read_text(encoding="utf-8") == "before\n<!-- x -->\n| 1 \\g<0> |\n<!-- end of x -->\nafter\n"
     with pytest.raises(ValueError, match="markers"):
         document.write("y", "", path)
+
+
+SCRIPT = """\
+python
+\t    7f01 eclat::(anonymous namespace)::Tracer::advance(eclat::Ray&, eclat::Hit const&) (/b/_core.cpython-311.so)
+\t    7f02 eclat::trace_paths(eclat::World const&, std::span<eclat::PathRay const, 8ul>) (/b/_core.cpython-311.so)
+\t    7f03 tbb::detail::d1::start_for<int>::execute(tbb::detail::d1::execution_data&) (/b/_core.cpython-311.so)
+\t    7f04 eclat::solve(int) (/b/_core.cpython-311.so)
+\t    7f05 main (/usr/bin/python3.11)
+
+python
+\t    7f11 [unknown] (/usr/lib/libembree3.so.3)
+\t    7f12 [unknown] (/usr/lib/libembree3.so.3)
+\t    7f02 eclat::trace_paths(eclat::World const&) (/b/_core.cpython-311.so)
+\t    7f13 [unknown] (/usr/lib/libtbb.so.12)
+
+python
+\t    7f20 cosf@@GLIBC_2.2.5 (/usr/lib/libm.so.6)
+\t    7f04 eclat::solve(int) (/b/_core.cpython-311.so)
+\t    7f05 main (/usr/bin/python3.11)
+
+python
+\t    7f05 main (/usr/bin/python3.11)
+"""
+
+
+def test_stacks_of_a_profile_start_where_the_task_does() -> None:
+    assert list(stacks(SCRIPT.splitlines())) == [
+        ["trace_paths", "Tracer::advance"], ["trace_paths", "Embree"], ["solve", "cosf()"], ["Python"],
+    ]  # fmt: skip
+
+
+def test_a_flame_graph_has_each_call_once_as_wide_as_its_share() -> None:
+    root = Node()
+    for stack in (["trace_paths", "Embree"], ["trace_paths"], ["trace_paths", "Embree"], ["solve", "Embree"]):
+        root.add(stack)
+    assert root.share("Embree") == 0.75 and root.share("solve") == 0.25
+    drawn = svg(root, "a <picture>")
+    assert drawn.count("<rect") == 5  # all, trace_paths, solve, and Embree in each
+    assert "<title>trace_paths, 75.0 %</title>" in drawn and 'width="899.5"' in drawn
+    assert "a &lt;picture&gt;" in drawn
