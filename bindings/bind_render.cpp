@@ -26,6 +26,7 @@ PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* 
         options.light_set = LightSet::without_environment_image;
         options.cache = read_near(*caches);
         options.light_samples = cached_light_samples;
+        options.miss_paths = cached_miss_paths;
     }
     return options;
 }

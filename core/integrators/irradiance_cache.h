@@ -21,6 +21,9 @@ void solve_irradiance_cache(const World& world, const Camera& camera, const Irra
 /// Light samples at a vertex that the camera sees: the cached part has no noise, so direct light's is what is left, and one
 /// more shadow ray costs less than one more camera ray with its lookup.
 constexpr int cached_light_samples = 4;
+/// Paths that go on from such a vertex where no record serves it: beside pixels without noise a single one would show as a
+/// bright dot. They are few, and stratified together.
+constexpr int cached_miss_paths = 16;
 
 /// How paths read the cache: `near` at vertices seen from the camera.
 CachedIrradiance read_near(const SolvedCaches& caches);

@@ -48,6 +48,10 @@ class Tracer {
             const size_t going_on = advance_all();
             states_.erase(states_.begin() + static_cast<ptrdiff_t>(going_on), states_.end());
             rays_.resize(going_on);
+            states_.insert(states_.end(), split_states_.begin(), split_states_.end());
+            rays_.insert(rays_.end(), split_rays_.begin(), split_rays_.end());
+            split_states_.clear();
+            split_rays_.clear();
             resolve_shadows();
             progress_.count_rays(shadow_rays_.size());
         }
@@ -123,7 +127,24 @@ class Tracer {
             }
         }
         sample_lights(s, point, wo_local, going_on);
+        if (options_.miss_paths > 1 && edges_ == 1 && out_[s.index].cache_missed)
+            return split_path(s, point, wo_local);
         return continue_path(s, ray, point, wo_local, going_on);
+    }
+
+    /// Goes on from the first vertex in many directions, stratified together.
+    bool split_path(const State& s, const SurfacePoint& point, Vec3 wo) {
+        const auto parts = static_cast<uint32_t>(options_.miss_paths);
+        for (uint32_t part = 0; part < parts; ++part) {
+            State state = s;
+            Ray ray;
+            state.sampler = s.sampler.split(parts, part);
+            state.throughput *= 1 / static_cast<float>(parts);
+            if (!continue_path(state, ray, point, wo, LobeSet::all)) continue;
+            split_states_.push_back(state);
+            split_rays_.push_back(ray);
+        }
+        return false;
     }
 
     void add_environment(const State& s, Vec3 w) {
@@ -226,6 +247,8 @@ class Tracer {
     int edges_ = 0;  // of all paths under way, the one that is traced included
     std::vector<State> states_;
     std::vector<Ray> rays_;  // of each state
+    std::vector<State> split_states_;
+    std::vector<Ray> split_rays_;
     std::vector<Ray> shadow_rays_;
     std::vector<Hit> hits_;
     std::vector<Shadow> shadows_;

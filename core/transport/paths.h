@@ -27,6 +27,7 @@ struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
     int roulette_depth = 5;
     int light_samples = 1;               // at the first vertex
+    int miss_paths = 1;                  // that go on from a first vertex which the cache does not serve
     LightSet light_set = LightSet::all;  // without the environment image, rays that escape collect it whole
     bool emission_at_first_hit = true;   // false: whoever sent the rays samples the lights itself
     Coherence coherence = Coherence::none;
