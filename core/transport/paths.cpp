@@ -127,8 +127,7 @@ class Tracer {
             }
         }
         sample_lights(s, point, wo_local, going_on);
-        if (options_.miss_paths > 1 && edges_ == 1 && out_[s.index].cache_missed)
-            return split_path(s, point, wo_local);
+        if (options_.miss_paths > 1 && edges_ == 1 && out_[s.index].cache_missed) return split_path(s, point, wo_local);
         return continue_path(s, ray, point, wo_local, going_on);
     }
 
