@@ -149,12 +149,12 @@ TEST_CASE("what order 10 holds of GGX lobes") {
         for (const float alpha : {0.2f, 0.4f, 0.6f})
             for (const float theta : {30.0f, 60.0f, 70.0f, 78.0f})
                 MESSAGE(int(basis) << " alpha " << alpha << " theta " << theta << ": " << error(alpha, theta));
-        CHECK(error(0.2f, 30) == doctest::Approx(0.04).epsilon(0.25));
-        CHECK(error(0.2f, 60) == doctest::Approx(0.23).epsilon(0.15));
+        CHECK(std::fabs(error(0.2f, 30) - 0.04) < 0.03);
+        CHECK(std::fabs(error(0.2f, 60) - 0.23) < 0.04);
         CHECK(error(0.2f, 71) > 0.36);
         CHECK(error(0.2f, 78) < 0.62);
-        CHECK(error(0.4f, 70) == doctest::Approx(0.11).epsilon(0.25));
-        CHECK(error(0.6f, 78) == doctest::Approx(0.05).epsilon(0.4));
+        CHECK(std::fabs(error(0.4f, 70) - 0.11) < 0.025);
+        CHECK(std::fabs(error(0.6f, 78) - 0.05) < 0.025);
     }
 }
 
