@@ -23,7 +23,7 @@ inline float tolerated_turn(float relaxation) { return sqrt_one_minus_cos_10 * s
 // How far behind or before a record's plane a point may lie beyond what the turn of the normal explains, as a part of the
 // record's radius, and no farther when it is read. At 0.25 the ceiling behind a panel that hangs close below it took the
 // light of the panel's front.
-constexpr float plane_tolerance = 0.05f;
+constexpr float plane_tolerance = 0.04f;
 }  // namespace detail
 
 /// Where a record lies and how far it reaches: all that its weight depends on.

@@ -122,7 +122,12 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
         std::vector<Candidate> missed;
         std::vector<size_t> missed_index;
         for (size_t i = begin; i < begin + count; ++i) {
-            if (const auto E = caches.near.interpolate(points[i].position, points[i].normal, points[i].normal)) {
+            // By the strict test: the records may have been made for a view, in which nobody looked at this point, and the
+            // relaxed ones of its neighbours reach under a panel's edge.
+            const auto E = caches.near.serves(points[i].position, points[i].normal)
+                               ? caches.near.interpolate(points[i].position, points[i].normal, points[i].normal)
+                               : std::nullopt;
+            if (E) {
                 out.irradiance[i] = *E;
             } else {
                 missed.emplace_back(bare_point(world, points[i]), 0.0f, static_cast<uint32_t>(i));

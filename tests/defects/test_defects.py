@@ -90,6 +90,16 @@ def test_no_light_comes_through_a_closed_wall() -> None:
     assert dark.max() < 1e-3 * lit.mean()
 
 
+def test_the_ceiling_a_hundredth_behind_the_cornell_light_stays_dark() -> None:
+    """No camera sees it; points and light maps do. The light's own face, as wide as its records, is next to it."""
+    scene = eclat.load("cornell-box")
+    for seed in range(2):
+        solution = eclat.solve(scene, size=(192, 192), seed=seed)
+        region = rectangle((-0.13, 1, -0.06), (0.26, 0, 0), (0, 0, 0.16), (0, -1, 0), (8, 8))  # 12 cm and more inside
+        behind = eclat.irradiance(scene, region.points, region.normals, solution, component="indirect")
+        assert behind.max() < 0.05  # beside the light it is 0.8
+
+
 @pytest.mark.parametrize(("mesh", "bound"), [("ball", 0.1), ("vase", 0.06)])
 def test_smooth_shaded_coarse_meshes(mesh: str, bound: float) -> None:
     scene = scene_of("coarse-shapes")
