@@ -47,7 +47,7 @@ std::optional<Curvature> curvature_of(Metric metric) {
     return std::nullopt;
 }
 
-// For the least error (λ1 / λ2)^{1/2} would be right, [Schwarzhaupt12] takes 1/4; between them the Cornell box came out best.
+// For the least error (λ1 / λ2)^{1/2} would be right, [Schwarzhaupt12] takes 1/4; this lies between them.
 float elongation(const PrincipalCurvatures& bends) {
     constexpr float largest = 2;
     if (!(bends.larger > 0)) return 1;
