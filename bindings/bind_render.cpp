@@ -7,6 +7,9 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <span>
+
 #include "arrays.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/point_irradiance.h"
@@ -17,6 +20,9 @@ using namespace eclat;
 using namespace nb::literals;
 
 namespace {
+
+/// Of each pixel of the picture, or one for all.
+using SampleCounts = Array<uint32_t, -1>;
 
 PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* caches) {
     PathOptions options;
@@ -32,14 +38,21 @@ PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* 
 }
 
 void render_samples(const CoreScene& scene, const Camera& camera, Film& film, Progress& progress, int max_depth,
-                    int roulette_depth, const SolvedCaches* caches, std::array<uint32_t, 2> samples,
+                    int roulette_depth, const SolvedCaches* caches, SampleCounts first, SampleCounts end,
                     std::array<int, 4> crop, uint32_t seed, int threads, int filter, std::vector<uint32_t> tile_order) {
     PathOptions options = path_options(max_depth, roulette_depth, caches);
     options.coherence = Coherence::camera;
-    render(scene.world(), camera, options,
-           {samples[0], samples[1], crop[0], crop[1], crop[2], crop[3], seed, threads, static_cast<Filter>(filter),
-            std::move(tile_order)},
-           film, progress);
+    RenderRange range;
+    range.x0 = crop[0], range.y0 = crop[1], range.x1 = crop[2], range.y1 = crop[3];
+    range.seed = seed;
+    range.threads = threads;
+    range.filter = static_cast<Filter>(filter);
+    range.tile_order = std::move(tile_order);
+    const std::span<const uint32_t> firsts(first.data(), first.size()), ends(end.data(), end.size());
+    require(!ends.empty() && firsts.size() == ends.size(), "first, end: expected as many of each");
+    range.first_sample = std::ranges::min(firsts), range.end_sample = std::ranges::max(ends);
+    if (ends.size() > 1) range.first_samples = firsts, range.end_samples = ends;
+    render(scene.world(), camera, options, range, film, progress);
 }
 
 PointIrradianceOptions point_options(int component, int samples, int max_depth, uint32_t seed, int threads) {
@@ -157,7 +170,7 @@ void bind_render(nb::module_& m) {
             return out;
         });
     m.def("render_samples", &render_samples, "scene"_a, "camera"_a, "film"_a, "progress"_a, "max_depth"_a,
-          "roulette_depth"_a, "caches"_a.none(), "samples"_a, "crop"_a, "seed"_a, "threads"_a, "filter"_a,
+          "roulette_depth"_a, "caches"_a.none(), "first"_a, "end"_a, "crop"_a, "seed"_a, "threads"_a, "filter"_a,
           "tile_order"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def("irradiance_by_paths", &irradiance_by_paths, "scene"_a, "positions"_a, "normals"_a, "progress"_a,
           "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "film/film.h"
@@ -22,12 +23,16 @@ struct RenderRange {
     int threads = 0;
     Filter filter = Filter::box;
     std::vector<uint32_t> tile_order;  // empty: as they come; else a permutation of the tiles
+    // Where pixels take unlike numbers of samples: [first, end) of each pixel of the whole picture, row by row, within
+    // [first_sample, end_sample). Empty: all take all.
+    std::span<const uint32_t> first_samples, end_samples;
 };
 
 /// Adds samples [first, end) of each pixel of the crop to `film`.
 ///
 /// Work is cut into tiles of 32 × 32 pixels of the whole picture, one sample a batch: a batch is the same whatever the
-/// crop, the number of samples or of threads, and so are its bits.
+/// crop, the number of samples or of threads, and so are its bits. Where pixels take unlike numbers of samples, those
+/// of consecutive numbers share a batch of about as many paths.
 void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
             Progress& progress);
 

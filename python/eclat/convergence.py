@@ -20,10 +20,14 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import NDArray
 
 from eclat import _core
+from eclat.adaptive_sampling import AdaptiveSamples, Counts
 from eclat.metrics import RELATIVE_C
 from eclat.running import ProgressReport
 
 FIRST_PASS = 4
+FIRST_ADAPTIVE_PASS = 2
+"""Two such passes already tell where the next one is needed."""
+
 MOST_SAMPLES = 1 << 14
 """After which a picture is given up as not converging: at that many even fireflies have become rare."""
 
@@ -33,13 +37,14 @@ EXPECTED_SAMPLES = 64
 SLICE_SECONDS = 0.5
 """Between two pictures that are kept for the case of an interrupt."""
 
-RenderRange = Callable[[int, int, ProgressReport | None], float]
-"""Adds samples [first, end) of all pixels to the film; returns the rays it took."""
+RenderRange = Callable[[Counts, Counts, ProgressReport | None], float]
+"""Adds samples [first, end) to the film, two arrays over pixels or over one for all; returns the rays it took."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """When to stop: at `samples`, else when `deadline` (of `time.perf_counter`) is near, else at `max_error`."""
+    """When to stop: at `samples` (the mean over pixels, where they take unlike numbers), else when `deadline` (of
+    `time.perf_counter`) is near, else at `max_error`."""
 
     samples: int | None
     max_error: float
@@ -51,13 +56,21 @@ class Sampling:
 
     `taken` and `rays` say how far it is, `noise` what error it estimates for its whole passes (NaN before the first
     estimate). With `keep_partial`, `partial` is a copy of the film after `partial_taken` samples of every pixel.
-    Values depend on the number of samples only, never on how passes divide them.
+    Values depend on the number of samples only, never on how passes divide them: those that go where `adaptive` says
+    always double, up to the last one.
     """
 
     def __init__(
-        self, film: _core.Film, render_range: RenderRange, keep_partial: bool, report: ProgressReport | None
+        self,
+        film: _core.Film,
+        render_range: RenderRange,
+        keep_partial: bool,
+        report: ProgressReport | None,
+        adaptive: AdaptiveSamples | None = None,
     ) -> None:
         self.film, self.render_range, self.keep_partial, self.report = film, render_range, keep_partial, report
+        self.adaptive = adaptive
+        self._first = FIRST_PASS if adaptive is None else FIRST_ADAPTIVE_PASS
         self.taken, self.rays, self.noise = 0, 0.0, math.nan
         self.partial: _core.Film | None = None
         self.partial_taken = 0
@@ -67,11 +80,12 @@ class Sampling:
         """Sample until the goal is reached."""
         if goal.samples is not None:
             self._expected = goal.samples
-            self._pass(goal.samples // 2)
-            half = self.film.radiance if goal.samples % 2 == 0 else None
+            if self.adaptive is not None:
+                while 2 * self.taken < goal.samples:
+                    self._pass(max(self._first, 2 * self.taken))
+            else:
+                self._pass(goal.samples // 2)
             self._pass(goal.samples)
-            if half is not None:
-                self.noise = estimated_error(half, self.film.radiance)
         elif goal.deadline is not None:
             self._until(goal.deadline)
         else:
@@ -80,10 +94,8 @@ class Sampling:
     def _until_error(self, max_error: float) -> None:
         self._expected = EXPECTED_SAMPLES
         while True:
-            half = self.film.radiance if self.taken else None
-            self._pass(max(FIRST_PASS, 2 * self.taken))
-            if half is not None:
-                self.noise = estimated_error(half, self.film.radiance)
+            self._pass(max(self._first, 2 * self.taken))
+            if not math.isnan(self.noise):
                 if self.noise <= max_error or self.taken >= MOST_SAMPLES:
                     return
                 # Noise falls at least with the square root, and the number of samples doubles.
@@ -93,19 +105,19 @@ class Sampling:
 
     def _until(self, deadline: float) -> None:
         self._deadline = deadline
+        started = clock.perf_counter()
         while True:
-            before, step = clock.perf_counter(), max(FIRST_PASS, self.taken)
-            self._expected = self._reachable(self.taken + step, before)
+            now, step = clock.perf_counter(), max(self._first, self.taken)
+            if self.taken:
+                # Time for as many samples as all before takes as long as they did.
+                fitting = int(step * (deadline - now) / max(now - started, 1e-9))
+                if fitting < step:
+                    self._expected = self.taken + fitting
+                    if fitting > 0:
+                        self._pass(self.taken + fitting)
+                    return
+            self._expected = self._reachable(self.taken + step, now)
             self._pass(self.taken + step)
-            now = clock.perf_counter()
-            left, spent = deadline - now, now - before
-            if left < spent * 2:
-                # The next pass would take as long as all before, so only a part of it fits.
-                extra = int(step * left / max(spent, 1e-9))
-                if extra > 0:
-                    self._expected = self.taken + extra
-                    self._pass(self.taken + extra)
-                return
 
     def _reachable(self, least: int, now: float) -> int:
         if self._seconds_per_sample is None:
@@ -113,18 +125,31 @@ class Sampling:
         return max(least, self.taken + int((self._deadline - now) / max(self._seconds_per_sample, 1e-9)))
 
     def _pass(self, end: int) -> None:
-        """Take samples until there are `end` of each pixel."""
+        """Take samples until there are `end` of each pixel, or on average."""
+        half = self.film.radiance if self.taken and end == 2 * self.taken else None
+        counts = None if self.adaptive is None else self.adaptive.unevenly(end)
+        begun, taken_before = self.taken, None if self.adaptive is None else self.adaptive.counts
         while self.taken < end:
             step = end - self.taken
             if self.keep_partial:
                 pace = self._seconds_per_sample
                 step = min(step, 1 if pace is None else max(1, int(SLICE_SECONDS / max(pace, 1e-9))))
+            if counts is None or taken_before is None:
+                first, last = _everywhere(self.taken), _everywhere(self.taken + step)
+            else:
+                first = _between(taken_before, counts, self.taken - begun, end - begun)
+                last = _between(taken_before, counts, self.taken + step - begun, end - begun)
             before = clock.perf_counter()
-            self.rays += self.render_range(self.taken, self.taken + step, self._overall(step))
+            self.rays += self.render_range(first, last, self._overall(step))
             self._seconds_per_sample = (clock.perf_counter() - before) / step
             self.taken += step
             if self.keep_partial:
                 self.partial, self.partial_taken = self.film.copy(), self.taken
+        if self.adaptive is not None and counts is not None:
+            self.adaptive.observe(counts, self.film.radiance)
+            self.noise = self.adaptive.noise()
+        elif half is not None:
+            self.noise = estimated_error(half, self.film.radiance)
 
     def _overall(self, step: int) -> ProgressReport | None:
         """Reports of one call, as a part of all samples that are expected, and with the rays of all calls."""
@@ -137,6 +162,16 @@ class Sampling:
             report(phase, done, statistics | {"rays": self.rays + statistics["rays"], "samples": float(self.taken)})
 
         return overall
+
+
+def _everywhere(samples: int) -> Counts:
+    return np.array([samples], dtype=np.uint32)
+
+
+def _between(first: Counts, end: Counts, part: int, whole: int) -> Counts:
+    """`first` + (`end` − `first`) · `part` / `whole` of each pixel, as one row."""
+    wide = first.astype(np.int64)
+    return (wide + (end - wide) * part // whole).astype(np.uint32).ravel()
 
 
 def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> float:

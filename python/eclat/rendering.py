@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import asdict, dataclass
+from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import Any
 
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 import eclat
 from eclat import _core
+from eclat.adaptive_sampling import AdaptiveSamples, Counts
 from eclat.arguments import (
     checked_crop,
     checked_max_depth,
@@ -54,6 +55,7 @@ def render(
     seed: int = 0,
     threads: int | None = None,
     filter: str = "box",
+    adaptive: bool | None = None,
     keep_partial: bool = False,
     check: bool = True,
     refine: bool = False,
@@ -66,15 +68,18 @@ def render(
     ----------
     what : a Solution, the options of a method (solved on the fly), or None for irradiance caching.
     samples : paths per pixel. None: as many as `max_error` asks for.
-    max_error : relative error at which the noise of the picture, estimated from its halves, is small enough; the
-        samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With a cache this is the noise of
-        direct and traced light only; the error of its records is bounded by the `max_error` of its options.
+    max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
+        samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
+        error of the whole picture: what their own error, as `check` estimates it, leaves is the noise's, at least half.
     time : stop after about this many seconds instead. What fits is chosen by the clock (`time_budget`): how fine records
         are, and how many samples; the metadata hold both, and with them the same picture is made again, bit for bit.
     size, crop : (width, height), and (x0, y0, x1, y1) in pixels, exclusive; the rest of the picture stays black.
     max_depth : edges of a path: 1 emission, 2 direct light, −1 unlimited. A Solution must have been solved with the
         same.
     filter : of pixels, "box" or "tent".
+    adaptive : give pixels that are noisy more samples and others less (`adaptive_sampling`), so that `samples` is their
+        mean. None: where a cache is read and no number of samples is asked for. Choosing by what samples showed
+        biases the picture a little, so that `Path` does it only when told to.
     keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then a whole Image of fewer
         samples, their number in its metadata as `samples_done`; absent before the first sample of each pixel.
     check : where records are solved on the fly, estimate their error as `solve` does. The statistics of the picture
@@ -131,13 +136,17 @@ def render(
     caches = solution.core() if solution is not None else None
     core_camera = prepared.camera(view, (width, height))
     film = _core.Film(width, height)
+    if adaptive is None:
+        adaptive = solution is not None and samples is None
+    if estimate is not None:
+        goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
 
-    def render_range(first: int, end: int, report: ProgressReport | None) -> float:
+    def render_range(first: Counts, end: Counts, report: ProgressReport | None) -> float:
         counted = _core.Progress()
         run(
             "render",
             lambda p: _core.render_samples(
-                prepared.core, core_camera, film, p, depth, roulette, caches, (first, end), region,
+                prepared.core, core_camera, film, p, depth, roulette, caches, first, end, region,
                 seed, thread_count(threads), _FILTERS.index(filter), tile_order or [],
             ),
             report,
@@ -145,8 +154,9 @@ def render(
         )  # fmt: skip
         return float(counted.rays)
 
-    about = _About(scene, what, view, seed, max_depth, (width, height), region)
-    sampling = Sampling(film, render_range, keep_partial, progress)
+    about = _About(scene, what, view, seed, max_depth, (width, height), region, adaptive)
+    pixels = AdaptiveSamples((width, height), region) if adaptive else None
+    sampling = Sampling(film, render_range, keep_partial, progress, pixels)
     try:
         sampling.run(goal)
     except KeyboardInterrupt as stop:
@@ -158,8 +168,8 @@ def render(
             image.metadata["samples_done"] = sampling.partial_taken
             stop.partial = image  # type: ignore[attr-defined]
         raise
-    if samples is None and deadline is None and sampling.noise > max_error:
-        noise = f"the noise is still {sampling.noise:.2g}, not {max_error:g}"
+    if samples is None and deadline is None and sampling.noise > goal.max_error:
+        noise = f"the noise is still {sampling.noise:.2g}, not {goal.max_error:.2g}"
         warn(f"after {sampling.taken:,} samples {noise}: stopped there")
     seconds = clock.perf_counter() - started
     image = about.image(film, _statistics(sampling, sampling.taken, solution, estimate, film, seconds))
@@ -178,6 +188,7 @@ class _About:
     max_depth: int
     size: tuple[int, int]
     region: tuple[int, int, int, int]
+    adaptive: bool
 
     @property
     def options(self) -> Options:
@@ -191,7 +202,8 @@ class _About:
         }  # fmt: skip
         metadata = {
             "scene": self.scene.name, "method": method_name(self.options), "options": asdict(self.options),
-            "seed": self.seed, "max_depth": self.max_depth, "version": eclat.__version__, "statistics": statistics,
+            "seed": self.seed, "max_depth": self.max_depth, "adaptive": self.adaptive, "version": eclat.__version__,
+            "statistics": statistics,
         }  # fmt: skip
         image = Image(radiance, layers, metadata)
         if isinstance(self.what, Solution):

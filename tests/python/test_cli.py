@@ -386,6 +386,13 @@ def start(arguments: list[str]) -> subprocess.Popen[str]:
     )
 
 
+def test_the_package_runs_as_a_module() -> None:
+    run = subprocess.run(
+        [sys.executable, "-m", "eclat", "scene"], env=os.environ | {"PYTHONPATH": PATHS}, capture_output=True, text=True
+    )
+    assert run.returncode == 2 and "scenes" in run.stderr
+
+
 @pytest.mark.parametrize("phase", ["solve", "render"])
 def test_ctrl_c_in_each_phase_of_the_real_thing(phase: str) -> None:
     Path("cornell-box.png").write_bytes(b"old")

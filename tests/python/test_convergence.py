@@ -107,7 +107,8 @@ class FakeFilm:
 def sampling(keep_partial: bool = False) -> tuple[Sampling, list[tuple[int, int]], list[float]]:
     film, ranges, fractions = FakeFilm(), [], []
 
-    def render_range(first: int, end: int, report: Any) -> float:
+    def render_range(firsts: np.ndarray, ends: np.ndarray, report: Any) -> float:
+        first, end = int(firsts.item()), int(ends.item())
         assert first == film.samples
         ranges.append((first, end))
         for fraction in (0.0, 0.5, 1.0):

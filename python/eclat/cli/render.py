@@ -57,6 +57,7 @@ REACHING_RENDER = (
     "samples",
     "max_error",
     "time",
+    "adaptive",
     "size",
     "crop",
     "max_depth",
@@ -98,6 +99,12 @@ _quality_options = together(
     max_error_option("Relative error to reach"),
     samples_option("Exactly so many paths per pixel instead"),
     time_option("Seconds to spend instead."),
+    option(
+        "--adaptive/--no-adaptive",
+        default=None,
+        section=QUALITY,
+        help="More samples where pixels are noisy, --samples on average [where a cache is read, without --samples].",
+    ),
     option("--crop", type=CROP, section=CAMERA, help="Only these pixels; the rest stays black."),
     max_depth_option(),
     no_check_option(),
@@ -192,7 +199,7 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
     """Refuse pixels outside the picture, and make `--replay` a crop of one pixel."""
     if flags["replay"]:
         x, y, sample = flags["replay"]
-        flags.update(crop=(x, y, x + 1, y + 1), samples=sample + 1, time=None)
+        flags.update(crop=(x, y, x + 1, y + 1), samples=sample + 1, adaptive=False, time=None)
     if flags["crop"] and size:
         _, _, x1, y1 = flags["crop"]
         if x1 > size[0] or y1 > size[1]:

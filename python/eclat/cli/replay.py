@@ -19,7 +19,20 @@ if TYPE_CHECKING:
     from eclat.image import Image
 
 REPEATED = (
-    *("method", "settings", "cache", "max_error", "refine", "samples", "time", "max_depth", "seed", "size", "crop"),
+    *(
+        "method",
+        "settings",
+        "cache",
+        "max_error",
+        "refine",
+        "samples",
+        "adaptive",
+        "time",
+        "max_depth",
+        "seed",
+        "size",
+        "crop",
+    ),
     *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment"),
 )
 """The flags that a picture's values depend on, by name; the scene is given anew, since files move."""
@@ -37,6 +50,7 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
     taken = metadata.get("statistics", {}).get("samples")
     if taken is not None:
         settings["samples"], settings["time"] = int(taken), None
+        settings["adaptive"] = bool(metadata.get("adaptive"))
     # Through JSON, so that it is the same whether it comes from a file or from memory.
     plain: dict[str, Any] = json.loads(json.dumps(settings))
     return plain

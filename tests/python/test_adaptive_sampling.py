@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where samples go: against noise of known size, and against long references where a lamp's edge cuts pixels."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.adaptive_sampling import FASTEST_GROWTH, AdaptiveSamples
+from eclat.scenes import build
+
+WHOLE = (0, 0, 48, 48)
+
+
+class Noise:
+    """A grey picture whose samples have a known standard deviation in each pixel."""
+
+    def __init__(self, deviation: np.ndarray, seed: int) -> None:
+        self.deviation, self.random = deviation[..., None], np.random.default_rng(seed)
+        self.taken = np.zeros(deviation.shape, dtype=np.uint32)
+        self.sum = np.zeros((*deviation.shape, 3))
+
+    def take(self, counts: np.ndarray) -> np.ndarray:
+        added = (counts - self.taken)[..., None]
+        # One channel's noise in all three, as light has it.
+        noise = self.random.standard_normal((*counts.shape, 1)) * np.sqrt(added) * self.deviation
+        self.sum += added * 0.5 + noise
+        self.taken = counts
+        return self.sum / np.maximum(counts, 1)[..., None]
+
+
+def test_samples_go_with_the_deviation() -> None:
+    """Neyman's allocation: three times as noisy, three times the samples, whatever the pass; the sum is kept to."""
+    deviation = np.where(np.arange(48) < 24, 0.1, 0.3) * np.ones((48, 1))
+    noise, pixels = Noise(deviation, 5), AdaptiveSamples((48, 48), WHOLE)
+    for samples in (2, 4, 8, 16, 32, 64, 128):
+        counts = pixels.unevenly(samples)
+        assert (counts >= pixels.counts).all()
+        assert counts.mean() == pytest.approx(samples, rel=0.1)
+        if samples > 4:
+            assert (counts <= FASTEST_GROWTH * pixels.counts).all()
+        pixels.observe(counts, noise.take(counts))
+    quiet, noisy = counts[:, :21].mean(), counts[:, 27:].mean()
+    assert noisy / quiet == pytest.approx(3, rel=0.1)
+    # √(mean of v / n) relative to 0.5² + c · 0.5², known here: the estimate's own spread is 2 %.
+    expected = np.sqrt((deviation**2 / counts).mean() / (0.25 * 1.01))
+    assert pixels.noise() == pytest.approx(expected, rel=0.08)
+
+
+def test_only_the_region_is_sampled() -> None:
+    pixels, noise = AdaptiveSamples((48, 48), (8, 4, 20, 30)), Noise(np.full((48, 48), 0.2), 6)
+    for samples in (2, 4, 8):
+        counts = pixels.unevenly(samples)
+        pixels.observe(counts, noise.take(counts))
+    outside = counts.copy()
+    outside[4:30, 8:20] = 0
+    assert not outside.any() and counts[4:30, 8:20].min() > 0
+
+
+def test_black_pictures_are_sampled_evenly() -> None:
+    pixels = AdaptiveSamples((8, 8), (0, 0, 8, 8))
+    for samples in (2, 4, 8, 11):
+        counts = pixels.unevenly(samples)
+        pixels.observe(counts, np.zeros((8, 8, 3)))
+    assert (counts == 11).all() and pixels.noise() == 0
+
+
+@pytest.fixture(scope="module")
+def box() -> tuple[eclat.Scene, eclat.Solution]:
+    scene = build("cornell-box")
+    return scene, eclat.solve(scene, eclat.IrradianceCache(max_error=0.05), size=(96, 96), check=False)
+
+
+def picture(box: tuple[eclat.Scene, eclat.Solution], adaptive: bool, seed: int) -> eclat.Image:
+    scene, solution = box
+    return eclat.render(scene, solution, samples=16, adaptive=adaptive, seed=seed, size=(96, 96))
+
+
+def test_the_lamps_edge_is_found_and_its_noise_told(box: tuple[eclat.Scene, eclat.Solution]) -> None:
+    """The lamp's edge cuts slivers off a row of pixels. Against a long picture from the same cache as many samples err by
+    half to three fifths of what even ones do, and 1.19 to 1.23 times the true noise is told; measured for three sets of
+    seeds. (At 256 × 256 pixels it is 0.37, and 0.98 where even samples, most of which miss the sliver, tell 0.5.)"""
+    scene, solution = box
+    truth = eclat.render(scene, solution, samples=2048, adaptive=True, seed=99, size=(96, 96)).pixels
+    scale = truth**2 + 0.01 * (truth**2).mean()
+    errors, told = {}, []
+    for adaptive in (False, True):
+        images = [picture(box, adaptive, seed) for seed in range(4)]
+        errors[adaptive] = np.sqrt(np.mean([((i.pixels - truth) ** 2 / scale).mean() for i in images]))
+        told = [i.metadata["statistics"]["noise"] for i in images]
+        # No light is lost or won by choosing: measured 5e-4.
+        assert np.mean([i.pixels.mean() for i in images]) == pytest.approx(truth.mean(), rel=2e-3)
+    assert errors[True] < 0.7 * errors[False]
+    assert np.mean(told) == pytest.approx(errors[True], rel=0.35)
+
+
+def test_what_a_clock_chose_is_made_again_by_its_number_of_samples(box: tuple[eclat.Scene, eclat.Solution]) -> None:
+    scene, solution = box
+    timed = eclat.render(scene, solution, time=0.3, size=(96, 96))
+    assert timed.metadata["adaptive"]
+    samples = int(timed.metadata["statistics"]["samples"])
+    again = eclat.render(scene, solution, samples=samples, adaptive=True, size=(96, 96), threads=1)
+    np.testing.assert_array_equal(again.pixels, timed.pixels)
+
+
+def test_a_picture_that_is_kept_in_slices_has_the_same_bits(box: tuple[eclat.Scene, eclat.Solution]) -> None:
+    scene, solution = box
+    sliced = eclat.render(scene, solution, samples=13, adaptive=True, size=(96, 96), keep_partial=True)
+    np.testing.assert_array_equal(
+        sliced.pixels, eclat.render(scene, solution, samples=13, adaptive=True, size=(96, 96)).pixels
+    )
