@@ -128,7 +128,7 @@ def _blurred(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _square(first: Picture, last: Picture, both: NDArray[np.bool_], mean: Picture) -> NDArray[np.float64]:
     """R² + c, from products of independent pictures where there are both (see `convergence.estimated_error`)."""
     square = np.maximum(_blurred(np.where(both, first * last, mean * mean)), 0.0)
-    return np.asarray(np.maximum(square + RELATIVE_C * square.mean(), np.finfo(np.float64).tiny))
+    return np.asarray(np.maximum(square + RELATIVE_C * (mean * mean).mean(), np.finfo(np.float64).tiny))
 
 
 def _contrast(mean: Picture, scale: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -67,7 +67,7 @@ def render(
     Parameters
     ----------
     what : a Solution, the options of a method (solved on the fly), or None for irradiance caching.
-    samples : paths per pixel. None: as many as `max_error` asks for.
+    samples : paths per pixel, where `adaptive` their mean. None: as many as `max_error` asks for.
     max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
         samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
         error of the whole picture: what their own error, as `check` estimates it, leaves is the noise's, at least half.
@@ -78,8 +78,8 @@ def render(
         same.
     filter : of pixels, "box" or "tent".
     adaptive : give pixels that are noisy more samples and others less (`adaptive_sampling`), so that `samples` is their
-        mean. None: where a cache is read and no number of samples is asked for. Choosing by what samples showed
-        biases the picture a little, so that `Path` does it only when told to.
+        mean. None: where a cache is read and there is no `crop`, whose pixels are then those of the whole picture, bit
+        for bit. Choosing by what samples showed biases the picture a little, so that `Path` does it only when told to.
     keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then a whole Image of fewer
         samples, their number in its metadata as `samples_done`; absent before the first sample of each pixel.
     check : where records are solved on the fly, estimate their error as `solve` does. The statistics of the picture
@@ -137,7 +137,7 @@ def render(
     core_camera = prepared.camera(view, (width, height))
     film = _core.Film(width, height)
     if adaptive is None:
-        adaptive = solution is not None and samples is None
+        adaptive = solution is not None and crop is None
     if estimate is not None:
         goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
 

@@ -56,7 +56,7 @@ ZENITH_Y = np.array(
     [[0.00275, -0.00610, 0.00317, 0.0], [-0.04214, 0.08970, -0.04153, 0.00516], [0.15346, -0.26756, 0.06670, 0.26688]]
 )
 
-# Ozone absorption in cm⁻¹ every 10 nm from 440 nm, the Chappuis band [Preetham99 table 2].
+# Ozone absorption in cm⁻¹ every 10 nm from 440 nm, the Chappuis band [Preetham99].
 OZONE_WAVELENGTHS = np.arange(440.0, 761.0, 10.0)
 OZONE_ABSORPTION = np.array(
     [

@@ -128,7 +128,7 @@ def test_irradiance_under_a_square_light() -> None:
     position = np.array([[0.0, 0.5, float(np.asarray(light.positions)[:, 2].mean())]])
     height = 0.99 - 0.5
     a, b = 0.23 / height, 0.19 / height
-    # Form factor of a quarter [Howell, A catalogue of radiation configuration factors, B-4], times four.
+    # Form factor of a quarter of a parallel rectangle above its corner, times four: Lambert's formula for its four edges.
     quarter = (
         a / np.hypot(1, a) * np.arctan(b / np.hypot(1, a)) + b / np.hypot(1, b) * np.arctan(a / np.hypot(1, b))
     ) / (2 * np.pi)

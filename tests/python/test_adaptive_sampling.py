@@ -67,6 +67,16 @@ def test_black_pictures_are_sampled_evenly() -> None:
     assert (counts == 11).all() and pixels.noise() == 0
 
 
+def test_light_that_first_shows_late_is_finite() -> None:
+    """All black, then a spark: nothing is known of the scale before."""
+    pixels, spark = AdaptiveSamples((8, 8), (0, 0, 8, 8)), np.zeros((8, 8, 3))
+    pixels.observe(pixels.unevenly(2), spark)
+    spark[3, 3] = 1e-3
+    pixels.observe(pixels.unevenly(4), spark)
+    counts = pixels.unevenly(8)
+    assert np.isfinite(pixels.noise()) and counts.min() >= 4 and counts[3, 3] == counts.max()
+
+
 @pytest.fixture(scope="module")
 def box() -> tuple[eclat.Scene, eclat.Solution]:
     scene = build("cornell-box")

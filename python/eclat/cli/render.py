@@ -97,13 +97,13 @@ _output_options = together(
 _quality_options = together(
     cache_option(),
     max_error_option("Relative error to reach"),
-    samples_option("Exactly so many paths per pixel instead"),
+    samples_option("So many paths per pixel instead"),
     time_option("Seconds to spend instead."),
     option(
         "--adaptive/--no-adaptive",
         default=None,
         section=QUALITY,
-        help="More samples where pixels are noisy, --samples on average [where a cache is read, without --samples].",
+        help="More samples where pixels are noisy, --samples on average [with records, without --crop].",
     ),
     option("--crop", type=CROP, section=CAMERA, help="Only these pixels; the rest stays black."),
     max_depth_option(),
