@@ -81,11 +81,11 @@ class Sampling:
         if goal.samples is not None:
             self._expected = goal.samples
             if self.adaptive is not None:
-                while 2 * self.taken < goal.samples:
-                    self._pass(max(self._first, 2 * self.taken))
+                while self.taken < goal.samples:
+                    self._pass(min(goal.samples, max(self._first, 2 * self.taken)))
             else:
                 self._pass(goal.samples // 2)
-            self._pass(goal.samples)
+                self._pass(goal.samples)
         elif goal.deadline is not None:
             self._until(goal.deadline)
         else:

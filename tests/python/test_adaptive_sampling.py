@@ -115,6 +115,13 @@ def test_what_a_clock_chose_is_made_again_by_its_number_of_samples(box: tuple[ec
     np.testing.assert_array_equal(again.pixels, timed.pixels)
 
 
+@pytest.mark.parametrize("samples", [1, 2, 3, 5])
+def test_few_samples_are_as_many_as_were_asked_for(box: tuple[eclat.Scene, eclat.Solution], samples: int) -> None:
+    scene, solution = box
+    image = eclat.render(scene, solution, samples=samples, adaptive=True, size=(96, 96))
+    assert image.metadata["statistics"]["samples"] == samples and np.isfinite(image.pixels).all()
+
+
 def test_a_picture_that_is_kept_in_slices_has_the_same_bits(box: tuple[eclat.Scene, eclat.Solution]) -> None:
     scene, solution = box
     sliced = eclat.render(scene, solution, samples=13, adaptive=True, size=(96, 96), keep_partial=True)
