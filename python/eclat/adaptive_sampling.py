@@ -3,8 +3,8 @@
 """Which pixels take how many samples, so that a picture's error is least for all that it takes.
 
 The error is the mean over pixels of v / n, with v the variance of one sample relative to the pixel's radiance as in
-`metrics.relative_rmse` and n the pixel's samples: for a given sum of n it is least where n goes with √v (Neyman's
-allocation). v is observed as samples arrive, over passes that each double the samples of the picture, so that what one
+`metrics.relative_rmse` and n the pixel's samples: for a given sum of n it is least where n goes with √v
+[Neyman34]. v is observed as samples arrive, over passes that each double the samples of the picture, so that what one
 pass learns decides where the next one goes.
 
 An edge that cuts a sliver off a pixel is missed by few samples, which then agree about the wrong colour; where the
