@@ -7,22 +7,17 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
-#include <algorithm>
-#include <span>
-
 #include "arrays.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/point_irradiance.h"
 #include "integrators/render.h"
+#include "render_range.h"
 #include "world_holder.h"
 
 using namespace eclat;
 using namespace nb::literals;
 
 namespace {
-
-/// Of each pixel of the picture, or one for all.
-using SampleCounts = Array<uint32_t, -1>;
 
 PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* caches) {
     PathOptions options;
@@ -42,17 +37,8 @@ void render_samples(const CoreScene& scene, const Camera& camera, Film& film, Pr
                     std::array<int, 4> crop, uint32_t seed, int threads, int filter, std::vector<uint32_t> tile_order) {
     PathOptions options = path_options(max_depth, roulette_depth, caches);
     options.coherence = Coherence::camera;
-    RenderRange range;
-    range.x0 = crop[0], range.y0 = crop[1], range.x1 = crop[2], range.y1 = crop[3];
-    range.seed = seed;
-    range.threads = threads;
-    range.filter = static_cast<Filter>(filter);
-    range.tile_order = std::move(tile_order);
-    const std::span<const uint32_t> firsts(first.data(), first.size()), ends(end.data(), end.size());
-    require(!ends.empty() && firsts.size() == ends.size(), "first, end: expected as many of each");
-    range.first_sample = std::ranges::min(firsts), range.end_sample = std::ranges::max(ends);
-    if (ends.size() > 1) range.first_samples = firsts, range.end_samples = ends;
-    render(scene.world(), camera, options, range, film, progress);
+    render(scene.world(), camera, options, render_range(first, end, crop, seed, threads, filter, std::move(tile_order)),
+           film, progress);
 }
 
 PointIrradianceOptions point_options(int component, int samples, int max_depth, uint32_t seed, int threads) {

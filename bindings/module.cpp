@@ -10,6 +10,7 @@ void bind_render(nb::module_& m);
 void bind_cache(nb::module_& m);
 void bind_harmonics(nb::module_& m);
 void bind_brdf_table(nb::module_& m);
+void bind_photons(nb::module_& m);
 
 NB_MODULE(_core, m) {
     bind_scene(m);
@@ -17,4 +18,5 @@ NB_MODULE(_core, m) {
     bind_cache(m);
     bind_harmonics(m);
     bind_brdf_table(m);
+    bind_photons(m);
 }

@@ -48,8 +48,9 @@ Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t 
 }
 
 Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t index,
-                        const PointIrradianceOptions& options, Progress& progress) {
+                        const PointIrradianceOptions& options, const CachedIrradiance& far, Progress& progress) {
     PathOptions paths;
+    paths.cache = far;
     paths.emission_at_first_hit = false;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
     return mean_over_samples(options, progress, [&](int first, int end) {
@@ -94,7 +95,8 @@ SurfacePoint bare_point(const World& world, const PointNormal& at) {
 }
 
 std::vector<Color> path_irradiance(const World& world, std::span<const PointNormal> points,
-                                   const PointIrradianceOptions& options, Progress& progress) {
+                                   const PointIrradianceOptions& options, Progress& progress,
+                                   const CachedIrradiance& far) {
     progress.begin(points.size());
     return parallel_map<Color>(points.size(), options.threads, [&](size_t i) {
         progress.check();
@@ -104,7 +106,7 @@ std::vector<Color> path_irradiance(const World& world, std::span<const PointNorm
         if (options.component != Component::indirect && may_arrive(options.max_depth))
             sum += direct_irradiance(world, point, index, LightSet::all, options, progress);
         if (options.component != Component::direct && may_bounce(options.max_depth))
-            sum += indirect_by_paths(world, point, index, options, progress);
+            sum += indirect_by_paths(world, point, index, options, far, progress);
         progress.advance();
         return sum;
     });

@@ -32,9 +32,11 @@ struct PointIrradianceOptions {
     int threads = 0;
 };
 
-/// Unbiased: samples of the lights, and cosine-distributed paths for the rest [W m⁻²].
+/// Samples of the lights, and cosine-distributed paths for the rest, which end where `far` is known [W m⁻²]. Unbiased
+/// without it.
 std::vector<Color> path_irradiance(const World& world, std::span<const PointNormal> points,
-                                   const PointIrradianceOptions& options, Progress& progress);
+                                   const PointIrradianceOptions& options, Progress& progress,
+                                   const CachedIrradiance& far = {});
 
 struct CachedPoints {
     std::vector<Color> irradiance;

@@ -22,11 +22,9 @@ float filter_offset(Filter filter, float u) {
 /// One tile: batches of paths, each for one sample of one of its pixels.
 class Tile {
   public:
-    Tile(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, int tx, int ty,
-         Film& film)
-        : world_(world),
-          camera_(camera),
-          options_(options),
+    Tile(const Camera& camera, const Estimator& estimate, const RenderRange& range, int tx, int ty, Film& film)
+        : camera_(camera),
+          estimate_(estimate),
           range_(range),
           x0_(tx * tile_size),
           y0_(ty * tile_size),
@@ -82,7 +80,7 @@ class Tile {
     void trace(Progress& progress) {
         progress.check();
         results_.resize(rays_.size());
-        trace_paths(world_, rays_, options_, results_, progress);
+        estimate_(rays_, results_, progress);
         for (size_t i = 0; i < places_.size(); ++i) {
             const auto [x, y, sample] = places_[i];
             if (x < range_.x0 || x >= range_.x1 || y < range_.y0 || y >= range_.y1) continue;
@@ -95,9 +93,8 @@ class Tile {
         places_.clear();
     }
 
-    const World& world_;
     const Camera& camera_;
-    const PathOptions& options_;
+    const Estimator& estimate_;
     const RenderRange& range_;
     int x0_, y0_, x1_, y1_;  // in pixels of the whole picture
     uint32_t first_sample_ = range_.first_sample, end_sample_ = range_.end_sample;
@@ -110,8 +107,7 @@ class Tile {
 
 }  // namespace
 
-void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
-            Progress& progress) {
+void render(const Camera& camera, const Estimator& estimate, const RenderRange& range, Film& film, Progress& progress) {
     std::vector<std::pair<int, int>> tiles;
     for (int ty = range.y0 / tile_size; ty * tile_size < range.y1; ++ty)
         for (int tx = range.x0 / tile_size; tx * tile_size < range.x1; ++tx) tiles.emplace_back(tx, ty);
@@ -124,13 +120,19 @@ void render(const World& world, const Camera& camera, const PathOptions& options
         const auto in_order = tiles;
         for (size_t i = 0; i < tiles.size(); ++i) tiles[i] = in_order[range.tile_order[i] % in_order.size()];
     }
-    const auto tile = [&](size_t i) {
-        return Tile(world, camera, options, range, tiles[i].first, tiles[i].second, film);
-    };
+    const auto tile = [&](size_t i) { return Tile(camera, estimate, range, tiles[i].first, tiles[i].second, film); };
     uint64_t work = 0;
     for (size_t i = 0; i < tiles.size(); ++i) work += tile(i).work();
     progress.begin(work);
     parallel_for(tiles.size(), range.threads, [&](size_t i) { tile(i).render(progress); });
+}
+
+void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
+            Progress& progress) {
+    const Estimator estimate = [&](std::span<const PathRay> rays, std::span<PathResult> results, Progress& counted) {
+        trace_paths(world, rays, options, results, counted);
+    };
+    render(camera, estimate, range, film, progress);
 }
 
 }  // namespace eclat

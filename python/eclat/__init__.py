@@ -13,7 +13,8 @@ if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.image import Image
     from eclat.loaders import load, load_dict
-    from eclat.options import METHODS, Direct, IrradianceCache, Path
+    from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap
+    from eclat.photons import Photons
     from eclat.point_irradiance import irradiance
     from eclat.rendering import render
     from eclat.scene import Scene
@@ -32,6 +33,8 @@ _HOMES = {
     "Direct": "eclat.options",
     "Path": "eclat.options",
     "IrradianceCache": "eclat.options",
+    "PhotonMap": "eclat.options",
+    "Photons": "eclat.photons",
     "METHODS": "eclat.options",
     "Image": "eclat.image",
     "Scene": "eclat.scene",
@@ -48,6 +51,8 @@ __all__ = [
     "Image",
     "IrradianceCache",
     "Path",
+    "PhotonMap",
+    "Photons",
     "Scene",
     "Solution",
     "irradiance",

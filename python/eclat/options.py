@@ -80,19 +80,54 @@ class IrradianceCache:
         _check_range("IrradianceCache", "largest_pixels", self.largest_pixels, self.least_pixels, 10**5)
         _check_range("IrradianceCache", "relaxation", self.relaxation, 1, 4)
         for name, known in (("weight", ("tabellion", "ward")), ("metric", METRICS)):
-            if getattr(self, name) not in known:
-                raise EclatError(
-                    f"IrradianceCache: {name} must be one of {', '.join(known)}, got {getattr(self, name)!r}"
-                    + did_you_mean(str(getattr(self, name)), known)
-                )
+            _check_known("IrradianceCache", name, getattr(self, name), known)
 
 
-Options = Direct | Path | IrradianceCache
+KERNELS = ("uniform", "cone", "epanechnikov")
+"""How photons can be weighted, in the core's order."""
 
-METHODS: dict[str, type[Direct] | type[Path] | type[IrradianceCache]] = {
+
+@dataclass(frozen=True)
+class PhotonMap:
+    """Photon mapping: indirect light from photons that are traced from the lights; caustics too."""
+
+    photons: int = 200_000
+    """Photons to store of light that was scattered diffusely before it arrived."""
+    caustic_photons: int = 200_000
+    """Photons to store of light that met mirrors, glass and gloss only."""
+    nearest: int = 100
+    """Photons of one estimate: more are smoother and blur more."""
+    caustic_nearest: int = 60
+    """The same for caustics."""
+    kernel: Literal["uniform", "cone", "epanechnikov"] = "epanechnikov"
+    """How a photon's weight falls with its distance."""
+    gather: int = 4
+    """Rays of a final gather, per sample of a pixel; 0 shows the photons directly."""
+    guided: bool = True
+    """Learn where on lights and in which directions to emit, so that most photons are stored."""
+    progressive: bool = False
+    """Trace new photons for each sample of the pixels and show them directly, in discs that shrink from sample to sample:
+    noise and blur both vanish. `photons` is then the number of paths emitted for a sample, of all kinds together."""
+    alpha: float = 0.7
+    """How slowly discs of `progressive` shrink, 0.1..0.95: larger is smoother and blurs longer."""
+
+    def __post_init__(self) -> None:
+        _check_range("PhotonMap", "photons", self.photons, 1000, 10**8)
+        _check_range("PhotonMap", "caustic_photons", self.caustic_photons, 1000, 10**8)
+        _check_range("PhotonMap", "nearest", self.nearest, 8, 10**5)
+        _check_range("PhotonMap", "caustic_nearest", self.caustic_nearest, 8, 10**5)
+        _check_range("PhotonMap", "gather", self.gather, 0, 10**4)
+        _check_range("PhotonMap", "alpha", self.alpha, 0.1, 0.95)
+        _check_known("PhotonMap", "kernel", self.kernel, KERNELS)
+
+
+Options = Direct | Path | IrradianceCache | PhotonMap
+
+METHODS: dict[str, type[Options]] = {
     "direct": Direct,
     "path": Path,
     "irradiance-cache": IrradianceCache,
+    "photon-map": PhotonMap,
 }
 """Name on the command line → options class."""
 
@@ -113,6 +148,13 @@ def make_options(method: str, **settings: object) -> Options:
         if key not in known:
             raise EclatError(f"unknown option {key} for {method}{did_you_mean(key, known)}")
     return METHODS[method](**settings)  # type: ignore[arg-type]
+
+
+def _check_known(where: str, name: str, value: object, known: tuple[str, ...]) -> None:
+    if value not in known:
+        raise EclatError(
+            f"{where}: {name} must be one of {', '.join(known)}, got {value!r}" + did_you_mean(str(value), known)
+        )
 
 
 def _check_range(where: str, name: str, value: float, low: float, high: float) -> None:

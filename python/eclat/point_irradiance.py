@@ -15,7 +15,8 @@ from eclat import _core
 from eclat.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
 from eclat.compiled import compiled
 from eclat.errors import EclatError, did_you_mean
-from eclat.options import Direct, IrradianceCache, Options, Path
+from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap
+from eclat.photons import Photons, trace
 from eclat.running import ProgressReport, run
 from eclat.scene import FloatArray, Scene
 from eclat.solution import Solution, core_options
@@ -48,7 +49,7 @@ def irradiance(
     scene: Scene,
     points: FloatArray,
     normals: FloatArray,
-    what: Solution | Options | None = None,
+    what: Solution | Photons | Options | None = None,
     *,
     component: Component = "total",
     max_error: float = 0.01,
@@ -64,13 +65,15 @@ def irradiance(
     Parameters
     ----------
     points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
-    what : a Solution, the options of a method, or None: irradiance caching, or paths where the points are so few that
+    what : a Solution or Photons, the options of a method, or None: irradiance caching, or paths where the points are so few that
         these take fewer rays (`paths_for_few`).
 
         ====================  ==================================================================================
         `Solution`            indirect light is read from its records; a point that none of them serves is
                               gathered, its rays ending in the Solution's far records
         `IrradianceCache`     the same, with records solved for these points first
+        `Photons`             each point is gathered by `samples` paths that end in the photons' irradiance
+        `PhotonMap`           the same, with photons traced first
         `Path`                unbiased: each point is gathered by `samples` paths
         `Direct`              light straight from lights only
         ====================  ==================================================================================
@@ -114,7 +117,10 @@ def irradiance(
         if indirect and paths is not None:
             what, samples = Path(), max(samples, paths)
             counts["paths"] = float(samples)
-    if isinstance(what, Solution):
+    if isinstance(what, PhotonMap):
+        what = trace(scene, what, max_depth=depth, seed=seed, threads=common[-1], progress=progress)
+        counts["rays"] += what.statistics["rays"]
+    if isinstance(what, Solution | Photons):
         what.check(scene, max_depth)
     if indirect and isinstance(what, IrradianceCache):
         what = solve(
@@ -137,6 +143,16 @@ def irradiance(
             counted,
         )
         counts |= {"served": float(served), "gathered": float(gathered)}
+    elif indirect and isinstance(what, Photons):
+        maps = what.core(scene, gather=True, threads=common[-1], progress=progress)
+        result = run(
+            "irradiance",
+            lambda p: _core.irradiance_by_photons(
+                prepared.core, positions, directions, maps, p, number, samples, depth, *common
+            ),
+            progress,
+            counted,
+        )
     else:
         result = run(
             "irradiance",

@@ -30,7 +30,8 @@ from eclat.convergence import Goal, Sampling
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.image import Image
-from eclat.options import Direct, IrradianceCache, Options, Path, method_name
+from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, method_name
+from eclat.photons import Photons, ProgressivePasses, trace
 from eclat.record_overlay import record_density
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, Scene
@@ -43,7 +44,7 @@ _FILTERS = ("box", "tent")
 
 def render(
     scene: Scene,
-    what: Solution | Options | None = None,
+    what: Solution | Photons | Options | None = None,
     *,
     samples: int | None = None,
     max_error: float = 0.01,
@@ -66,7 +67,7 @@ def render(
 
     Parameters
     ----------
-    what : a Solution, the options of a method (solved on the fly), or None for irradiance caching.
+    what : a Solution or Photons, the options of a method (solved on the fly), or None for irradiance caching.
     samples : paths per pixel, where `adaptive` their mean. None: as many as `max_error` asks for.
     max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
         samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
@@ -127,9 +128,14 @@ def render(
         records = partial(solve, refine=refine) if deadline is None else partial(solve_within, deadline=deadline)
         what = records(scene, what, camera=view, size=(width, height), check=check, progress=progress, **common)
         estimate = what.estimate
+    passes: ProgressivePasses | None = None
+    if isinstance(what, PhotonMap) and what.progressive:
+        passes = ProgressivePasses(scene, what, max_depth=max_depth, seed=seed, threads=thread_count(threads))
+    elif isinstance(what, PhotonMap):
+        what = trace(scene, what, max_depth=max_depth, seed=seed, threads=thread_count(threads), progress=progress)
     solution = what if isinstance(what, Solution) else None
-    if solution is not None:
-        solution.check(scene, max_depth)
+    if isinstance(what, Solution | Photons):
+        what.check(scene, max_depth)
     prepared = compiled(scene)
     depth = (2 if max_depth < 0 else min(2, max_depth)) if isinstance(what, Direct) else max_depth
     roulette = what.roulette_depth if isinstance(what, Path) else 5
@@ -141,17 +147,25 @@ def render(
     if estimate is not None:
         goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
 
+    where = (region, seed, thread_count(threads), _FILTERS.index(filter), tile_order or [])
+    if isinstance(what, Photons):
+        gather = what.options.gather
+        maps = what.core(scene, gather=gather > 0, threads=thread_count(threads), progress=progress)
+
+    def render_samples(first: Counts, end: Counts, p: _core.Progress) -> None:
+        if passes is not None:
+            for number in range(int(first.min()), int(end.max())):
+                of_pass = passes.maps(number, p)
+                begins, ends = (np.clip(counts, number, number + 1) for counts in (first, end))
+                _core.render_photons(prepared.core, core_camera, film, p, of_pass, 0, max_depth, begins, ends, *where)
+        elif isinstance(what, Photons):
+            _core.render_photons(prepared.core, core_camera, film, p, maps, gather, max_depth, first, end, *where)
+        else:
+            _core.render_samples(prepared.core, core_camera, film, p, depth, roulette, caches, first, end, *where)
+
     def render_range(first: Counts, end: Counts, report: ProgressReport | None) -> float:
         counted = _core.Progress()
-        run(
-            "render",
-            lambda p: _core.render_samples(
-                prepared.core, core_camera, film, p, depth, roulette, caches, first, end, region,
-                seed, thread_count(threads), _FILTERS.index(filter), tile_order or [],
-            ),
-            report,
-            counted,
-        )  # fmt: skip
+        run("render", lambda p: render_samples(first, end, p), report, counted)
         return float(counted.rays)
 
     about = _About(scene, what, view, seed, max_depth, (width, height), region, adaptive)
@@ -162,7 +176,7 @@ def render(
     except KeyboardInterrupt as stop:
         if sampling.partial is not None:
             statistics = _statistics(
-                sampling, sampling.partial_taken, solution, estimate, film, clock.perf_counter() - started
+                sampling, sampling.partial_taken, what, estimate, film, clock.perf_counter() - started
             )
             image = about.image(sampling.partial, statistics)
             image.metadata["samples_done"] = sampling.partial_taken
@@ -172,7 +186,7 @@ def render(
         noise = f"the noise is still {sampling.noise:.2g}, not {goal.max_error:.2g}"
         warn(f"after {sampling.taken:,} samples {noise}: stopped there")
     seconds = clock.perf_counter() - started
-    image = about.image(film, _statistics(sampling, sampling.taken, solution, estimate, film, seconds))
+    image = about.image(film, _statistics(sampling, sampling.taken, what, estimate, film, seconds))
     about.tell_bad_samples(image, film, sampling.taken)
     return image
 
@@ -182,7 +196,7 @@ class _About:
     """What a picture shows and how it was asked for."""
 
     scene: Scene
-    what: Solution | Options
+    what: Solution | Photons | Options
     camera: Camera
     seed: int
     max_depth: int
@@ -192,7 +206,7 @@ class _About:
 
     @property
     def options(self) -> Options:
-        return self.what.options if isinstance(self.what, Solution) else self.what
+        return self.what.options if isinstance(self.what, Solution | Photons) else self.what
 
     def image(self, film: _core.Film, statistics: dict[str, float]) -> Image:
         radiance, direct = film.radiance, film.direct
@@ -235,7 +249,7 @@ class _About:
 def _statistics(
     sampling: Sampling,
     samples: int,
-    solution: Solution | None,
+    what: Solution | Photons | Options,
     estimate: ErrorEstimate | None,
     film: _core.Film,
     seconds: float,
@@ -243,9 +257,12 @@ def _statistics(
     statistics = {"samples": float(samples), "rays": sampling.rays, "seconds": seconds}
     if sampling.noise == sampling.noise:
         statistics["noise"] = sampling.noise
-    if solution is not None:
-        statistics["rays"] += solution.statistics.get("rays", 0.0)
-        statistics |= {"records": float(len(solution)), "cache_misses": float(film.cache_misses)}
+    if isinstance(what, Solution | Photons):
+        statistics["rays"] += what.statistics.get("rays", 0.0)
+    if isinstance(what, Solution):
+        statistics |= {"records": float(len(what)), "cache_misses": float(film.cache_misses)}
+    if isinstance(what, Photons):
+        statistics["photons"] = float(len(what))
     if estimate is not None:
         noise = statistics.get("noise", 0.0)
         statistics |= estimate.with_noise(noise).statistics() | {"cache_error": estimate.quoted}

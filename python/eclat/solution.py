@@ -9,6 +9,7 @@ import json
 import os
 import zipfile
 from dataclasses import asdict, dataclass, field
+from typing import TypeVar
 
 import numpy as np
 
@@ -18,9 +19,13 @@ from eclat.compiled import compiled, fingerprint
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, warn
 from eclat.options import METRICS, IrradianceCache
+from eclat.photons import Photons, merge_photons
 from eclat.scene import FloatArray, Scene
 
 FORMAT_VERSION = 3
+
+Solved = TypeVar("Solved", "Solution", Photons)
+"""What can be merged."""
 
 _COLUMNS = {
     "positions": slice(0, 3),
@@ -203,11 +208,16 @@ def _damaged(array: np.ndarray) -> bool:
     return not np.isfinite(known).all() or bool((array[:, _COLUMNS["radii"]] < 0).any())
 
 
-def merge(first: Solution, second: Solution) -> Solution:
-    """The records of both, sorted, without duplicates. Commutative; not the same as one joint solve.
+def merge(first: Solved, second: Solved) -> Solved:
+    """The records of both, sorted, without duplicates; or the photons of both. Commutative. For records it is not the same
+    as one joint solve; photons are then those of one emission.
 
-    Raises EclatError where scenes or options differ.
+    Raises EclatError where scenes or options differ, or where both hold the same photons (by their seed).
     """
+    if isinstance(first, Photons) and isinstance(second, Photons):
+        return merge_photons(first, second)
+    if isinstance(first, Photons) or isinstance(second, Photons):
+        raise EclatError("merge: expected records and records, or photons and photons")
     if first.fingerprint != second.fingerprint:
         raise EclatError("these caches were solved for different scenes")
     if (first.options, first.max_depth) != (second.options, second.max_depth):

@@ -7,6 +7,7 @@ from __future__ import annotations
 import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, replace
+from typing import overload
 
 import numpy as np
 
@@ -22,7 +23,8 @@ from eclat.arguments import (
 from eclat.compiled import compiled
 from eclat.error_estimate import CHECK_SHARE, ErrorEstimate
 from eclat.errors import EclatError, warn
-from eclat.options import IrradianceCache
+from eclat.options import IrradianceCache, PhotonMap
+from eclat.photons import Photons, trace
 from eclat.refining import CHECK_SHARE_OF_REFINEMENT, finer, rays_after, step_towards
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, FloatArray, Scene
@@ -41,6 +43,7 @@ class Where:
     estimate: Callable[[_core.SolvedCaches, _core.ErrorCheck, _core.Progress], _core.ErrorEstimate]
 
 
+@overload
 def solve(
     scene: Scene,
     options: IrradianceCache | None = None,
@@ -56,8 +59,48 @@ def solve(
     check: bool = True,
     refine: bool = False,
     progress: ProgressReport | None = None,
-) -> Solution:
+) -> Solution: ...
+
+
+@overload
+def solve(
+    scene: Scene,
+    options: PhotonMap,
+    *,
+    camera: int | Camera | None = None,
+    size: tuple[int, int] | None = None,
+    points: tuple[FloatArray, FloatArray] | None = None,
+    view_independent: bool = False,
+    max_depth: int = -1,
+    seed: int = 0,
+    threads: int | None = None,
+    keep_partial: bool = False,
+    check: bool = True,
+    refine: bool = False,
+    progress: ProgressReport | None = None,
+) -> Photons: ...
+
+
+def solve(
+    scene: Scene,
+    options: IrradianceCache | PhotonMap | None = None,
+    *,
+    camera: int | Camera | None = None,
+    size: tuple[int, int] | None = None,
+    points: tuple[FloatArray, FloatArray] | None = None,
+    view_independent: bool = False,
+    max_depth: int = -1,
+    seed: int = 0,
+    threads: int | None = None,
+    keep_partial: bool = False,
+    check: bool = True,
+    refine: bool = False,
+    progress: ProgressReport | None = None,
+) -> Solution | Photons:
     """Compute irradiance records where they are wanted: in a view (the default), at points, or everywhere.
+
+    With the options of photon mapping: trace photons, which are for the whole scene, so that of the following only
+    `max_depth`, `seed`, `threads` and `progress` apply.
 
     Parameters
     ----------
@@ -94,6 +137,11 @@ def solve(
     >>> len(desk)
     1
     """
+    if isinstance(options, PhotonMap):
+        if camera is not None or size is not None or points is not None or view_independent or refine or keep_partial:
+            raise EclatError("solve: photons are for the whole scene: expected no view, no points, and no refinement")
+        depth, count = checked_max_depth(max_depth), thread_count(threads)
+        return trace(scene, options, max_depth=depth, seed=checked_seed(seed), threads=count, progress=progress)
     options = options or IrradianceCache()
     where = where_wanted(scene, camera=camera, size=size, points=points, view_independent=view_independent)
     job = Job(

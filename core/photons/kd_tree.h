@@ -1,0 +1,129 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// A balanced kd-tree of points [Bentley75]: a range of points is split at the median along the longest side of its bounds,
+// which stands in the middle of the range, with the two halves to its left and right. So it needs no pointers. Ties of
+// coordinates are broken by the order in which points were given: the tree is the same on any number of threads.
+
+#pragma once
+
+#include <algorithm>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "base/vec.h"
+
+namespace eclat {
+
+/// Where points are looked for: in a disc around `position`, in the plane across `normal`.
+struct Disc {
+    Vec3 position, normal;
+    float radius = infinity;
+
+    /// How much nearer to its plane than to its centre the disc ends: it is an ellipsoid, flat enough not to reach far up a
+    /// wall, thick enough for surfaces that bend.
+    static constexpr float flatness = 4;
+    /// Cosine of the largest angle between the disc's normal and those of surfaces that belong to it.
+    static constexpr float least_cosine = 0.9f;
+
+    /// Squared distance from the centre in the ellipsoid's measure; never less than Euclid's.
+    float distance2(Vec3 p) const {
+        const Vec3 d = p - position;
+        return length_squared(d) + (flatness * flatness - 1) * sqr(dot(d, normal));
+    }
+    bool same_side(Vec3 n) const { return dot(n, normal) >= least_cosine; }
+};
+
+struct Neighbor {
+    float distance2;  // in the disc's measure
+    uint32_t index;   // in the tree's order
+
+    bool operator<(const Neighbor& o) const {
+        return distance2 < o.distance2 || (distance2 == o.distance2 && index < o.index);
+    }
+};
+
+class KdTree {
+  public:
+    KdTree() = default;
+    KdTree(std::span<const Vec3> points, int threads);
+
+    /// Which of the given points stands at each place of the tree.
+    const std::vector<uint32_t>& order() const { return order_; }
+
+    /// The `count` points nearest to the disc's centre within its radius for which `accept(index)` holds; into `found`, in no
+    /// order. Returns the radius of the disc that they fill: the distance of the next one, or the disc's radius where there
+    /// is none.
+    template <class Accept>
+    float nearest(const Disc& disc, size_t count, std::vector<Neighbor>& found, const Accept& accept) const {
+        found.clear();
+        // One more than wanted: where it lies, the disc of the others ends.
+        Search<Accept> s{disc, accept, count + 1, found, sqr(disc.radius)};
+        search(s, 0, static_cast<uint32_t>(nodes_.size()));
+        if (found.size() <= count) return disc.radius;
+        std::pop_heap(found.begin(), found.end());
+        const float radius = std::sqrt(found.back().distance2);
+        found.pop_back();
+        return radius;
+    }
+
+  private:
+    static constexpr uint32_t leaf_size = 8;  // points that are looked at one by one
+
+    struct Node {
+        Vec3 position;
+        uint32_t axis;
+    };
+    struct Range {
+        uint32_t begin, end;
+
+        uint32_t size() const { return end - begin; }
+        uint32_t middle() const { return begin + (end - begin) / 2; }
+    };
+    class Builder;
+    template <class Accept>
+    struct Search {
+        const Disc& disc;
+        const Accept& accept;
+        size_t wanted;
+        std::vector<Neighbor>& heap;  // the farthest on top, once there are `wanted`
+        float radius2;                // beyond which nothing is wanted any more
+
+        void consider(Vec3 position, uint32_t index) {
+            const Neighbor candidate{disc.distance2(position), index};
+            if (!(candidate.distance2 < radius2) || !accept(index)) return;
+            heap.push_back(candidate);
+            if (heap.size() < wanted) return;
+            if (heap.size() == wanted) {
+                std::make_heap(heap.begin(), heap.end());
+            } else {
+                std::push_heap(heap.begin(), heap.end());
+                std::pop_heap(heap.begin(), heap.end());
+                heap.pop_back();
+            }
+            radius2 = heap.front().distance2;
+        }
+    };
+
+    template <class Accept>
+    void search(Search<Accept>& s, uint32_t begin, uint32_t end) const {
+        if (end - begin <= leaf_size) {
+            for (uint32_t i = begin; i < end; ++i) s.consider(nodes_[i].position, i);
+            return;
+        }
+        const uint32_t middle = Range{begin, end}.middle();
+        const int axis = static_cast<int>(nodes_[middle].axis);
+        const float beyond = s.disc.position[axis] - nodes_[middle].position[axis];
+        const bool low_first = beyond < 0;
+        search(s, low_first ? begin : middle + 1, low_first ? middle : end);
+        if (!(sqr(beyond) < s.radius2)) return;
+        s.consider(nodes_[middle].position, middle);
+        search(s, low_first ? middle + 1 : begin, low_first ? end : middle);
+    }
+
+    std::vector<uint32_t> order_;
+    std::vector<Node> nodes_;
+};
+
+}  // namespace eclat
