@@ -3,12 +3,15 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/tuple.h>
+#include <nanobind/stl/vector.h>
 
 #include <cstring>
 
 #include "arrays.h"
 #include "integrators/error_estimate.h"
 #include "integrators/irradiance_cache.h"
+#include "integrators/radiance_cache.h"
 #include "integrators/solve_points.h"
 #include "world_holder.h"
 
@@ -21,21 +24,32 @@ static_assert(sizeof(IrradianceRecord) % sizeof(float) == 0);
 constexpr size_t floats_per_record = sizeof(IrradianceRecord) / sizeof(float);
 
 /// (records, floats): position, normal, E, excess, rotation gradient (RGB × xyz), translation gradient, R, radius and bounds.
-auto to_array(const RecordCache& cache) {
-    const auto& records = cache.records();
+auto to_array(const std::vector<IrradianceRecord>& records) {
     return float_array({records.size(), floats_per_record}, [&](float* data) {
         if (!records.empty()) std::memcpy(data, records.data(), records.size() * sizeof(IrradianceRecord));
     });
 }
 
-RecordCache from_array(Array<float, -1, -1> values, const CacheOptions& options, float spacing) {
+std::vector<IrradianceRecord> records_of(const Array<float, -1, -1>& values) {
     if (values.shape(1) != floats_per_record) throw std::invalid_argument("a record cache of another version");
     std::vector<IrradianceRecord> records(values.shape(0));
     if (!records.empty())
         std::memcpy(static_cast<void*>(records.data()), values.data(), records.size() * sizeof(IrradianceRecord));
+    return records;
+}
+
+RecordCache from_array(const Array<float, -1, -1>& values, const CacheOptions& options, float spacing) {
     RecordCache cache(options);
-    cache.insert(records, spacing, 0);
+    cache.insert(records_of(values), spacing, 0);
     return cache;
+}
+
+using Halves = Array<uint16_t, -1, -1>;
+
+nb::ndarray<nb::numpy, uint16_t> half_array(const std::vector<uint16_t>& values, size_t rows) {
+    auto* owned = new std::vector<uint16_t>(values);
+    nb::capsule owner(owned, [](void* p) noexcept { delete static_cast<std::vector<uint16_t>*>(p); });
+    return {owned->data(), {rows, rows ? values.size() / rows : 0}, owner};
 }
 
 }  // namespace
@@ -72,17 +86,61 @@ void bind_cache(nb::module_& m) {
         .def_rw("max_depth", &IrradianceCacheOptions::max_depth)
         .def_rw("seed", &IrradianceCacheOptions::seed)
         .def_rw("threads", &IrradianceCacheOptions::threads);
+    nb::class_<RadianceCacheOptions>(m, "RadianceCacheOptions")
+        .def(nb::init<>())
+        .def_rw("irradiance", &RadianceCacheOptions::irradiance)
+        .def_rw("order", &RadianceCacheOptions::order)
+        .def_rw("rows", &RadianceCacheOptions::rows)
+        .def_rw("spacing", &RadianceCacheOptions::spacing);
+    nb::class_<RadianceTables>(m, "RadianceTables")
+        .def("__init__", [](RadianceTables* t, const CoreScene& scene, const std::vector<const BrdfTable*>& tables,
+                            int order) { new (t) RadianceTables(scene.geometry->materials(), tables, order); });
+    m.def(
+        "wanted_radiance_tables",
+        [](const CoreScene& scene) {
+            const auto wanted = RadianceTables::wanted(scene.geometry->materials());
+            std::vector<std::tuple<TableLobe::Kind, float, float, bool>> lobes;
+            for (const TableLobe& lobe : wanted.lobes)
+                lobes.emplace_back(lobe.kind, lobe.u, lobe.v, lobe.masking == Masking::correlated);
+            return std::make_tuple(lobes, wanted.roughness);
+        },
+        "scene"_a);
     nb::class_<SolvedCaches>(m, "SolvedCaches")
         .def("__init__",
              [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
-                 new (c) SolvedCaches{from_array(near, o.cache, o.spacing),
-                                      from_array(far, far_reading(o.cache), o.far_spacing)};
+                 new (c) SolvedCaches{
+                     from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), o.far_spacing), {}};
              })
         .def(nb::init<>())
+        .def("set_radiance",
+             [](SolvedCaches& c, Array<float, -1, -1> records, Array<float, -1, -1> values, Halves gradients,
+                const RadianceCacheOptions& o) {
+                 RadianceCache cache(o.irradiance.cache, o.order);
+                 cache.insert(records_of(records), {values.data(), values.size()}, {gradients.data(), gradients.size()},
+                              o.spacing, 0);
+                 c.radiance = std::move(cache);
+             })
         .def_prop_ro(
-            "near", [](const SolvedCaches& c) { return to_array(c.near); }, nb::rv_policy::move)
+            "radiance_records", [](const SolvedCaches& c) { return to_array(c.radiance.records()); },
+            nb::rv_policy::move)
         .def_prop_ro(
-            "far", [](const SolvedCaches& c) { return to_array(c.far); }, nb::rv_policy::move)
+            "radiance_values",
+            [](const SolvedCaches& c) {
+                const std::vector<float>& values = c.radiance.values();
+                const size_t rows = c.radiance.records().size();
+                return float_array({rows, rows ? values.size() / rows : 0},
+                                   [&](float* data) { std::copy(values.begin(), values.end(), data); });
+            },
+            nb::rv_policy::move)
+        .def_prop_ro(
+            "radiance_gradients",
+            [](const SolvedCaches& c) { return half_array(c.radiance.gradients(), c.radiance.records().size()); },
+            nb::rv_policy::move)
+        .def_prop_ro("radiance_count", [](const SolvedCaches& c) { return c.radiance.records().size(); })
+        .def_prop_ro(
+            "near", [](const SolvedCaches& c) { return to_array(c.near.records()); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "far", [](const SolvedCaches& c) { return to_array(c.far.records()); }, nb::rv_policy::move)
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });
     // They fill `caches` in place: after an interrupt it holds the passes that were finished.
@@ -91,6 +149,13 @@ void bind_cache(nb::module_& m) {
         [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, SolvedCaches& caches,
            Progress& progress) { solve_irradiance_cache(scene.world(), camera, options, caches, progress); },
         "scene"_a, "camera"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+    m.def(
+        "solve_radiance_for_camera",
+        [](const CoreScene& scene, const Camera& camera, const RadianceTables& tables,
+           const RadianceCacheOptions& options, SolvedCaches& caches,
+           Progress& progress) { solve_radiance_cache(scene.world(), camera, tables, options, caches, progress); },
+        "scene"_a, "camera"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a,
+        nb::call_guard<nb::gil_scoped_release>());
     m.def(
         "solve_at_points",
         [](const CoreScene& scene, Points positions, Points normals, const IrradianceCacheOptions& options,

@@ -10,6 +10,7 @@
 #include "arrays.h"
 #include "integrators/irradiance_cache.h"
 #include "integrators/point_irradiance.h"
+#include "integrators/radiance_cache.h"
 #include "integrators/render.h"
 #include "render_range.h"
 #include "world_holder.h"
@@ -33,10 +34,12 @@ PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* 
 }
 
 void render_samples(const CoreScene& scene, const Camera& camera, Film& film, Progress& progress, int max_depth,
-                    int roulette_depth, const SolvedCaches* caches, SampleCounts first, SampleCounts end,
-                    std::array<int, 4> crop, uint32_t seed, int threads, int filter, std::vector<uint32_t> tile_order) {
+                    int roulette_depth, const SolvedCaches* caches, const RadianceTables* tables, SampleCounts first,
+                    SampleCounts end, std::array<int, 4> crop, uint32_t seed, int threads, int filter,
+                    std::vector<uint32_t> tile_order) {
     PathOptions options = path_options(max_depth, roulette_depth, caches);
     options.coherence = Coherence::camera;
+    if (caches && tables) options.reflection = read_radiance(caches->radiance, *tables);
     render(scene.world(), camera, options, render_range(first, end, crop, seed, threads, filter, std::move(tile_order)),
            film, progress);
 }
@@ -85,6 +88,15 @@ auto layer(const Film& film, Get&& get) {
             const auto c = get(pixels[i]);
             for (int k = 0; k < 3; ++k) data[3 * i + k] = c[k];
         }
+    });
+}
+
+/// (height, width): of each pixel's samples, how many were counted.
+auto share(const Film& film, uint32_t Film::Pixel::* counted) {
+    const auto& pixels = film.pixels();
+    return float_array({size_t(film.height()), size_t(film.width())}, [&](float* data) {
+        for (size_t i = 0; i < pixels.size(); ++i)
+            data[i] = float(pixels[i].*counted) / std::max(1.0f, float(pixels[i].samples));
     });
 }
 
@@ -143,6 +155,10 @@ void bind_render(nb::module_& m) {
                 });
             },
             nb::rv_policy::move)
+        .def_prop_ro(
+            "gloss_cached", [](const Film& f) { return share(f, &Film::Pixel::gloss_cached); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "gloss_traced", [](const Film& f) { return share(f, &Film::Pixel::gloss_traced); }, nb::rv_policy::move)
         .def_prop_ro("cache_misses",
                      [](const Film& f) {
                          uint64_t sum = 0;
@@ -156,8 +172,8 @@ void bind_render(nb::module_& m) {
             return out;
         });
     m.def("render_samples", &render_samples, "scene"_a, "camera"_a, "film"_a, "progress"_a, "max_depth"_a,
-          "roulette_depth"_a, "caches"_a.none(), "first"_a, "end"_a, "crop"_a, "seed"_a, "threads"_a, "filter"_a,
-          "tile_order"_a, nb::call_guard<nb::gil_scoped_release>());
+          "roulette_depth"_a, "caches"_a.none(), "tables"_a.none(), "first"_a, "end"_a, "crop"_a, "seed"_a, "threads"_a,
+          "filter"_a, "tile_order"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def("irradiance_by_paths", &irradiance_by_paths, "scene"_a, "positions"_a, "normals"_a, "progress"_a,
           "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);
     m.def("irradiance_from_caches", &irradiance_from_caches, "scene"_a, "positions"_a, "normals"_a, "caches"_a,

@@ -15,8 +15,8 @@ void bind_photons(nb::module_& m);
 NB_MODULE(_core, m) {
     bind_scene(m);
     bind_render(m);
-    bind_cache(m);
     bind_harmonics(m);
     bind_brdf_table(m);
+    bind_cache(m);
     bind_photons(m);
 }

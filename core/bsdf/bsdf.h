@@ -18,8 +18,9 @@
 
 namespace eclat {
 
-/// Which lobes are meant: the diffuse ones (what an irradiance cache serves), the rest (deltas included), or all.
-enum class LobeSet : uint8_t { all, diffuse, glossy };
+/// Which lobes are meant: the diffuse ones (what an irradiance cache serves), the rest (deltas included), or all; or those
+/// whose indirect light a cache has given (`set_cached`), and those whose it has not.
+enum class LobeSet : uint8_t { all, diffuse, glossy, cached, uncached };
 
 class Bsdf {
   public:
@@ -43,7 +44,13 @@ class Bsdf {
     void append(const Bsdf& other, float weight);
 
     int count() const { return count_; }
+    const Lobe& lobe(int i) const { return entries_[size_t(i)].lobe; }
+    Color weight(int i) const { return entries_[size_t(i)].weight; }
+    /// Marks lobe i, or all of a set, as given by a cache.
+    void set_cached(int i) { cached_ |= Mask(1) << i; }
+    void set_cached(LobeSet set) { cached_ |= members(set); }
     bool has(LobeSet set) const { return members(set) != 0; }
+    bool has_uncached_gloss() const { return (members(LobeSet::glossy) & ~cached_) != 0; }
     bool has_non_delta() const { return (members(LobeSet::all) & ~delta_) != 0; }
     /// Whether `sample` reads `u_lobe`.
     bool chooses_lobe() const { return !is_lambertian_; }
@@ -51,7 +58,7 @@ class Bsdf {
     /// Value, and the density of `sample` over the same set.
     EvalPdf eval(Vec3 wo, Vec3 wi, LobeSet set) const {
         if (!is_lambertian_) return eval_lobes(wo, wi, members(set));
-        if (set == LobeSet::glossy || !(wo.z > 0 && wi.z > 0)) return {};
+        if (members(set) == 0 || !(wo.z > 0 && wi.z > 0)) return {};
         return {entries_[0].weight * inv_pi, wi.z * inv_pi};
     }
 
@@ -59,7 +66,7 @@ class Bsdf {
     std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
         if (!is_lambertian_) return sample_lobes(wo, u_lobe, u, set);
         BsdfSample s;
-        if (set == LobeSet::glossy || !LambertLobe{}.sample(wo, u_lobe, u, s)) return std::nullopt;
+        if (members(set) == 0 || !LambertLobe{}.sample(wo, u_lobe, u, s)) return std::nullopt;
         s.weight = entries_[0].weight;
         return s;
     }
@@ -70,7 +77,7 @@ class Bsdf {
     /// Directional albedo: exact for diffuse and delta lobes, an estimate for rough ones.
     Color albedo(Vec3 wo, LobeSet set = LobeSet::all) const {
         if (!is_lambertian_) return albedo_of_lobes(wo, set);
-        return set != LobeSet::glossy && wo.z > 0 ? entries_[0].weight : Color();
+        return members(set) != 0 && wo.z > 0 ? entries_[0].weight : Color();
     }
 
   private:
@@ -82,7 +89,14 @@ class Bsdf {
 
     Mask members(LobeSet set) const {
         const Mask all = (Mask(1) << count_) - 1;
-        return set == LobeSet::all ? all : set == LobeSet::diffuse ? diffuse_ : all & ~diffuse_;
+        switch (set) {
+            case LobeSet::all: return all;
+            case LobeSet::diffuse: return diffuse_;
+            case LobeSet::glossy: return all & ~diffuse_;
+            case LobeSet::cached: return cached_;
+            case LobeSet::uncached: break;
+        }
+        return all & ~cached_;
     }
     EvalPdf eval_lobes(Vec3 wo, Vec3 wi, Mask set) const;
     std::optional<BsdfSample> sample_lobes(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const;
@@ -93,7 +107,7 @@ class Bsdf {
         std::array<Entry, capacity> entries_;
     };
     int count_ = 0;
-    Mask diffuse_ = 0, delta_ = 0;
+    Mask diffuse_ = 0, delta_ = 0, cached_ = 0;
     bool is_lambertian_ = false;  // one diffuse lobe with the same value everywhere: the fast path
 };
 

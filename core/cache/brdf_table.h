@@ -71,6 +71,13 @@ class BrdfTable {
 
     int terms() const { return lobes_.front().terms(); }
     int order() const { return options_.order; }
+    const std::vector<TableLobe>& lobes() const { return lobes_; }
+    const BrdfTableOptions& options() const { return options_; }
+    bool isotropic() const { return isotropic_; }
+    /// View directions of each lobe: over |p|, or the quadrant's rows.
+    size_t directions() const;
+    /// Coefficients of one term in a node: (l, m ≥ 0) in the order of polar_index where isotropic, else all.
+    int count_per_term() const { return isotropic_ ? polar_count(options_.order) : coefficient_count(options_.order); }
     const Nodes& nodes() const { return nodes_; }
 
     /// Coefficients of f · cos for `wo`, wo.z > 0, and for roughness `alpha` where there are several lobes: term after
@@ -90,9 +97,7 @@ class BrdfTable {
         float weight;
     };
 
-    size_t directions() const;
     Vec3 direction(size_t i) const;
-    int count_per_term() const { return isotropic_ ? polar_count(options_.order) : coefficient_count(options_.order); }
     void make_node(size_t i);
     std::vector<Corner> corners(Vec3 wo, float alpha) const;
     void turn_to(Vec3 wo, std::span<double> coefficients) const;

@@ -13,8 +13,22 @@ namespace {
 
 constexpr float degree = pi / 180;
 
-float sin_wall(int j, int rows) { return std::sqrt(static_cast<float>(j) / static_cast<float>(rows)); }
-float cos_wall(int j, int rows) { return safe_sqrt(1 - static_cast<float>(j) / static_cast<float>(rows)); }
+/// sin² between both walls of a row.
+float row_middle(Rows kind, int j, int rows) {
+    if (kind == Rows::cosine) return (static_cast<float>(j) + 0.5f) / static_cast<float>(rows);
+    return 0.5f * (sqr(row_wall(kind, j, rows).sin) + sqr(row_wall(kind, j + 1, rows).sin));
+}
+
+/// Projected solid angle of the cells of each row in units of π / MN.
+std::vector<float> row_weights(const HemisphereSamples& samples) {
+    std::vector<float> out(size_t(samples.rows), 1.0f);
+    if (samples.kind == Rows::cosine) return out;
+    for (int j = 0; j < samples.rows; ++j)
+        out[size_t(j)] =
+            (sqr(row_wall(samples.kind, j + 1, samples.rows).sin) - sqr(row_wall(samples.kind, j, samples.rows).sin)) *
+            static_cast<float>(samples.rows);
+    return out;
+}
 
 Vec3 tangent(const Frame& frame, float phi) { return frame.u * std::cos(phi) + frame.v * std::sin(phi); }
 
@@ -27,8 +41,17 @@ void accumulate(Gradient& gradient, Vec3 direction, Color amount) {
 
 int columns_for(int rows) { return static_cast<int>(std::lround(pi * static_cast<float>(rows))); }
 
-Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u) {
-    const float s2 = (static_cast<float>(j) + u.x) / static_cast<float>(rows);
+RowWall row_wall(Rows kind, int j, int rows) {
+    const float part = static_cast<float>(j) / static_cast<float>(rows);
+    if (kind == Rows::cosine) return {std::sqrt(part), safe_sqrt(1 - part)};
+    // Of the density (2 z + 1) / 2 over the height z, (z² + z) / 2 lies below z.
+    const float z = 0.5f * (std::sqrt(1 + 8 * (1 - part)) - 1);
+    return {safe_sqrt(1 - z * z), z};
+}
+
+Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind) {
+    float s2 = (static_cast<float>(j) + u.x) / static_cast<float>(rows);
+    if (kind != Rows::cosine) s2 = lerp(sqr(row_wall(kind, j, rows).sin), sqr(row_wall(kind, j + 1, rows).sin), u.x);
     const float phi = 2 * pi * (static_cast<float>(k) + u.y) / static_cast<float>(columns);
     const float s = std::sqrt(s2);
     return {s * std::cos(phi), s * std::sin(phi), safe_sqrt(1 - s2)};
@@ -36,13 +59,16 @@ Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u) {
 
 Color take_excess(HemisphereSamples& samples) {
     constexpr float largest_share = 0.05f;
+    const std::vector<float> weights = row_weights(samples);
+    const auto columns = static_cast<size_t>(samples.columns);
     float limit = infinity;
     for (bool lowered = true; lowered;) {
         float sum = 0;
         lowered = false;
-        for (const Color& L : samples.radiance) {
-            sum += std::min(luminance(L), limit);
-            lowered = lowered || luminance(L) > limit;
+        for (size_t i = 0; i < samples.radiance.size(); ++i) {
+            const float brought = luminance(samples.radiance[i]) * weights[i / columns];
+            sum += std::min(brought, limit);
+            lowered = lowered || brought > limit;
         }
         // The limit falls until it is the stated share of the sum that it leaves.
         const float next = largest_share * sum;
@@ -50,29 +76,34 @@ Color take_excess(HemisphereSamples& samples) {
         limit = std::min(limit, next);
     }
     Color taken;
-    for (Color& L : samples.radiance) {
-        const float Y = luminance(L);
-        if (Y <= limit) continue;
-        taken += L * (1 - limit / Y);
-        L *= limit / Y;
+    for (size_t i = 0; i < samples.radiance.size(); ++i) {
+        Color& L = samples.radiance[i];
+        const float brought = luminance(L) * weights[i / columns];
+        if (brought <= limit) continue;
+        taken += L * ((1 - limit / brought) * weights[i / columns]);
+        L *= limit / brought;
     }
     return taken * (pi / static_cast<float>(samples.radiance.size()));
 }
 
 Color irradiance(const HemisphereSamples& samples) {
+    const std::vector<float> weights = row_weights(samples);
     Color sum;
-    for (const Color& L : samples.radiance) sum += L;
+    for (size_t i = 0; i < samples.radiance.size(); ++i)
+        sum += samples.radiance[i] * weights[i / static_cast<size_t>(samples.columns)];
     return sum * (pi / static_cast<float>(samples.radiance.size()));
 }
 
 float relative_noise(const HemisphereSamples& samples) {
     const int M = samples.rows, N = samples.columns;
+    const std::vector<float> weights = row_weights(samples);
     float sum = 0, squares = 0;
     for (int j = 0; j < M; ++j)
         for (int k = 0; k < N; ++k) {
-            const float here = luminance(samples.L(j, k));
-            const float beside = luminance(samples.L(j, (k + 1) % N));
-            const float below = luminance(samples.L(j + 1 < M ? j + 1 : j - 1, k));
+            const float w = weights[size_t(j)];
+            const float here = w * luminance(samples.L(j, k));
+            const float beside = w * luminance(samples.L(j, (k + 1) % N));
+            const float below = w * luminance(samples.L(j + 1 < M ? j + 1 : j - 1, k));
             // Two cells differ by twice the variance of one.
             squares += 0.25f * (sqr(here - beside) + sqr(here - below));
             sum += here;
@@ -86,9 +117,9 @@ RotationGradient rotation_gradient(const HemisphereSamples& samples) {
     // ∫ sin² θ dθ over each row: exact where the row-centre tangent of [WardHeckbert92] is 10 % low.
     std::vector<float> polar;
     for (int j = 0; j < M; ++j) {
-        const float lower = std::asin(sin_wall(j, M)), upper = std::asin(sin_wall(j + 1, M));
-        polar.push_back(
-            0.5f * ((upper - sin_wall(j + 1, M) * cos_wall(j + 1, M)) - (lower - sin_wall(j, M) * cos_wall(j, M))));
+        const RowWall above = row_wall(samples.kind, j, M), below = row_wall(samples.kind, j + 1, M);
+        const float lower = std::asin(above.sin), upper = std::asin(below.sin);
+        polar.push_back(0.5f * ((upper - below.sin * below.cos) - (lower - above.sin * above.cos)));
     }
     for (int k = 0; k < N; ++k) {
         Color column;
@@ -109,8 +140,9 @@ TranslationGradient translation_gradient(const HemisphereSamples& samples) {
     };
     std::vector<float> row, height;
     for (int j = 0; j < M; ++j) {
-        row.push_back(sin_wall(j, M) * sqr(cos_wall(j, M)));
-        height.push_back(sin_wall(j + 1, M) - sin_wall(j, M));
+        const RowWall above = row_wall(samples.kind, j, M);
+        row.push_back(above.sin * sqr(above.cos));
+        height.push_back(row_wall(samples.kind, j + 1, M).sin - above.sin);
     }
     for (int k = 0; k < N; ++k) {
         const int before = (k + N - 1) % N;
@@ -160,9 +192,10 @@ std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {
     for (int k = 0; k < samples.columns; ++k) {
         const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(samples.columns);
         float& sector = out[clearance_sector(frame, tangent(samples.frame, phi))];
-        for (int j = samples.rows / 2; j < samples.rows; ++j) {
-            if (!samples.apart[size_t(j) * samples.columns + k]) continue;
-            const float s = std::sqrt((static_cast<float>(j) + 0.5f) / static_cast<float>(samples.rows));
+        for (int j = 0; j < samples.rows; ++j) {
+            const float s2 = row_middle(samples.kind, j, samples.rows);
+            if (s2 < 0.5f || !samples.apart[size_t(j) * samples.columns + k]) continue;
+            const float s = std::sqrt(s2);
             sector = std::min(sector, samples.r(j, k) * s);
         }
     }

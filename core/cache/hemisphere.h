@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A stratified gather: radiance and distance in each cell of a polar grid, rows uniform in sin² [Ward88].
+// A stratified gather: radiance and distance in each cell of a polar grid. Within a cell, directions are uniform in sin²,
+// so that its mean radiance times its projected solid angle is its irradiance.
 
 #pragma once
 
@@ -12,8 +13,22 @@
 
 namespace eclat {
 
+/// Where the walls between rows lie.
+enum class Rows : uint8_t {
+    cosine,    // uniform in sin² [Ward88]: all cells bring as much irradiance
+    balanced,  // half of the cells by that, half by solid angle: for light that lobes along the surface see as well
+};
+
+/// Sine and cosine of the elevation from the zenith.
+struct RowWall {
+    float sin, cos;
+};
+/// The wall above row j; below the last row, for j = rows.
+RowWall row_wall(Rows kind, int j, int rows);
+
 struct HemisphereSamples {
-    int rows = 0, columns = 0;     // M, N
+    int rows = 0, columns = 0;  // M, N
+    Rows kind = Rows::cosine;
     Frame frame;                   // its u is the direction of the grid's φ = 0
     std::vector<Color> radiance;   // L_jk, row by row from the zenith
     std::vector<float> distance;   // r_jk, infinite where nothing was met
@@ -29,14 +44,14 @@ struct HemisphereSamples {
 int columns_for(int rows);
 
 /// The direction in cell (j, k) for random numbers u in the unit square, in the grid's frame.
-Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u);
+Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind = Rows::cosine);
 
 /// Lowers the radiance of cells that alone bring more than a twentieth of the irradiance to that share, and returns the
 /// irradiance that was taken away. So few rays cannot tell how large a bright thing is: one record knows nothing of
 /// it, many together do.
 Color take_excess(HemisphereSamples& samples);
 
-/// E = π / MN Σ L_jk [Ward88].
+/// E = Σ L_jk times the projected solid angle of its cell, which is π / MN for all in cosine rows [Ward88].
 Color irradiance(const HemisphereSamples& samples);
 /// Standard error of the irradiance's luminance in units of it, from how much neighbouring cells differ: too large where
 /// radiance changes smoothly, for that difference counts as noise too.

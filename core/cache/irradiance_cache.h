@@ -37,6 +37,15 @@ class RecordCache {
     /// Indirect irradiance at `p`, turned by the rotation gradient to the normal of `shading`; nothing where no record
     /// serves it. `mean_radius`: of those that do.
     std::optional<Color> interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius = nullptr) const;
+    /// `f(record, weight, excess)` for each record whose radius times `reach`, at most the relaxation, serves the point, in an
+    /// order that does not depend on threads; `excess` is what it shares with its surroundings.
+    template <class F>
+    void for_each_serving(Vec3 p, Vec3 normal, float reach, F&& f) const {
+        tree_.for_each_around(p, [&](uint32_t slot, float d2) {
+            const float w = weight_of(slot, p, normal, d2, reach);
+            if (w > 0) f(tree_.order()[slot], w, shared_excess_[slot]);
+        });
+    }
     /// Mean noise of the gathers whose records, relaxed, reach the point; nothing where none does.
     std::optional<float> noise_around(Vec3 p, Vec3 normal) const;
     /// Sum of the weights there: the density of records.

@@ -21,6 +21,7 @@ struct FilmSample {
     Vec3 normal;
     float distance = 0;  // 0: nothing was met
     bool missed_cache = false;
+    bool gloss_cached = false, gloss_traced = false;  // at the first vertex
 };
 
 struct BadSample {
@@ -53,6 +54,8 @@ class Film {
         p.albedo += s.albedo;
         p.normal += s.normal;
         p.cache_misses += s.missed_cache;
+        p.gloss_cached += s.gloss_cached;
+        p.gloss_traced += s.gloss_traced;
         if (s.distance > 0) {
             ++p.hits;
             p.distance += s.distance;
@@ -63,7 +66,7 @@ class Film {
         Color radiance, direct, albedo;
         Vec3 normal;
         float distance = 0;
-        uint32_t samples = 0, hits = 0, cache_misses = 0;
+        uint32_t samples = 0, hits = 0, cache_misses = 0, gloss_cached = 0, gloss_traced = 0;
     };
 
     int width() const { return width_; }

@@ -73,16 +73,35 @@ double HemisphereFit::gram(int l, int k, int m) const {
 }
 
 void HemisphereFit::fit(int order, std::span<double> coefficients) const {
+    orthonormalize(order, coefficients);
     for (int m = 1 - order; m < order; ++m) {
         const int n = std::abs(m);
         const auto c = [&](int l) -> double& { return coefficients[size_t(coefficient_index(l, m))]; };
+        for (int l = order - 1; l >= n; --l) {
+            for (int k = l + 1; k < order; ++k) c(l) -= factor(k, l, n) * c(k);
+            c(l) /= factor(l, l, n);
+        }
+    }
+}
+
+void HemisphereFit::orthonormalize(int order, std::span<double> inner_products) const {
+    for (int m = 1 - order; m < order; ++m) {
+        const int n = std::abs(m);
+        const auto c = [&](int l) -> double& { return inner_products[size_t(coefficient_index(l, m))]; };
         for (int l = n; l < order; ++l) {
             for (int k = n; k < l; ++k) c(l) -= factor(l, k, n) * c(k);
             c(l) /= factor(l, l, n);
         }
+    }
+}
+
+void HemisphereFit::to_inner_products(int order, std::span<double> orthonormal) const {
+    for (int m = 1 - order; m < order; ++m) {
+        const int n = std::abs(m);
+        const auto c = [&](int l) -> double& { return orthonormal[size_t(coefficient_index(l, m))]; };
         for (int l = order - 1; l >= n; --l) {
-            for (int k = l + 1; k < order; ++k) c(l) -= factor(k, l, n) * c(k);
-            c(l) /= factor(l, l, n);
+            c(l) *= factor(l, l, n);
+            for (int k = n; k < l; ++k) c(l) += factor(l, k, n) * c(k);
         }
     }
 }

@@ -43,13 +43,19 @@ class HemisphereFit {
     /// From inner products over the hemisphere, up to any order that is not above the constructor's, in place.
     void fit(int order, std::span<double> coefficients) const;
 
+    /// From inner products over the hemisphere to coefficients of an orthonormal basis there, in place: c ↦ L⁻¹ c with
+    /// G + λ = L Lᵀ. Its first n² functions span the harmonics of order n, so that any order may be cut out, and the
+    /// product integral of two functions is the dot product of theirs.
+    void orthonormalize(int order, std::span<double> inner_products) const;
+    /// Back: c ↦ L c.
+    void to_inner_products(int order, std::span<double> orthonormal) const;
+    /// Lower triangle of the Cholesky factor L for azimuthal number m ≥ 0.
+    double factor(int l, int k, int m) const { return factors_[size_t((m * order_ + l) * order_ + k)]; }
+
     /// ‖fit of order n‖² for n = 1 … order on the hemisphere, from inner products; λ's part is below its bias.
     std::vector<double> energies(std::span<const double> inner_products) const;
 
   private:
-    /// Lower triangle of the Cholesky factor for azimuthal number m, rows l, columns k ≤ l, from m on.
-    double factor(int l, int k, int m) const { return factors_[size_t((m * order_ + l) * order_ + k)]; }
-
     int order_;
     std::vector<double> gram_, factors_;
 };

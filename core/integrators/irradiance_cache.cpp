@@ -27,6 +27,7 @@ namespace eclat {
 namespace {
 
 constexpr uint32_t chain_stream = 4;
+constexpr int coarsest = 32;  // pixels between the candidates of the first pass
 
 /// Pixel centres of one class of a lattice: the three finer points of each cell of `2 · step`, or all of the first.
 std::vector<Vec2> lattice(const Camera& camera, int step, int kind) {
@@ -94,20 +95,24 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
     return out;
 }
 
+void for_each_lattice(const Camera& camera, const std::function<void(std::span<const Vec2>)>& pass) {
+    pass(lattice(camera, coarsest, 0));
+    for (int step = coarsest / 2; step >= 1; step /= 2)
+        for (int kind : {1, 2, 3}) pass(lattice(camera, step, kind));
+}
+
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                            SolvedCaches& caches, Progress& progress) {
-    constexpr int coarsest = 32;     // pixels between the candidates of the first pass
+                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near) {
     constexpr int far_sources = 16;  // between the points from which the far cache is found
     caches = empty_caches(options);
-    progress.begin(far_passes(options) + 1 + 3 * std::bit_width(unsigned(coarsest) / 2));
+    const uint64_t sweep = 1 + 3 * std::bit_width(unsigned(coarsest) / 2);
+    progress.begin(far_passes(options) + (before_near ? 2 : 1) * sweep);
     solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
               caches.far, progress);
-    add_near(world, camera_candidates(world, camera, lattice(camera, coarsest, 0), options, progress), options, caches,
-             progress);
-    for (int step = coarsest / 2; step >= 1; step /= 2)
-        for (int kind : {1, 2, 3})
-            add_near(world, camera_candidates(world, camera, lattice(camera, step, kind), options, progress), options,
-                     caches, progress);
+    if (before_near) before_near();
+    for_each_lattice(camera, [&](std::span<const Vec2> pixels) {
+        add_near(world, camera_candidates(world, camera, pixels, options, progress), options, caches, progress);
+    });
 }
 
 CachedIrradiance read_near(const SolvedCaches& caches) {

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -14,9 +15,13 @@
 namespace eclat {
 
 /// Fills both caches for what `camera` sees. Whatever stops it (an exception, a cancelled progress) leaves the passes that
-/// were finished. `progress` counts passes.
+/// were finished. `progress` counts passes. `before_near` may add to the caches once the far one is there, in one more sweep of
+/// passes.
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                            SolvedCaches& caches, Progress& progress);
+                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {});
+
+/// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all.
+void for_each_lattice(const Camera& camera, const std::function<void(std::span<const Vec2>)>& pass);
 
 /// Light samples at a vertex that the camera sees: the cached part has no noise, so direct light's is what is left, and one
 /// more shadow ray costs less than one more camera ray with its lookup.

@@ -14,7 +14,7 @@ namespace eclat {
 
 namespace {
 
-enum Stream : uint32_t { far_stream = 2, near_stream };
+enum Stream : uint32_t { far_stream = 2, near_stream, radiance_stream = 6 };
 
 constexpr float usual_rows = 14;         // of the gather whose noise records keep
 constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
@@ -54,10 +54,11 @@ void look_along_horizon(const World& world, const Candidate& candidate, Irradian
 
 /// Radiance and distance in each cell of a hemisphere of `rows` rows around a candidate.
 HemisphereSamples sample_hemisphere(const World& world, const Candidate& candidate, const RecordCache& far,
-                                    const IrradianceCacheOptions& options, uint32_t stream, int rows,
+                                    const IrradianceCacheOptions& options, uint32_t stream, int rows, Rows kind,
                                     Progress& progress) {
     HemisphereSamples samples;
     samples.rows = rows;
+    samples.kind = kind;
     samples.columns = columns_for(rows);
     const size_t count = size_t(samples.rows) * samples.columns;
     // A random turn of the grid, or neighbouring records would share the pattern of their error.
@@ -73,7 +74,7 @@ HemisphereSamples sample_hemisphere(const World& world, const Candidate& candida
         for (int k = 0; k < samples.columns; ++k) {
             const auto index = static_cast<uint32_t>(j * samples.columns + k);
             Sampler sampler(options.seed ^ hash(stream), key, index);
-            const Vec3 w = cell_direction(samples.rows, samples.columns, j, k, sampler.next_2d());
+            const Vec3 w = cell_direction(samples.rows, samples.columns, j, k, sampler.next_2d(), kind);
             rays.push_back({candidate.ray(samples.frame.to_world(w)), sampler});
         }
     PathOptions paths;
@@ -106,8 +107,9 @@ void bend(const HemisphereSamples& samples, Curvature curvature, float far, Irra
 }
 
 IrradianceRecord gather(const World& world, const Candidate& candidate, const RecordCache& far,
-                        const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress) {
-    HemisphereSamples samples = sample_hemisphere(world, candidate, far, options, stream, rows, progress);
+                        const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress,
+                        Rows kind = Rows::cosine, const std::function<void(const HemisphereSamples&)>& keep = {}) {
+    HemisphereSamples samples = sample_hemisphere(world, candidate, far, options, stream, rows, kind, progress);
     IrradianceRecord record;
     record.excess = take_excess(samples);
     // Stratified samples in the plane converge with the power 3/4 of their number, which goes with the square of rows.
@@ -121,6 +123,7 @@ IrradianceRecord gather(const World& world, const Candidate& candidate, const Re
     record.largest_radius = options.largest_pixels * candidate.footprint;
     // What touches the point, like the surface itself by rounding, would move infinitely fast.
     keep_off(samples, std::max(record.least_radius, 1e-5f * world.geometry.radius()));
+    if (keep) keep(samples);
     record.rotation = rotation_gradient(samples);
     record.translation = translation_gradient(samples);
     // Beyond twenty scene radii nothing has parallax.
@@ -183,6 +186,18 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
     return gather_each(world, candidates, far, options, stream, [&](const Candidate&) { return rows; }, 0, progress);
 }
 
+std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
+                                             const RecordCache& far, const IrradianceCacheOptions& options,
+                                             const GatherPlan& plan, Progress& progress) {
+    return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
+        progress.check();
+        IrradianceRecord record = gather(world, candidates[i], far, options, radiance_stream, plan.count, progress,
+                                         plan.kind, [&](const HemisphereSamples& s) { plan.keep(i, s); });
+        space(record, candidates[i].footprint, plan.mean, {options.metric, options.spacing, options.gradient_limit});
+        return record;
+    });
+}
+
 CacheOptions far_reading(const CacheOptions& near) {
     CacheOptions far = near;
     far.relaxation = 1.4f;
@@ -200,7 +215,7 @@ CachedIrradiance read_far(const RecordCache& far) {
 }
 
 SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
-    return {RecordCache(options.cache), RecordCache(far_reading(options.cache))};
+    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}};
 }
 
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,

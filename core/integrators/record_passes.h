@@ -6,10 +6,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
+#include "cache/hemisphere.h"
 #include "cache/irradiance_cache.h"
+#include "cache/radiance_cache.h"
 #include "cache/spacing.h"
 #include "transport/paths.h"
 
@@ -37,6 +40,7 @@ struct IrradianceCacheOptions {
 
 struct SolvedCaches {
     RecordCache near, far;
+    RadianceCache radiance;  // empty under irradiance caching
 };
 
 /// Where a record could be wanted.
@@ -68,6 +72,18 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
                                              const RecordCache& far, const IrradianceCacheOptions& options,
                                              uint32_t stream, int rows, Progress& progress);
+
+/// Gathers of one shape, of which more is made than irradiance.
+struct GatherPlan {
+    Rows kind = Rows::balanced;
+    int count = 0;   // of rows
+    float mean = 0;  // luminance of the irradiance in the scene, 0 while it is unknown
+    /// Is handed the samples of each candidate, by its index, on any thread; excess and too small distances are gone.
+    std::function<void(size_t, const HemisphereSamples&)> keep;
+};
+std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
+                                             const RecordCache& far, const IrradianceCacheOptions& options,
+                                             const GatherPlan& plan, Progress& progress);
 
 /// Empty caches, each with how it is read.
 SolvedCaches empty_caches(const IrradianceCacheOptions& options);

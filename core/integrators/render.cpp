@@ -85,9 +85,9 @@ class Tile {
             const auto [x, y, sample] = places_[i];
             if (x < range_.x0 || x >= range_.x1 || y < range_.y0 || y >= range_.y1) continue;
             const PathResult& r = results_[i];
-            film_.add(
-                x, y, sample,
-                {r.radiance, r.direct, r.albedo, r.normal, r.distance < infinity ? r.distance : 0, r.cache_missed});
+            film_.add(x, y, sample,
+                      {r.radiance, r.direct, r.albedo, r.normal, r.distance < infinity ? r.distance : 0, r.cache_missed,
+                       r.gloss_cached, r.gloss_traced});
         }
         rays_.clear();
         places_.clear();

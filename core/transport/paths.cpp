@@ -106,7 +106,7 @@ class Tracer {
             return false;
         }
         const Vec3 wo = -ray.direction;
-        const SurfacePoint point = world_.geometry.surface_point(hit, wo);
+        SurfacePoint point = world_.geometry.surface_point(hit, wo);
         const Vec3 wo_local = point.frame.to_local(wo);
         if (edges_ == 1) {
             PathResult& first = out_[s.index];
@@ -117,18 +117,27 @@ class Tracer {
         add_emission(s, hit, point, wo);
         if (!may_have(edges_ + 1)) return false;
 
-        LobeSet going_on = LobeSet::all;
         if (options_.cache && point.bsdf.has(LobeSet::diffuse)) {
             if (const auto irradiance = options_.cache(point, hit.t)) {
                 add(s.index, s.throughput * point.bsdf.diffuse_albedo(wo_local) * *irradiance * inv_pi, false);
-                going_on = LobeSet::glossy;
+                point.bsdf.set_cached(LobeSet::diffuse);
             } else {
                 out_[s.index].cache_missed = true;
             }
         }
-        sample_lights(s, point, wo_local, going_on);
+        if (options_.reflection && point.bsdf.has(LobeSet::glossy)) reflect(s, point, wo_local);
+        sample_lights(s, point, wo_local);
         if (options_.miss_paths > 1 && edges_ == 1 && out_[s.index].cache_missed) return split_path(s, point, wo_local);
-        return continue_path(s, ray, point, wo_local, going_on);
+        return continue_path(s, ray, point, wo_local);
+    }
+
+    /// Takes what a cache knows of lobes that are not diffuse.
+    void reflect(const State& s, SurfacePoint& point, Vec3 wo) {
+        const Color reflected = options_.reflection(point, wo);
+        add(s.index, s.throughput * reflected, false);
+        if (edges_ > 1) return;
+        out_[s.index].gloss_cached = !is_black(reflected);
+        out_[s.index].gloss_traced = point.bsdf.has_uncached_gloss();
     }
 
     /// Goes on from the first vertex in many directions, stratified together.
@@ -139,7 +148,7 @@ class Tracer {
             Ray ray;
             state.sampler = s.sampler.split(parts, part);
             state.throughput *= 1 / static_cast<float>(parts);
-            if (!continue_path(state, ray, point, wo, LobeSet::all)) continue;
+            if (!continue_path(state, ray, point, wo)) continue;
             split_states_.push_back(state);
             split_rays_.push_back(ray);
         }
@@ -174,16 +183,15 @@ class Tracer {
     /// Light samples that the vertex at the end of that many edges takes.
     int light_samples(int edges) const { return edges == 1 ? options_.light_samples : 1; }
 
-    void sample_lights(State& s, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+    void sample_lights(State& s, const SurfacePoint& point, Vec3 wo) {
         const int count = light_samples(edges_);
         if (point.bsdf.has_non_delta())
             for (int i = 0; i < count; ++i)
-                sample_light(s, s.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), point, wo,
-                             going_on);
+                sample_light(s, s.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), point, wo);
         s.sampler.skip(2);
     }
 
-    void sample_light(const State& s, Sampler sampler, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+    void sample_light(const State& s, Sampler sampler, const SurfacePoint& point, Vec3 wo) {
         const float u = sampler.next_1d();
         const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d(), options_.light_set);
         if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
@@ -192,8 +200,8 @@ class Tracer {
         // All samples of the vertex together are one technique, of so many times the density.
         const float density = static_cast<float>(light_samples(edges_)) * light.pdf_solid_angle;
         Color f;
-        if (going_on == LobeSet::glossy) f = point.bsdf.eval(wo, wi, LobeSet::diffuse).f;
-        const EvalPdf e = point.bsdf.eval(wo, wi, going_on);
+        if (point.bsdf.has(LobeSet::cached)) f = point.bsdf.eval(wo, wi, LobeSet::cached).f;
+        const EvalPdf e = point.bsdf.eval(wo, wi, LobeSet::uncached);
         f += e.f * (light.delta ? 1 : power_heuristic(density, e.pdf_solid_angle));
         if (is_black(f)) return;
         const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / density);
@@ -201,12 +209,12 @@ class Tracer {
         shadows_.push_back({contribution, s.index, edges_ == 1});
     }
 
-    bool continue_path(State& s, Ray& ray, const SurfacePoint& point, Vec3 wo, LobeSet going_on) {
+    bool continue_path(State& s, Ray& ray, const SurfacePoint& point, Vec3 wo) {
         const bool roulette = edges_ >= options_.roulette_depth;
         const float u_lobe = draw_if(point.bsdf.chooses_lobe(), s.sampler);
         const Vec2 u = s.sampler.next_2d();
         const float u_roulette = draw_if(roulette, s.sampler);
-        const auto sample = point.bsdf.sample(wo, u_lobe, u, going_on);
+        const auto sample = point.bsdf.sample(wo, u_lobe, u, LobeSet::uncached);
         if (!sample) return false;
         const Vec3 wi = point.frame.to_world(sample->wi);
         if (dot(wi, point.normal) * sample->wi.z <= 0) return false;

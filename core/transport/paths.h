@@ -23,6 +23,10 @@ namespace eclat {
 /// the cache does not serve it.
 using CachedIrradiance = std::function<std::optional<Color>(const SurfacePoint& point, float distance)>;
 
+/// Indirect radiance that lobes which are not diffuse reflect towards `wo` (in the point's frame), for those that a cache of
+/// radiance serves: it marks them in `point.bsdf`.
+using CachedReflection = std::function<Color(SurfacePoint& point, Vec3 wo)>;
+
 struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
     int roulette_depth = 5;
@@ -32,6 +36,7 @@ struct PathOptions {
     bool emission_at_first_hit = true;   // false: whoever sent the rays samples the lights itself
     Coherence coherence = Coherence::none;
     CachedIrradiance cache;
+    CachedReflection reflection;
 };
 
 struct PathRay {
@@ -47,6 +52,8 @@ struct PathResult {
     Vec3 normal;                // of shading, at the first vertex
     float distance = infinity;  // to the first vertex
     bool cache_missed = false;  // a diffuse vertex was not served and was answered by going on
+    bool gloss_cached = false;  // at the first vertex some lobe that is not diffuse was served by a cache
+    bool gloss_traced = false;  // … some was not, and was traced
 };
 
 /// `out` gets one result for each ray. Counts rays in `progress`.

@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.image import Image
     from eclat.loaders import load, load_dict
-    from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap
+    from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache
     from eclat.photons import Photons
     from eclat.point_irradiance import irradiance
     from eclat.rendering import render
@@ -35,6 +35,7 @@ _HOMES = {
     "IrradianceCache": "eclat.options",
     "PhotonMap": "eclat.options",
     "Photons": "eclat.photons",
+    "RadianceCache": "eclat.options",
     "METHODS": "eclat.options",
     "Image": "eclat.image",
     "Scene": "eclat.scene",
@@ -53,6 +54,7 @@ __all__ = [
     "Path",
     "PhotonMap",
     "Photons",
+    "RadianceCache",
     "Scene",
     "Solution",
     "irradiance",

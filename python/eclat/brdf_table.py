@@ -92,6 +92,7 @@ def brdf_table(
     *,
     alpha: float | tuple[float, float] | None = None,
     exponent: float | None = None,
+    masking: Literal["separable", "correlated"] = "separable",
     basis: Basis = "hemispherical",
     order: int = 10,
     max_error: float = 0.2,
@@ -105,6 +106,7 @@ def brdf_table(
     ----------
     kind : "lambert"; "phong" with `exponent`; "ward", "ggx" or "beckmann" with `alpha`, one number or those along u and
         v; "metallic-roughness" for GGX as in glTF with all roughnesses in one table. Reflection only.
+    masking : of "ggx": whether shadowing and masking are correlated by height, as "metallic-roughness" has it.
     basis : "hemispherical", or "spherical" for least-squares fits (whose light is given by inner products over the
         hemisphere: `harmonics.project`).
     order : largest order, 1 to 12.
@@ -130,10 +132,15 @@ def brdf_table(
         raise EclatError(f"order must be in [1, {MAX_ORDER}], got {order}")
     if not 0 < max_error <= 1:
         raise EclatError(f"max_error must be in (0, 1], got {max_error}")
+    if masking not in ("separable", "correlated"):
+        raise EclatError(f"masking must be separable or correlated, got {masking!r}")
+    if masking == "correlated" and kind != "ggx":
+        raise EclatError(f"correlated masking is for 'ggx', got {kind!r}")
+    correlated = masking == "correlated" or kind == "metallic-roughness"
     isotropic = all(u == v for u, v in lobes)
     resolution = 2 if kind == "lambert" else 64 if isotropic else 32
-    key = _key(kind, lobes, basis, order, max_error, resolution)
-    made = [_core.TableLobe(_CORE_KINDS[kind], u, v, kind == "metallic-roughness") for u, v in lobes]
+    key = _key(kind, lobes, correlated, basis, order, max_error, resolution)
+    made = [_core.TableLobe(_CORE_KINDS[kind], u, v, correlated) for u, v in lobes]
     options = _core.BrdfTableOptions(_BASES[basis], order, max_error, resolution, thread_count(threads))
     core = _read(key, made, options) if keep else None
     if core is None:

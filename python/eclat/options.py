@@ -83,6 +83,33 @@ class IrradianceCache:
             _check_known("IrradianceCache", name, getattr(self, name), known)
 
 
+@dataclass(frozen=True)
+class RadianceCache(IrradianceCache):
+    """Radiance caching: irradiance caching for diffuse surfaces, and records of light by direction for glossy ones; what is
+    too sharp is traced.
+
+    Records of radiance are made for views; for points and for all surfaces, only those of irradiance are.
+    """
+
+    order: int = 8
+    """Bands of the harmonics in which light and lobes are written, 2..12; order² numbers a colour."""
+    gloss_error: float = 0.4
+    """Relative L2 error of a lobe in that order up to which it is cached; what is worse is traced."""
+    gloss_spacing: float | None = None
+    """As spacing, for a lobe as wide as a diffuse one; narrower lobes reach less far."""
+    gloss_rows: int | None = None
+    """Rows of a gather of radiance."""
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        _check_range("RadianceCache", "order", self.order, 2, 12)
+        _check_range("RadianceCache", "gloss_error", self.gloss_error, 0.001, 1)
+        if self.gloss_spacing is not None:
+            _check_range("RadianceCache", "gloss_spacing", self.gloss_spacing, 0.01, 2)
+        if self.gloss_rows is not None:
+            _check_range("RadianceCache", "gloss_rows", self.gloss_rows, 2, 256)
+
+
 KERNELS = ("uniform", "cone", "epanechnikov")
 """How photons can be weighted, in the core's order."""
 
@@ -121,12 +148,13 @@ class PhotonMap:
         _check_known("PhotonMap", "kernel", self.kernel, KERNELS)
 
 
-Options = Direct | Path | IrradianceCache | PhotonMap
+Options = Direct | Path | IrradianceCache | RadianceCache | PhotonMap
 
 METHODS: dict[str, type[Options]] = {
     "direct": Direct,
     "path": Path,
     "irradiance-cache": IrradianceCache,
+    "radiance-cache": RadianceCache,
     "photon-map": PhotonMap,
 }
 """Name on the command line → options class."""

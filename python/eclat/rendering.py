@@ -30,8 +30,9 @@ from eclat.convergence import Goal, Sampling
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.image import Image
-from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, method_name
+from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, RadianceCache, method_name
 from eclat.photons import Photons, ProgressivePasses, trace
+from eclat.radiance_tables import radiance_tables
 from eclat.record_overlay import record_density
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, Scene
@@ -91,8 +92,10 @@ def render(
 
     Returns
     -------
-    Image with the layers direct, indirect, albedo, normal and depth, with records also record_density. Samples that
-    were not finite are left out, told by a warning, and counted in its metadata as `bad_samples`.
+    Image with the layers direct, indirect, albedo, normal and depth, with records also record_density, and under radiance
+    caching gloss_cached and gloss_traced: in which share of a pixel's samples the glossy lobes that it sees were served by
+    records, and in which some had to be traced. Samples that were not finite are left out, told by a warning, and counted
+    in its metadata as `bad_samples`.
 
     Raises
     ------
@@ -140,6 +143,9 @@ def render(
     depth = (2 if max_depth < 0 else min(2, max_depth)) if isinstance(what, Direct) else max_depth
     roulette = what.roulette_depth if isinstance(what, Path) else 5
     caches = solution.core() if solution is not None else None
+    tables = None
+    if solution is not None and isinstance(solution.options, RadianceCache):
+        tables = radiance_tables(scene, solution.options, threads=threads, progress=progress)
     core_camera = prepared.camera(view, (width, height))
     film = _core.Film(width, height)
     if adaptive is None:
@@ -161,7 +167,9 @@ def render(
         elif isinstance(what, Photons):
             _core.render_photons(prepared.core, core_camera, film, p, maps, gather, max_depth, first, end, *where)
         else:
-            _core.render_samples(prepared.core, core_camera, film, p, depth, roulette, caches, first, end, *where)
+            _core.render_samples(
+                prepared.core, core_camera, film, p, depth, roulette, caches, tables, first, end, *where
+            )
 
     def render_range(first: Counts, end: Counts, report: ProgressReport | None) -> float:
         counted = _core.Progress()
@@ -219,6 +227,8 @@ class _About:
             "seed": self.seed, "max_depth": self.max_depth, "adaptive": self.adaptive, "version": eclat.__version__,
             "statistics": statistics,
         }  # fmt: skip
+        if isinstance(self.options, RadianceCache):
+            layers |= {"gloss_cached": film.gloss_cached, "gloss_traced": film.gloss_traced}
         image = Image(radiance, layers, metadata)
         if isinstance(self.what, Solution):
             image.layers["record_density"] = self._records_in(image, self.what)
@@ -261,6 +271,8 @@ def _statistics(
         statistics["rays"] += what.statistics.get("rays", 0.0)
     if isinstance(what, Solution):
         statistics |= {"records": float(len(what)), "cache_misses": float(film.cache_misses)}
+        if what.radiance is not None:
+            statistics["radiance_records"] = float(len(what.radiance))
     if isinstance(what, Photons):
         statistics["photons"] = float(len(what))
     if estimate is not None:

@@ -9,7 +9,7 @@ import json
 import os
 import zipfile
 from dataclasses import asdict, dataclass, field
-from typing import TypeVar
+from typing import Any, TypeVar
 
 import numpy as np
 
@@ -18,11 +18,11 @@ from eclat.atomic_file import write_file
 from eclat.compiled import compiled, fingerprint
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, warn
-from eclat.options import METRICS, IrradianceCache
+from eclat.options import METHODS, METRICS, IrradianceCache, RadianceCache, method_name
 from eclat.photons import Photons, merge_photons
 from eclat.scene import FloatArray, Scene
 
-FORMAT_VERSION = 3
+FORMAT_VERSION = 4
 
 Solved = TypeVar("Solved", "Solution", Photons)
 """What can be merged."""
@@ -63,6 +63,62 @@ def core_options(
     return out
 
 
+def core_radiance_options(
+    options: RadianceCache, *, max_depth: int = -1, seed: int = 0, threads: int = 0
+) -> _core.RadianceCacheOptions:
+    """The core's options; `max_error` sets what is None, by the same laws as in `core_options`."""
+    out = _core.RadianceCacheOptions()
+    out.irradiance = core_options(options, max_depth=max_depth, seed=seed, threads=threads)
+    relative = options.max_error / 0.01
+    out.order = options.order
+    out.spacing = options.gloss_spacing if options.gloss_spacing is not None else out.irradiance.spacing
+    rows = int(np.clip(round(24 * relative**-0.5), 12, 96))
+    out.rows = options.gloss_rows if options.gloss_rows is not None else rows
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class RadianceRecords:
+    """Records of incident radiance, in the core's frame."""
+
+    records: np.ndarray
+    """(N, floats) as the `near` records of a Solution."""
+    values: np.ndarray
+    """(N, 3 · stride) float32: coefficients a colour in a basis that is orthonormal on the hemisphere, order² and zeros up
+    to a multiple of eight."""
+    gradients: np.ndarray
+    """(N, 6 · stride) uint16, upper halves of float32: their derivatives along u, then along v."""
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    @staticmethod
+    def of(caches: _core.SolvedCaches) -> RadianceRecords:
+        """From what the core solved."""
+        return RadianceRecords(
+            np.asarray(caches.radiance_records),
+            np.asarray(caches.radiance_values),
+            np.asarray(caches.radiance_gradients),
+        )
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """By the names under which they are saved."""
+        return {"radiance": self.records, "radiance_values": self.values, "radiance_gradients": self.gradients}
+
+    def damage(self, order: int) -> str | None:
+        """Name of an array that cannot belong to records of that order."""
+        stride = -(-(order**2) // 8) * 8
+        if _damaged(self.records):
+            return "radiance"
+        if self.values.shape != (len(self), 3 * stride) and len(self):
+            return "radiance_values"
+        if self.values.dtype != np.float32 or not np.isfinite(self.values).all():
+            return "radiance_values"
+        if (self.gradients.shape != (len(self), 6 * stride) and len(self)) or self.gradients.dtype != np.uint16:
+            return "radiance_gradients"
+        return None
+
+
 @dataclass(frozen=True, eq=False)
 class Solution:
     """A solved irradiance cache of one scene.
@@ -80,6 +136,8 @@ class Solution:
     statistics: dict[str, float] = field(default_factory=dict)
     max_depth: int = -1
     complete: bool = True
+    radiance: RadianceRecords | None = None
+    """Of radiance caching, else None."""
 
     def __len__(self) -> int:
         return len(self.near)
@@ -132,11 +190,16 @@ class Solution:
 
     def core(self) -> _core.SolvedCaches:
         """The caches as the core reads them."""
-        return _core.SolvedCaches(
+        caches = _core.SolvedCaches(
             np.ascontiguousarray(self.near, np.float32),
             np.ascontiguousarray(self.far, np.float32),
             core_options(self.options),
         )
+        if self.radiance is not None and len(self.radiance) and isinstance(self.options, RadianceCache):
+            r = self.radiance
+            records, values, gradients = (np.ascontiguousarray(a) for a in (r.records, r.values, r.gradients))
+            caches.set_radiance(records, values, gradients, core_radiance_options(self.options))
+        return caches
 
     def check(self, scene: Scene, max_depth: int) -> None:
         """Raises EclatError where the scene or the depth is not what was solved; warns of an incomplete cache."""
@@ -156,13 +219,17 @@ class Solution:
         header = {
             "format": FORMAT_VERSION,
             "fingerprint": self.fingerprint,
+            "method": method_name(self.options),
             "options": asdict(self.options),
             "max_depth": self.max_depth,
             "complete": self.complete,
             "statistics": self.statistics,
         }
         file = io.BytesIO()
-        np.savez(file, header=json.dumps(header), near=self.near, far=self.far, center=self.center)
+        arrays: dict[str, Any] = {"near": self.near, "far": self.far, "center": self.center}
+        if self.radiance is not None:
+            arrays |= self.radiance.arrays()
+        np.savez(file, header=json.dumps(header), **arrays)
         write_file(path, file.getvalue())
 
     @staticmethod
@@ -177,6 +244,8 @@ class Solution:
                 with np.load(file, allow_pickle=False) as data:
                     header = json.loads(str(data["header"]))
                     near, far, center = data["near"], data["far"], data["center"]
+                    names = ("radiance", "radiance_values", "radiance_gradients")
+                    radiance = RadianceRecords(*(data[n] for n in names)) if names[0] in data else None
         except FileNotFoundError:
             raise EclatError(f"{name}: no such file") from None
         except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:
@@ -190,14 +259,25 @@ class Solution:
                 raise EclatError(f"{name}: the array {label!r} is damaged")
         try:
             solution = Solution(
-                IrradianceCache(**header["options"]), str(header["fingerprint"]), near, far, center,
-                dict(header["statistics"]), int(header["max_depth"]), bool(header["complete"]),
+                _options(header), str(header["fingerprint"]), near, far, center,
+                dict(header["statistics"]), int(header["max_depth"]), bool(header["complete"]), radiance,
             )  # fmt: skip
         except (KeyError, TypeError, ValueError) as error:
             raise EclatError(f"{name}: its header is damaged ({error})") from error
+        if radiance is not None and isinstance(solution.options, RadianceCache):
+            damaged = radiance.damage(solution.options.order)
+            if damaged:
+                raise EclatError(f"{name}: the array {damaged!r} is damaged")
         if scene is not None:
             solution.check(scene, solution.max_depth)
         return solution
+
+
+def _options(header: dict[str, Any]) -> IrradianceCache:
+    cls = METHODS[header["method"]]
+    if not issubclass(cls, IrradianceCache):
+        raise ValueError(f"method {header['method']!r}")
+    return cls(**header["options"])
 
 
 def _damaged(array: np.ndarray) -> bool:
@@ -223,14 +303,31 @@ def merge(first: Solved, second: Solved) -> Solved:
     if (first.options, first.max_depth) != (second.options, second.max_depth):
         raise EclatError("these caches were solved with different options")
 
+    def distinct(both: np.ndarray) -> np.ndarray:
+        if not len(both):
+            return np.arange(0)
+        keys = np.ascontiguousarray(both).view(np.dtype((np.void, both.dtype.itemsize * both.shape[1]))).ravel()
+        first: np.ndarray = np.unique(keys, return_index=True)[1]
+        return first
+
     def union(a: np.ndarray, b: np.ndarray) -> np.ndarray:
         both = np.concatenate([a, b])
-        keys = np.ascontiguousarray(both).view(np.dtype((np.void, both.dtype.itemsize * both.shape[1]))).ravel()
-        return both[np.unique(keys, return_index=True)[1]] if len(both) else both
+        kept: np.ndarray = both[distinct(both)]
+        return kept
+
+    def radiance(a: RadianceRecords | None, b: RadianceRecords | None) -> RadianceRecords | None:
+        given = [r for r in (a, b) if r is not None and len(r)]
+        if not given:
+            return a
+        by_name = [r.arrays() for r in given]
+        records, values, gradients = (np.concatenate([arrays[name] for arrays in by_name]) for name in by_name[0])
+        kept = distinct(records)
+        return RadianceRecords(records[kept], values[kept], gradients[kept])
 
     return Solution(
         first.options, first.fingerprint, union(first.near, second.near), union(first.far, second.far), first.center,
         max_depth=first.max_depth, complete=first.complete and second.complete,
+        radiance=radiance(first.radiance, second.radiance),
     )  # fmt: skip
 
 
@@ -245,4 +342,7 @@ def solved_from_core(
 ) -> Solution:
     """A Solution from what the core solved."""
     center = compiled(scene).center
-    return Solution(options, fingerprint(scene), caches.near, caches.far, center, statistics, max_depth, complete)
+    radiance = RadianceRecords.of(caches) if isinstance(options, RadianceCache) else None
+    return Solution(
+        options, fingerprint(scene), caches.near, caches.far, center, statistics, max_depth, complete, radiance
+    )

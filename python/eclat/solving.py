@@ -23,12 +23,13 @@ from eclat.arguments import (
 from eclat.compiled import compiled
 from eclat.error_estimate import CHECK_SHARE, ErrorEstimate
 from eclat.errors import EclatError, warn
-from eclat.options import IrradianceCache, PhotonMap
+from eclat.options import IrradianceCache, PhotonMap, RadianceCache
 from eclat.photons import Photons, trace
+from eclat.radiance_tables import radiance_tables
 from eclat.refining import CHECK_SHARE_OF_REFINEMENT, finer, rays_after, step_towards
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, FloatArray, Scene
-from eclat.solution import Solution, core_options, solved_from_core
+from eclat.solution import Solution, core_options, core_radiance_options, solved_from_core
 
 SURFACE_POINTS = 1 << 14
 """At which irradiance everywhere is checked, evenly spread over all surfaces."""
@@ -41,6 +42,10 @@ class Where:
     fill: Callable[[_core.SolvedCaches, _core.IrradianceCacheOptions, _core.Progress], None]
     """In place; what it has done when it is stopped stays."""
     estimate: Callable[[_core.SolvedCaches, _core.ErrorCheck, _core.Progress], _core.ErrorEstimate]
+    fill_radiance: (
+        Callable[[_core.SolvedCaches, _core.RadianceTables, _core.RadianceCacheOptions, _core.Progress], None] | None
+    ) = None
+    """The same with records of radiance, where there is a view."""
 
 
 @overload
@@ -201,13 +206,20 @@ class Job:
     keep_partial: bool
     progress: ProgressReport | None
 
-    def _settings(self, options: IrradianceCache) -> _core.IrradianceCacheOptions:
-        return core_options(options, max_depth=self.max_depth, seed=self.seed, threads=self.threads)
+    def _fill(self, options: IrradianceCache, caches: _core.SolvedCaches) -> Callable[[_core.Progress], None]:
+        common = {"max_depth": self.max_depth, "seed": self.seed, "threads": self.threads}
+        fill_radiance = self.where.fill_radiance
+        if isinstance(options, RadianceCache) and fill_radiance is not None:
+            tables = radiance_tables(self.scene, options, threads=self.threads or None, progress=self.progress)
+            with_radiance = core_radiance_options(options, **common)
+            return lambda p: fill_radiance(caches, tables, with_radiance, p)
+        settings = core_options(options, **common)
+        return lambda p: self.where.fill(caches, settings, p)
 
     def solve(self, options: IrradianceCache, check_share: float) -> Solution:
         """One solve, checked with that share of its rays."""
         started = clock.perf_counter()
-        settings, caches, counted = self._settings(options), _core.SolvedCaches(), _core.Progress()
+        caches, counted = _core.SolvedCaches(), _core.Progress()
 
         def solution(complete: bool) -> Solution:
             statistics = {
@@ -216,12 +228,14 @@ class Job:
                 "rays": float(counted.rays),
                 "seconds": clock.perf_counter() - started,
             }
+            if isinstance(options, RadianceCache):
+                statistics["radiance_records"] = float(caches.radiance_count)
             return solved_from_core(
                 self.scene, options, caches, statistics, max_depth=self.max_depth, complete=complete
             )
 
         try:
-            run("solve", lambda p: self.where.fill(caches, settings, p), self.progress, counted)
+            run("solve", self._fill(options, caches), self.progress, counted)
         except KeyboardInterrupt as stop:
             if self.keep_partial and caches.near_count:
                 stop.partial = solution(False)  # type: ignore[attr-defined]
@@ -308,4 +322,5 @@ def where_wanted(
     return Where(
         lambda caches, o, p: _core.solve_for_camera(prepared.core, core_camera, o, caches, p),
         lambda caches, c, p: _core.estimate_error_for_camera(prepared.core, core_camera, caches, c, p),
+        lambda caches, tables, o, p: _core.solve_radiance_for_camera(prepared.core, core_camera, tables, o, caches, p),
     )

@@ -115,6 +115,28 @@ TEST_CASE("a fit is the best sum: the error is orthogonal to all harmonics, and 
     }
 }
 
+TEST_CASE("orthonormal coefficients: product integrals are dot products, for every order that is cut out") {
+    const Samples s = hemisphere(48);
+    const int order = 8;
+    const HemisphereFit exact(order, 0);
+    const std::vector<double> f = lobe(s, 12, 65), g = lobe(s, 3, 20);
+    const std::vector<double> inner_f = project(Basis::spherical, order, s.directions, f, s.weights, 1);
+    std::vector<double> a = inner_f, b = project(Basis::spherical, order, s.directions, g, s.weights, 1);
+    exact.orthonormalize(order, a);
+    exact.orthonormalize(order, b);
+    for (int n = 1; n <= order; ++n) {
+        std::vector<double> c(inner_f.begin(), inner_f.begin() + n * n);
+        exact.fit(n, c);
+        const std::vector<double> fitted = reconstruct(Basis::spherical, n, c, s.directions, 1);
+        double expected = 0, dot = 0;
+        for (size_t i = 0; i < f.size(); ++i) expected += s.weights[i] * fitted[i] * g[i];
+        for (int i = 0; i < n * n; ++i) dot += a[size_t(i)] * b[size_t(i)];
+        CHECK(dot == doctest::Approx(expected).epsilon(1e-6));
+    }
+    exact.to_inner_products(order, a);
+    for (size_t i = 0; i < a.size(); ++i) CHECK(a[i] == doctest::Approx(inner_f[i]).epsilon(1e-9));
+}
+
 TEST_CASE("Tikhonov's factor bounds the coefficients where the Gram matrix is nearly singular") {
     const Samples s = hemisphere(48);
     std::vector<double> noisy = project(Basis::spherical, 12, s.directions, lobe(s, 12, 65), s.weights, 1);

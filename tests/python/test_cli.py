@@ -155,7 +155,8 @@ BAD_VALUES = {
     "--environment 1,-2,3": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,-2,3'",
     "--exposure 65": "--exposure: expected a number from -64 to 64, got '65'",
     "--tone-mapping filmc": "--tone-mapping: expected one of none, filmic, got 'filmc'; did you mean 'filmic'?",
-    "--method pth": "--method: expected one of direct, path, irradiance-cache, photon-map, got 'pth'; did you mean 'path'?",
+    "--method pth": "--method: expected one of direct, path, irradiance-cache, radiance-cache, photon-map, got 'pth'; "
+    "did you mean 'path'?",
     "--set rows": "--set: expected NAME=VALUE, got 'rows'",
     "--set max-eror=1": "--set: unknown option max-eror for irradiance-cache; did you mean 'max-error'?",
     "--set rows=many": "--set: rows: expected integer | none, got 'many'",
@@ -192,7 +193,8 @@ def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
         ("compare cornell-box -o a.pdf", "a.pdf: expected a name that ends in .html"),
         (
             "compare cornell-box --methods pth",
-            "methods: expected some of direct, path, irradiance-cache, photon-map, got 'pth'; did you mean 'path'?",
+            "methods: expected some of direct, path, irradiance-cache, radiance-cache, photon-map, got 'pth'; "
+            "did you mean 'path'?",
         ),
         ("irradiance cornell-box --points none.csv", "none.csv: file not found"),
     ],

@@ -62,6 +62,7 @@ def test_all_methods_by_default_and_no_level_twice(api: FakeApi) -> None:
         ("direct", 2),
         ("path", 2),
         ("irradiance-cache", 3),
+        ("radiance-cache", 3),
         ("photon-map", 2),
     ]
 

@@ -1,0 +1,71 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Records of incident radiance: where an irradiance record keeps one colour, these keep what arrives from each direction, so
+// that any lobe wide enough finds what it reflects by a dot product. Positions, radii, weights and what ends a record's
+// validity are those of irradiance records, which each of them has beside it.
+//
+// References   [Krivanek05]
+//
+// Symbol       name here    meaning
+//   L_o        –            Σ_k w_k Σ_i (λ_ik + (P − P_k)·∂λ_ik) f_i / Σ_k w_k
+//
+// Departures   The factors f are turned into each record's frame instead of the light into the query's: three times fewer
+//              numbers. A record's radius is multiplied by the lobe's width at the query.
+// Held to      tests/core/test_radiance_cache.cpp, tests/integrators/test_radiance_cache.py
+
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "cache/irradiance_cache.h"
+#include "cache/radiance_rotation.h"
+#include "cache/radiance_tables.h"
+
+namespace eclat {
+
+/// Beyond this angle between the shading normal and that of a record, too much has risen over its horizon.
+constexpr float largest_radiance_tilt = 0.3f;
+
+class RadianceCache {
+  public:
+    RadianceCache() = default;
+    RadianceCache(const CacheOptions& options, int order);
+
+    int order() const { return order_; }
+    const std::vector<IrradianceRecord>& records() const { return cache_.records(); }
+    float mean_luminance() const { return cache_.mean_luminance(); }
+    /// Numbers of a channel: n², and zeros up to whole vectors of eight.
+    size_t stride() const { return stride_; }
+    /// Of all records one after another, channels as in RadianceCoefficients.
+    const std::vector<float>& values() const { return values_; }
+    /// The upper halves of floats: three digits do for a correction.
+    const std::vector<uint16_t>& gradients() const { return gradients_; }
+
+    /// Adds records with their coefficients, in the order given.
+    void insert(std::span<const IrradianceRecord> records, std::span<const RadianceCoefficients> coefficients,
+                float spacing, int threads);
+    /// From the arrays of another cache.
+    void insert(std::span<const IrradianceRecord> records, std::span<const float> values,
+                std::span<const uint16_t> gradients, float spacing, int threads);
+
+    /// How far a lobe of relative width σ may reach, in units of a record's radius.
+    static float reach(float width);
+
+    /// Whether a record serves a lobe of that width at the point, by the strict test that decides where records are placed.
+    bool serves(Vec3 p, Vec3 normal, float width) const;
+
+    /// Indirect radiance reflected by lobes with these `factors` in the frame `shading`; nothing where no record serves them.
+    std::optional<Color> reflect(Vec3 p, Vec3 normal, const Frame& shading, const ReflectedFactors& factors) const;
+
+  private:
+    int order_ = 0;
+    size_t stride_ = 0;
+    RecordCache cache_;
+    RadianceRotation rotation_;
+    std::vector<float> values_;
+    std::vector<uint16_t> gradients_;
+};
+
+}  // namespace eclat

@@ -1,0 +1,29 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Radiance caching: indirect light on glossy surfaces from records of what arrives from each direction, beside irradiance
+// caching for diffuse ones; lobes too narrow for that are traced to the first vertex that a cache serves.
+
+#pragma once
+
+#include "cache/radiance_tables.h"
+#include "integrators/irradiance_cache.h"
+
+namespace eclat {
+
+struct RadianceCacheOptions {
+    IrradianceCacheOptions irradiance;
+    int order = 8;
+    int rows = 24;         // of a gather for a radiance record
+    float spacing = 0.8f;  // as that of irradiance records, for a lobe as wide as a Lambertian one
+};
+
+/// As `solve_irradiance_cache`, and the radiance records for what `camera` sees: on glossy surfaces, and on those that mirrors
+/// and narrow lobes lead to.
+void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
+                          const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress);
+
+/// How paths read the radiance cache.
+CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables);
+
+}  // namespace eclat

@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The tables of reflection that radiance caching needs for a scene's materials: from disk, or computed once."""
+
+from __future__ import annotations
+
+import weakref
+
+from eclat import _core
+from eclat.brdf_table import Kind, brdf_table
+from eclat.compiled import compiled
+from eclat.options import RadianceCache
+from eclat.running import ProgressReport
+from eclat.scene import Scene
+
+_KINDS: dict[_core.TableLobeKind, Kind] = {
+    _core.TableLobeKind.phong: "phong",
+    _core.TableLobeKind.ward: "ward",
+    _core.TableLobeKind.ggx: "ggx",
+    _core.TableLobeKind.beckmann: "beckmann",
+}
+
+_cache: weakref.WeakKeyDictionary[Scene, dict[tuple[int, float], _core.RadianceTables]] = weakref.WeakKeyDictionary()
+
+
+def radiance_tables(
+    scene: Scene, options: RadianceCache, *, threads: int | None = None, progress: ProgressReport | None = None
+) -> _core.RadianceTables:
+    """Tables for the lobes of a scene whose parameters do not vary over surfaces, and for all metallic-roughness ones.
+
+    A lobe without a table is traced. Kept as long as the scene lives.
+    """
+    known = _cache.setdefault(scene, {})
+    key = options.order, options.gloss_error
+    if key not in known:
+        core = compiled(scene).core
+        lobes, roughness = _core.wanted_radiance_tables(core)
+        tables = []
+        for kind, u, v, correlated in lobes:
+            lobe: dict[str, object] = {"exponent": u} if _KINDS[kind] == "phong" else {"alpha": (u, v)}
+            if correlated:
+                lobe["masking"] = "correlated"
+            tables.append(_table(_KINDS[kind], options, lobe, threads, progress))
+        if roughness:
+            tables.append(_table("metallic-roughness", options, {}, threads, progress))
+        known[key] = _core.RadianceTables(core, tables, options.order)
+    return known[key]
+
+
+def _table(
+    kind: Kind, options: RadianceCache, lobe: dict[str, object], threads: int | None, progress: ProgressReport | None
+) -> _core.BrdfTable:
+    return brdf_table(
+        kind, basis="spherical", order=options.order, max_error=options.gloss_error, threads=threads, progress=progress,
+        **lobe,  # type: ignore[arg-type]
+    ).core  # fmt: skip

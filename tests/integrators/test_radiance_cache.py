@@ -1,0 +1,178 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Radiance caching against path tracing and closed forms. Bias is measured where records served a pixel's gloss."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from functools import cache
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.errors import EclatError
+from eclat.scene import Camera, Environment, Material, Scene, grey, look_at
+from eclat.scenes import glossy_box
+from eclat.scenes.geometry import box, mesh
+from support.similarity import Similarity, rotation
+
+SIZE = (48, 48)
+
+
+@dataclass(frozen=True)
+class Reference:
+    """Indirect light by two independent path-traced pictures, and the floor of all light for relative errors."""
+
+    first: np.ndarray
+    second: np.ndarray
+    floor: np.ndarray
+
+    def error(self, indirect: np.ndarray, where: np.ndarray) -> float:
+        """RMS relative to all light, over the pixels of `where`; noise of the references cancels."""
+        product = (indirect - self.first) * (indirect - self.second) / self.floor
+        return float(np.sqrt(max(0.0, product[where].mean())))
+
+    def bias(self, indirect: np.ndarray, where: np.ndarray) -> float:
+        mean = (self.first + self.second)[where].mean() / 2
+        return float(indirect[where].mean() / mean - 1)
+
+
+@cache
+def reference(alpha: float) -> Reference:
+    first, second = (
+        eclat.render(glossy_box.build(alpha), eclat.Path(), samples=768, size=SIZE, seed=seed) for seed in (11, 12)
+    )
+    whole = (first.pixels + second.pixels) / 2
+    return Reference(first.layers["indirect"], second.layers["indirect"], whole**2 + 0.01)
+
+
+def picture(scene: Scene, options: eclat.RadianceCache, samples: int = 8) -> eclat.Image:
+    return eclat.render(scene, eclat.solve(scene, options, size=SIZE, check=False), samples=samples, size=SIZE)
+
+
+@pytest.mark.parametrize(("alpha", "served", "error", "bias"), [(0.4, 0.13, 0.02, 0.015), (0.6, 0.16, 0.012, 0.012)])
+def test_rough_metal_in_the_box_is_cached_with_a_stated_bias(
+    alpha: float, served: float, error: float, bias: float
+) -> None:
+    image = picture(glossy_box.build(alpha), eclat.RadianceCache())
+    cached = image.layers["gloss_cached"] > 0.99
+    assert cached.mean() > served
+    assert reference(alpha).error(image.layers["indirect"], cached) < error
+    assert abs(reference(alpha).bias(image.layers["indirect"], cached)) < bias
+
+
+def test_more_bands_err_less() -> None:
+    scene, errors = glossy_box.build(0.4), []
+    for order in (3, 5, 8):
+        # All lobes are cached, whatever the order leaves of them.
+        image = picture(scene, eclat.RadianceCache(order=order, gloss_error=1))
+        cached = image.layers["gloss_cached"] > 0.99
+        assert cached.mean() > 0.15
+        errors.append(reference(0.4).error(image.layers["indirect"], cached))
+    assert errors[0] > 1.3 * errors[1] > 1.3 * errors[2]
+
+
+def test_narrow_lobes_are_traced() -> None:
+    image = picture(glossy_box.build(0.05), eclat.RadianceCache(), samples=1)
+    assert image.layers["gloss_traced"].mean() > 0.15
+    assert image.layers["gloss_cached"].mean() < 0.02
+
+
+def under_a_sky(material: Material) -> Scene:
+    """A floor under a sky of radiance 1."""
+    shapes = mesh([box((-9, -1, -9), (9, 0, 9))], material, "floor")
+    camera = Camera(look_at((0, 1.2, 3.2), (0, 0, 0)), fov=35, size=SIZE, name="camera")
+    return Scene(
+        meshes=(shapes,), cameras=(camera,), environment=Environment(np.ones((1, 1, 3), np.float32)), name="sky"
+    )
+
+
+LOBES = {
+    "ggx": Material("conductor", {"eta": grey(0), "k": grey(1), "alpha_u": grey(0.5)}),
+    "ward": Material("ward", {"diffuse_reflectance": grey(0), "specular_reflectance": grey(0.7), "alpha_u": grey(0.4)}),
+    "phong": Material(
+        "phong", {"diffuse_reflectance": grey(0), "specular_reflectance": grey(0.7), "exponent": grey(8)}
+    ),
+    "gltf": Material("metallic_roughness", {"base_color": grey(0.7), "metallic": grey(1), "roughness": grey(0.5)}),
+}
+
+
+@pytest.mark.parametrize("lobe", LOBES)
+def test_even_light_is_reflected_by_the_directional_albedo(lobe: str) -> None:
+    """Which `path` integrates by itself."""
+    scene = under_a_sky(LOBES[lobe])
+    image = picture(scene, eclat.RadianceCache(), samples=4)
+    exact = eclat.render(scene, eclat.Path(), samples=256, size=SIZE, seed=5)
+    cached = image.layers["gloss_cached"] > 0.99
+    assert cached.mean() > 0.3
+    assert image.pixels[cached].mean() == pytest.approx(exact.pixels[cached].mean(), rel=0.01)
+
+
+@pytest.fixture(scope="module")
+def solved() -> tuple[Scene, eclat.Solution]:
+    scene = glossy_box.build(0.5)
+    return scene, eclat.solve(scene, eclat.RadianceCache(), size=SIZE, check=False)
+
+
+def test_a_saved_cache_gives_the_same_bits(solved: tuple[Scene, eclat.Solution], tmp_path: Path) -> None:
+    scene, solution = solved
+    solution.save(tmp_path / "cache.npz")
+    again = eclat.Solution.load(tmp_path / "cache.npz", scene)
+    assert again.options == solution.options
+    a, b = (eclat.render(scene, s, samples=2, size=SIZE) for s in (solution, again))
+    assert np.array_equal(a.pixels, b.pixels)
+    assert np.array_equal(a.layers["gloss_cached"], b.layers["gloss_cached"])
+    assert a.layers["gloss_cached"].max() == 1
+
+
+def test_a_damaged_file_is_refused(solved: tuple[Scene, eclat.Solution], tmp_path: Path) -> None:
+    solved[1].save(tmp_path / "cache.npz")
+    with np.load(tmp_path / "cache.npz") as data:
+        arrays = dict(data)
+    for name in ("radiance", "radiance_values", "radiance_gradients"):
+        np.savez(tmp_path / "bad.npz", **(arrays | {name: arrays[name][:, :20]}))
+        with pytest.raises(EclatError, match=f"'{name}' is damaged"):
+            eclat.Solution.load(tmp_path / "bad.npz")
+
+
+def test_merged_with_itself_nothing_changes(solved: tuple[Scene, eclat.Solution]) -> None:
+    scene, solution = solved
+    both = eclat.merge(solution, solution)
+    assert both.radiance is not None and solution.radiance is not None
+    assert len(both.radiance) == len(solution.radiance)
+    a, b = (eclat.render(scene, s, samples=4, size=SIZE).pixels for s in (solution, both))
+    assert a.mean() == pytest.approx(b.mean(), rel=1e-3)  # records come in another order
+
+
+def test_threads_do_not_matter(solved: tuple[Scene, eclat.Solution]) -> None:
+    scene, solution = solved
+    single = eclat.solve(scene, eclat.RadianceCache(), size=SIZE, check=False, threads=1)
+    assert single.radiance is not None and solution.radiance is not None
+    assert np.array_equal(single.radiance.values, solution.radiance.values)
+    assert np.array_equal(single.near, solution.near)
+
+
+def test_scene_and_camera_turned_together_give_the_same_picture() -> None:
+    scene = glossy_box.build(0.5)
+    moved = Similarity(turn=rotation((1, 2, -0.5), 77)).scene(scene)
+    a, b = (picture(s, eclat.RadianceCache(), samples=16) for s in (scene, moved))
+    cached = (a.layers["gloss_cached"] > 0.99) & (b.layers["gloss_cached"] > 0.99)
+    assert cached.mean() > 0.12
+    x, y = a.layers["indirect"][cached], b.layers["indirect"][cached]
+    assert y.mean() == pytest.approx(x.mean(), rel=0.01)
+    assert np.sqrt(np.mean((x - y) ** 2) / np.mean(x**2)) < 0.05
+
+
+def test_a_second_view_of_a_solved_scene_gathers_nothing_and_is_served() -> None:
+    scene = glossy_box.build(0.5)
+    solution = eclat.solve(scene, eclat.RadianceCache(), size=SIZE, check=False)
+    first = scene.cameras[0]
+    nearer = np.array(first.to_world)
+    nearer[:3, 3] -= 0.3 * nearer[:3, 2] / np.linalg.norm(nearer[:3, 2])
+    moved = Camera(nearer, fov=first.fov, size=SIZE, name="nearer")
+    image = eclat.render(scene, solution, camera=moved, samples=2, size=SIZE)
+    served, traced = image.layers["gloss_cached"].mean(), image.layers["gloss_traced"].mean()
+    assert served > 0.15
+    assert traced < 0.2 * served
