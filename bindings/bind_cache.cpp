@@ -62,8 +62,8 @@ void bind_cache(nb::module_& m) {
             "metric", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.metric); },
             [](IrradianceCacheOptions& o, int metric) { o.metric = static_cast<Metric>(metric); })
         .def_prop_rw(
-            "ward_weight", [](const IrradianceCacheOptions& o) { return o.cache.weight == Weight::ward; },
-            [](IrradianceCacheOptions& o, bool on) { o.cache.weight = on ? Weight::ward : Weight::tabellion; })
+            "weight", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.cache.weight); },
+            [](IrradianceCacheOptions& o, int weight) { o.cache.weight = static_cast<Weight>(weight); })
         .def_prop_rw(
             "relaxation", [](const IrradianceCacheOptions& o) { return o.cache.relaxation; },
             [](IrradianceCacheOptions& o, float x) { o.cache.relaxation = x; })
@@ -76,7 +76,12 @@ void bind_cache(nb::module_& m) {
         .def_prop_rw(
             "neighbor_clamping", [](const IrradianceCacheOptions& o) { return o.cache.neighbor_clamping; },
             [](IrradianceCacheOptions& o, bool on) { o.cache.neighbor_clamping = on; })
+        .def_prop_rw(
+            "balanced", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.balanced); },
+            [](IrradianceCacheOptions& o, int which) { o.balanced = static_cast<Balanced>(which); })
+        .def_rw("disagreement", &IrradianceCacheOptions::disagreement)
         .def_rw("gradient_limit", &IrradianceCacheOptions::gradient_limit)
+        .def_rw("obstacle_limit", &IrradianceCacheOptions::obstacle_limit)
         .def_rw("least_pixels", &IrradianceCacheOptions::least_pixels)
         .def_rw("largest_pixels", &IrradianceCacheOptions::largest_pixels)
         .def_rw("rows", &IrradianceCacheOptions::rows)
@@ -108,8 +113,11 @@ void bind_cache(nb::module_& m) {
     nb::class_<SolvedCaches>(m, "SolvedCaches")
         .def("__init__",
              [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
-                 new (c) SolvedCaches{
-                     from_array(near, o.cache, o.spacing), from_array(far, far_reading(o.cache), o.far_spacing), {}};
+                 new (c) SolvedCaches{from_array(near, o.cache, o.spacing),
+                                      from_array(far, far_reading(o.cache), o.far_spacing),
+                                      {},
+                                      {},
+                                      {}};
              })
         .def(nb::init<>())
         .def("set_radiance",
@@ -142,6 +150,7 @@ void bind_cache(nb::module_& m) {
         .def_prop_ro(
             "far", [](const SolvedCaches& c) { return to_array(c.far.records()); }, nb::rv_policy::move)
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
+        .def_prop_ro("left_to_paths", [](const SolvedCaches& c) { return c.direct.left_to_paths(); })
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });
     // They fill `caches` in place: after an interrupt it holds the passes that were finished.
     m.def(

@@ -27,6 +27,7 @@ PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* 
     if (caches) {
         options.light_set = LightSet::without_environment_image;
         options.cache = read_near(*caches);
+        if (max_depth < 0 && !caches->far.records().empty()) options.far_cache = read_far(caches->far);
         options.light_samples = cached_light_samples;
         options.miss_paths = cached_miss_paths;
     }

@@ -57,7 +57,7 @@ Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind) {
     return {s * std::cos(phi), s * std::sin(phi), safe_sqrt(1 - s2)};
 }
 
-Color take_excess(HemisphereSamples& samples) {
+float excess_limit(const HemisphereSamples& samples) {
     constexpr float largest_share = 0.05f;
     const std::vector<float> weights = row_weights(samples);
     const auto columns = static_cast<size_t>(samples.columns);
@@ -75,7 +75,19 @@ Color take_excess(HemisphereSamples& samples) {
         lowered = (limit == infinity || lowered) && next < 0.99f * limit;
         limit = std::min(limit, next);
     }
+    return limit;
+}
+
+Color beyond(Color radiance, float limit) {
+    const float Y = luminance(radiance);
+    return Y > limit ? radiance * (1 - limit / Y) : Color();
+}
+
+Color take_excess(HemisphereSamples& samples) {
+    const float limit = excess_limit(samples);
     Color taken;
+    const std::vector<float> weights = row_weights(samples);
+    const auto columns = static_cast<size_t>(samples.columns);
     for (size_t i = 0; i < samples.radiance.size(); ++i) {
         Color& L = samples.radiance[i];
         const float brought = luminance(L) * weights[i / columns];

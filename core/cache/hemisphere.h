@@ -46,6 +46,10 @@ int columns_for(int rows);
 /// The direction in cell (j, k) for random numbers u in the unit square, in the grid's frame.
 Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind = Rows::cosine);
 
+/// The luminance of a cell that alone brings a twentieth of the irradiance, if all brighter ones are lowered to it.
+float excess_limit(const HemisphereSamples& samples);
+/// What radiance has beyond that luminance.
+Color beyond(Color radiance, float limit);
 /// Lowers the radiance of cells that alone bring more than a twentieth of the irradiance to that share, and returns the
 /// irradiance that was taken away. So few rays cannot tell how large a bright thing is: one record knows nothing of
 /// it, many together do.

@@ -12,6 +12,10 @@ namespace eclat {
 
 void RecordCache::insert(std::span<const IrradianceRecord> records, float spacing, int threads) {
     records_.insert(records_.end(), records.begin(), records.end());
+    rebuild(spacing, threads);
+}
+
+void RecordCache::rebuild(float spacing, int threads) {
     if (options_.neighbor_clamping) clamp_to_neighbors(spacing, threads);
     std::vector<SphereTree::Sphere> spheres;
     spheres.reserve(records_.size());
@@ -27,29 +31,47 @@ void RecordCache::insert(std::span<const IrradianceRecord> records, float spacin
         const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
         const Frame frame = Frame::around(r.normal);
         const Vec3 axis = frame.u * std::cos(r.axis) + frame.v * std::sin(r.axis);
-        footings_.push_back({r.position, r.radius, r.normal, nearest, axis * safe_sqrt(1 - 1 / sqr(r.elongation))});
+        const Vec3 stretch = axis * safe_sqrt(1 - 1 / sqr(r.elongation));
+        footings_.push_back({r.position, r.radius, r.normal, nearest, stretch, spacing, r.enclosed > 0});
     }
     share_excess(threads);
-    double sum = 0;
-    for (const auto& r : records_) sum += luminance(r.irradiance);
-    mean_luminance_ = static_cast<float>(sum / static_cast<double>(std::max<size_t>(1, records_.size())));
+    double sum = 0, read = 0;
+    for (const auto& r : records_) {
+        if (r.enclosed > 0) continue;
+        sum += luminance(r.irradiance);
+        ++read;
+    }
+    mean_luminance_ = static_cast<float>(sum / std::max(1.0, read));
 }
 
-// Each record reads the weighted mean of what its wider surroundings found in excess: the sum of all stays about the same,
-// its noise falls with their number.
+// Each record reads the weighted mean of what its surroundings found in excess: the sum of all stays about the same, its
+// noise falls with their number. How wide they are depends on the noise of all, never on a record's own: one that met
+// nothing bright knows of no noise.
 void RecordCache::share_excess(int threads) {
-    constexpr float surroundings = 4;  // in units of a record's radius
+    constexpr float widest = 4, narrowest = 0.5f;  // in units of a record's radius
+    constexpr float noisiest = 0.1f;               // of the irradiance, for which it takes the widest
     const auto& order = tree_.order();
     shared_excess_ = parallel_map<Color>(order.size(), threads, [&](size_t slot) {
         Color sum;
-        float weights = 0;
-        if (order[slot] == SphereTree::vacant) return sum;
+        if (order[slot] == SphereTree::vacant || footings_[slot].enclosed) return sum;
         const Footing& here = footings_[slot];
-        tree_.for_each_near(here.position, surroundings * here.radius, [&](uint32_t other, float d2) {
-            const float w = weight_of(other, here.position, here.normal, d2, surroundings);
-            sum += records_[order[other]].excess * w;
-            weights += w;
+        const auto for_each_in = [&](float surroundings, auto&& f) {
+            tree_.for_each_near(here.position, surroundings * here.radius, [&](uint32_t other, float d2) {
+                const float w = weight_of(other, here.position, here.normal, d2, surroundings);
+                if (w > 0) f(records_[order[other]], w);
+            });
+        };
+        float noise = 0, light = 0, weights = 0;
+        for_each_in(widest, [&](const IrradianceRecord& r, float w) {
+            noise += r.excess_noise * w;
+            light += luminance(r.irradiance + r.excess) * w;
         });
+        if (!(noise > 0)) return records_[order[slot]].excess;
+        for_each_in(clamp(widest * noise / (noisiest * light), narrowest, widest),
+                    [&](const IrradianceRecord& r, float w) {
+                        sum += r.excess * w;
+                        weights += w;
+                    });
         return sum * (1 / weights);
     });
 }
@@ -67,9 +89,13 @@ std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
 }
 
 float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
+    return footings_[slot].enclosed ? 0 : footing_at(slot, p, n, distance2, relaxation);
+}
+
+float RecordCache::footing_at(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
     const Footing& footing = footings_[slot];
     const float w = weight(footing, p, n, options_.weight, relaxation);
-    if (w <= 0 || distance2 <= sqr(footing.clearance)) return w;
+    if (w <= 0 || distance2 <= sqr(footing.clearance) || options_.weight == Weight::split_sphere) return w;
     // The lower bound of the radius may reach through a thin wall: what stands in that direction ends the validity.
     const int sector = clearance_sector(Frame::around(footing.normal), p - footing.position);
     return distance2 <= sqr(records_[tree_.order()[slot]].clearance[sector]) ? w : 0;
@@ -90,7 +116,8 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
         // the radius reach.
         const float reach = std::min(distance, record.largest_radius / spacing);
         tree.for_each_near(record.position, reach, [&](uint32_t slot, float d2) {
-            distance = std::min(distance, records_[order[slot]].distance + std::sqrt(d2));
+            const IrradianceRecord& other = records_[order[slot]];
+            if (other.enclosed == 0) distance = std::min(distance, other.distance + std::sqrt(d2));
         });
         return distance;
     });
@@ -100,10 +127,54 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     }
 }
 
+// A record's value at its own place is no extrapolation, so that is where its neighbours' are judged. The error of a
+// first-order extrapolation grows with the square of the distance, so it is the tolerated one where that is shorter by the
+// root of their ratio.
+size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing, int threads) {
+    const auto& order = tree_.order();
+    constexpr float deviations = 2;  // what noise explains with a chance of 95 %
+    std::vector<uint32_t> slot_of(records_.size());
+    for (uint32_t slot = 0; slot < order.size(); ++slot)
+        if (order[slot] != SphereTree::vacant) slot_of[order[slot]] = slot;
+    // How much more record `from` errs at the place of `at` than is tolerated; 0 where it does not reach.
+    const auto excess_error = [&](uint32_t from, uint32_t at, float d2) {
+        const IrradianceRecord &a = records_[order[from]], &b = records_[order[at]];
+        if (b.enclosed > 0 || weight_of(from, b.position, b.normal, d2, options_.relaxation) <= 0) return 0.0f;
+        const float there = luminance(b.irradiance + shared_excess_[at]);
+        const float read = luminance(extrapolate(a, b.position, b.normal) + shared_excess_[from]);
+        // The floor is that of the measure of error.
+        const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
+        const float explained = deviations * std::sqrt(sqr(a.own_noise) + sqr(b.own_noise)) * there;
+        return std::fabs(read - there) / (explained + tolerance * unit);
+    };
+    const auto distances = parallel_map<float>(records_.size(), threads, [&](size_t i) {
+        const uint32_t here = slot_of[i];
+        float distance = records_[i].distance;
+        const float reach = records_[i].radius * records_[i].elongation * options_.relaxation;
+        tree_.for_each_near(records_[i].position, reach, [&](uint32_t other, float d2) {
+            if (other == here) return;
+            const float mine = excess_error(here, other, d2);
+            if (mine <= 1 || mine < excess_error(other, here, d2)) return;
+            distance = std::min(distance, std::sqrt(d2 / mine) / spacing);
+        });
+        return distance;
+    });
+    size_t shrunk = 0;
+    for (size_t i = 0; i < records_.size(); ++i) {
+        // At the lower bound nothing changes any more.
+        shrunk += distances[i] < records_[i].distance && records_[i].radius > records_[i].least_radius;
+        IrradianceRecord& r = records_[i];
+        r.distance = distances[i];
+        r.radius = std::min(r.radius, clamp(spacing * r.distance, r.least_radius, r.largest_radius));
+    }
+    if (shrunk > 0) rebuild(spacing, threads);
+    return shrunk;
+}
+
 bool RecordCache::serves(Vec3 p, Vec3 normal) const {
     bool served = false;
     tree_.for_each_around(p,
-                          [&](uint32_t slot, float d2) { served = served || weight_of(slot, p, normal, d2, 1) > 0; });
+                          [&](uint32_t slot, float d2) { served = served || footing_at(slot, p, normal, d2, 1) > 0; });
     return served;
 }
 

@@ -30,6 +30,11 @@ class RecordCache {
     /// Adds records in the order given, clamps neighbours and rebuilds the tree.
     void insert(std::span<const IrradianceRecord> records, float spacing, int threads);
 
+    /// Where two records that reach each other disagree by more than `tolerance` of what is there, beyond what their noise
+    /// explains, the worse one's radius shrinks to where it would not [Krivanek06]; then neighbours are clamped again. What
+    /// it no longer serves is up to the next pass. Returns how many shrank.
+    size_t shrink_where_records_disagree(float tolerance, float spacing, int threads);
+
     // Normals here are geometric: a bump tilts what a point looks at, not where its records lie.
 
     /// Whether a record is valid at the point, by the strict test that decides where records are placed.
@@ -58,8 +63,11 @@ class RecordCache {
     const CacheOptions& options() const { return options_; }
 
   private:
-    /// The record's weight at the point; 0 also where geometry stands between them.
+    /// How far the record reaches there; 0 also where geometry stands between them.
+    float footing_at(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const;
+    /// With what weight it is read there.
     float weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const;
+    void rebuild(float spacing, int threads);
     void clamp_to_neighbors(float spacing, int threads);
     void share_excess(int threads);
     Color extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shading) const;

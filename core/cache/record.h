@@ -35,8 +35,11 @@ struct IrradianceRecord {
     /// Per sector of azimuth in Frame::around(normal): how far one can walk before geometry stands in the way. What
     /// lies beyond may be another room.
     std::array<float, 12> clearance{};
-    float noise = 0;  // relative, as if its gather had the usual number of rays
+    float noise = 0;         // relative, as if its gather had the usual number of rays
+    float own_noise = 0;     // relative, of what is read there with the rays that it had
+    float excess_noise = 0;  // standard error of the excess's luminance, W·m⁻²
+    float enclosed = 0;      // 1: inside solids, where most rays meet the back of surfaces that have none; never read
 };
-static_assert(sizeof(IrradianceRecord) <= 208);
+static_assert(sizeof(IrradianceRecord) <= 212);
 
 }  // namespace eclat

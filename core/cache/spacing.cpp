@@ -12,7 +12,8 @@
 // least where λ² R⁶ is the same for each; relative to E and counted in pixels, with a free factor,
 //   R = spacing · (w E / λ)^{1/3} .
 // [Schwarzhaupt12] holds the sum of absolute errors the same instead, R ∝ (E / λ)^{1/4}, with a threshold in m² that makes
-// the records of a model in millimetres 32 times denser than those of the same in metres; this one has no unit.
+// the records of a model in millimetres 32 times denser than those of the same in metres; this one has no unit. By option
+// that sum is balanced, with w² in place of the threshold.
 //
 // Held to     tests/core/test_spacing.cpp
 
@@ -56,11 +57,14 @@ float elongation(const PrincipalCurvatures& bends) {
 }
 
 void space(IrradianceRecord& record, float footprint, float mean, const SpacingRule& rule) {
-    const float E = luminance(record.irradiance);
+    const float E = luminance(record.irradiance), obstacle = record.distance;
     if (curvature_of(rule.metric) && footprint > 0 && record.curvature > 0) {
         // The measure's own floor is 0.1 of the root mean square.
         const float judged = std::sqrt(E * E + sqr(0.1f * mean));
-        record.distance = std::min(record.distance, cube_root(footprint * judged / record.curvature));
+        const float allowed = rule.balanced == Balanced::squared
+                                  ? cube_root(footprint * judged / record.curvature)
+                                  : std::sqrt(std::sqrt(sqr(footprint) * judged / record.curvature));
+        record.distance = std::min(record.distance, allowed);
     }
     const auto& g = record.translation.channel;
     const auto along = [&](int axis) { return luminance({g[0][axis], g[1][axis], g[2][axis]}); };
@@ -68,6 +72,9 @@ void space(IrradianceRecord& record, float footprint, float mean, const SpacingR
     // Not farther than the gradient can be trusted, and where a lower bound goes farther, the gradient less [Krivanek06].
     if (rule.gradient_limit && steepness > 0) record.distance = std::min(record.distance, E / steepness);
     record.radius = clamp(rule.spacing * record.distance, record.least_radius, record.largest_radius);
+    // The long axis too ends where the short one would before an obstacle: curvature knows of those that gather rays met,
+    // and what hangs close beside is met by luck.
+    record.elongation = clamp(rule.spacing * obstacle / record.radius, 1, record.elongation);
     const float raised = rule.spacing * record.distance / record.radius;
     if (raised < 1)
         for (Vec3& channel : record.translation.channel) channel = channel * raised;

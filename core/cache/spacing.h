@@ -24,10 +24,17 @@ enum class Metric : uint8_t {
 /// Which second derivatives a metric needs; none for distances.
 std::optional<Curvature> curvature_of(Metric metric);
 
+/// Which error is held the same for every record that follows curvature.
+enum class Balanced : uint8_t {
+    squared,   // summed squares over the record's disc: least for a number of records
+    absolute,  // summed absolute errors [Schwarzhaupt12]
+};
+
 struct SpacingRule {
     Metric metric = Metric::occlusion;
     float spacing = 0.8f;  // radius in units of the record's length
     bool gradient_limit = true;
+    Balanced balanced = Balanced::squared;
 };
 
 /// R2 / R1 of the ellipse in which a record is valid, between 1 and 2 [Schwarzhaupt12].

@@ -11,7 +11,12 @@
 
 namespace eclat {
 
-enum class Weight : uint8_t { tabellion, ward };
+enum class Weight : uint8_t {
+    tabellion,  // the larger of the errors of distance and turn, squared to end smoothly [Tabellion04]
+    ward,       // the inverse of their sum, shifted to end at 0
+    split_sphere,  // the same as published [Ward88]: the tolerance of turns grows with that of distances, and only what lies
+                   // behind a record is refused. For comparisons: it leaks.
+};
 
 namespace detail {
 // √(1 − cos 10°): a normal that differs by 10° keeps others from being placed [Tabellion04].
@@ -31,12 +36,25 @@ struct Footing {
     Vec3 position;
     float radius;
     Vec3 normal;
-    float clearance;  // the least of the record's sectors
-    Vec3 stretch{};   // along the long axis, of length √(1 − (R1/R2)²): lengths are measured shorter there
+    float clearance;        // the least of the record's sectors
+    Vec3 stretch{};         // along the long axis, of length √(1 − (R1/R2)²): lengths are measured shorter there
+    float tolerance = 0;    // the split sphere's a: its radius is a R
+    bool enclosed = false;  // in a solid: it keeps other records away, and is not read
 };
+
+/// Ward's weight without our guards [Ward88].
+inline float split_sphere_weight(const Footing& record, Vec3 p, Vec3 n, float relaxation) {
+    const Vec3 d = p - record.position;
+    const float distance = length(d), turn = safe_sqrt(1 - dot(n, record.normal));
+    const float e = (distance / record.radius + turn / record.tolerance) / relaxation;
+    // Behind the record by the mean of both normals, beyond rounding.
+    if (e >= 1 || dot(d, n + record.normal) < -1e-3f * record.radius) return 0;
+    return 1 / std::max(e, 1e-3f) - 1;
+}
 
 /// 0 where the record does not serve the point.
 inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float relaxation) {
+    if (kind == Weight::split_sphere) return split_sphere_weight(record, p, n, relaxation);
     // Normals that differ by more than the tolerance end the validity under both weights; most misses end here.
     const float cosine = dot(n, record.normal);
     const float tolerated = detail::tolerated_turn(relaxation);

@@ -108,7 +108,7 @@ void solve_irradiance_cache(const World& world, const Camera& camera, const Irra
     const uint64_t sweep = 1 + 3 * std::bit_width(unsigned(coarsest) / 2);
     progress.begin(far_passes(options) + (before_near ? 2 : 1) * sweep);
     solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
-              caches.far, progress);
+              caches, progress);
     if (before_near) before_near();
     for_each_lattice(camera, [&](std::span<const Vec2> pixels) {
         add_near(world, camera_candidates(world, camera, pixels, options, progress), options, caches, progress);

@@ -10,10 +10,12 @@
 #include <span>
 #include <vector>
 
+#include "cache/bright_places.h"
 #include "cache/hemisphere.h"
 #include "cache/irradiance_cache.h"
 #include "cache/radiance_cache.h"
 #include "cache/spacing.h"
+#include "integrators/direct_regions.h"
 #include "transport/paths.h"
 
 namespace eclat {
@@ -31,7 +33,11 @@ struct IrradianceCacheOptions {
     /// Radius of a far record in units of its distance R. Coarser ones blur what gather rays see: half darkened rooms that
     /// are lit through a gap by two per cent.
     float far_spacing = usual_far_spacing;
+    float disagreement =
+        0.02f;  // of records, relative, beyond their noise, that shrinks the worse; infinity: none does
     bool gradient_limit = true;
+    Balanced balanced = Balanced::squared;
+    bool obstacle_limit = true;  // of curvature's radius by the least distance to what stands apart
     CacheOptions cache;
     int max_depth = -1;
     uint32_t seed = 0;
@@ -41,6 +47,9 @@ struct IrradianceCacheOptions {
 struct SolvedCaches {
     RecordCache near, far;
     RadianceCache radiance;  // empty under irradiance caching
+    // While records are made:
+    BrightPlaces bright;
+    DirectRegions direct;
 };
 
 /// Where a record could be wanted.
@@ -97,7 +106,7 @@ CachedIrradiance read_far(const RecordCache& far);
 /// A pass of the far cache: coarse records at the candidates that are not served. Rays find candidates by chance, so
 /// those that lie close to each other are thinned, in order.
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
-             RecordCache& far, Progress& progress);
+             SolvedCaches& caches, Progress& progress);
 
 /// Diffuse points that rays [first, end) of a sequence of cosine-distributed rays meet; the rays leave from `seen`, spread
 /// evenly over it.
@@ -106,11 +115,12 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
 
 /// Rounds of far candidates from `seen`, and their records: all of the far cache.
 void solve_far(const World& world, std::span<const Candidate> seen, const IrradianceCacheOptions& options,
-               RecordCache& far, Progress& progress);
+               SolvedCaches& caches, Progress& progress);
 /// How many passes `solve_far` reports to `progress`.
 uint64_t far_passes(const IrradianceCacheOptions& options);
 
-/// A pass of the near cache against its frozen state: the candidates that are not served get records. Returns how many.
+/// A pass of the near cache against its frozen state: the candidates that are not served get records where that pays.
+/// Returns how many were not served.
 size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
                 SolvedCaches& caches, Progress& progress);
 

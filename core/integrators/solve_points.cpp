@@ -93,7 +93,7 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
             out.emplace_back(bare_point(world, points[i]), pixel_without_camera(world), static_cast<uint32_t>(i));
         return out;
     };
-    solve_far(world, every(1, 0), options, caches.far, progress);
+    solve_far(world, every(1, 0), options, caches, progress);
     // Each pass takes the points halfway between those of all passes before.
     add_near(world, every(coarsest, 0), options, caches, progress);
     for (size_t step = coarsest; step > 1; step /= 2) add_near(world, every(step, step / 2), options, caches, progress);
@@ -113,7 +113,7 @@ void solve_everywhere(const World& world, const IrradianceCacheOptions& options,
     const auto far_rounds = static_cast<uint32_t>((far_count + far_round - 1) / far_round);
     progress.begin(far_rounds + passes);
     for (uint32_t round = 0; round < far_rounds; ++round)
-        add_far(world, surface.spread(far_round, passes + round, options.seed), options, caches.far, progress);
+        add_far(world, surface.spread(far_round, passes + round, options.seed), options, caches, progress);
     for (uint32_t pass = 0; pass < passes; ++pass) {
         const size_t count = first_pass << pass;
         const auto candidates = surface.spread(count, pass, options.seed);

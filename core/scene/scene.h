@@ -39,6 +39,11 @@ class Geometry {
     float radius() const { return 0.5f * length(high_ - low_); }
 
     const Material& material_of(uint32_t triangle) const { return materials_[mesh_[faces_[triangle].mesh].material]; }
+    /// Whether nothing is seen of it from behind.
+    bool has_no_back(uint32_t triangle) const {
+        const Material& m = material_of(triangle);
+        return !m.two_sided && !m.transmits;
+    }
     Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[faces_[triangle].v[corner]]; }
     Vec2 uv(uint32_t triangle, int corner, int set) const;
     /// Unit normal by counter-clockwise order.

@@ -112,13 +112,17 @@ class Tracer {
             PathResult& first = out_[s.index];
             first.distance = hit.t;
             first.normal = point.frame.n;
+            first.behind = world_.geometry.has_no_back(hit.triangle) &&
+                           dot(world_.geometry.geometric_normal(hit.triangle), wo) < 0;
             first.albedo = point.bsdf.albedo(wo_local);
         }
         add_emission(s, hit, point, wo);
         if (!may_have(edges_ + 1)) return false;
 
         if (options_.cache && point.bsdf.has(LobeSet::diffuse)) {
-            if (const auto irradiance = options_.cache(point, hit.t)) {
+            auto irradiance = options_.cache(point, hit.t);
+            if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(point, hit.t);
+            if (irradiance) {
                 add(s.index, s.throughput * point.bsdf.diffuse_albedo(wo_local) * *irradiance * inv_pi, false);
                 point.bsdf.set_cached(LobeSet::diffuse);
             } else {

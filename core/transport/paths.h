@@ -37,6 +37,7 @@ struct PathOptions {
     Coherence coherence = Coherence::none;
     CachedIrradiance cache;
     CachedReflection reflection;
+    CachedIrradiance far_cache;  // asked beyond the first vertex, where `cache` does not serve
 };
 
 struct PathRay {
@@ -51,6 +52,7 @@ struct PathResult {
     Color albedo;               // of the first vertex
     Vec3 normal;                // of shading, at the first vertex
     float distance = infinity;  // to the first vertex
+    bool behind = false;        // it lies on the back of a surface that has none
     bool cache_missed = false;  // a diffuse vertex was not served and was answered by going on
     bool gloss_cached = false;  // at the first vertex some lobe that is not diffuse was served by a cache
     bool gloss_traced = false;  // … some was not, and was traced

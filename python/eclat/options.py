@@ -27,6 +27,12 @@ class Path:
         _check_range("Path", "roulette_depth", self.roulette_depth, 1, 10**6)
 
 
+WEIGHTS = ("tabellion", "ward", "split-sphere")
+"""How records can be weighted, in the core's order."""
+
+BALANCED = ("squared", "absolute")
+"""Which error of records can be held the same, in the core's order."""
+
 METRICS = ("occlusion", "radiometric", "geometric", "minimum", "harmonic")
 """What the radius of a record can follow, in the core's order."""
 
@@ -40,12 +46,16 @@ class IrradianceCache:
 
     max_error: float = 0.01
     """Wanted relative error of the indirect light, 0.0005..0.5."""
-    weight: Literal["tabellion", "ward"] = "tabellion"
-    """How records are weighted: Tabellion and Lamorlette 2004, or Ward's split sphere (1988)."""
+    weight: Literal["tabellion", "ward", "split-sphere"] = "tabellion"
+    """How records are weighted: Tabellion and Lamorlette 2004; Ward's sum of errors, with the same guards against leaks;
+    or Ward's split sphere as published (1988), without them: for comparisons."""
     metric: Literal["occlusion", "radiometric", "geometric", "minimum", "harmonic"] = "occlusion"
     """What a record's radius follows: how irradiance bends, with what hides and appears (Schwarzhaupt et al. 2012),
     without it, or for even radiance (Jarosz et al. 2012); the least distance to what it sees; or the harmonic mean of
     all distances (Ward 1988)."""
+    balanced: Literal["squared", "absolute"] = "squared"
+    """Which error is held the same for all records that follow curvature: its squares, summed over pixels, which makes the
+    least error for a number of records; or its absolute values, as Schwarzhaupt et al. (2012) do."""
     spacing: float | None = None
     """Radius of a record in units of that distance."""
     rows: int | None = None
@@ -59,7 +69,14 @@ class IrradianceCache:
     rotation_gradient: bool = True
     translation_gradient: bool = True
     neighbor_clamping: bool = True
+    """Radii differ no more than places do (Křivánek et al. 2006)."""
+    adaptive: bool = True
+    """Where overlapping records disagree by more than twice `max_error`, beyond what their noise explains, the worse one's
+    radius shrinks, and the next pass fills the gap (Křivánek et al. 2006)."""
     gradient_limit: bool = True
+    """A radius is no longer than the gradient would take to change the record's value by all of it."""
+    obstacle_limit: bool = True
+    """What curvature allows is bounded by the least distance to what stands apart from the surface."""
     far_records: int = 2000
     """Candidates for the coarse records in which gather rays end; 0 traces every path to its end."""
     far_rows: int = 9
@@ -70,7 +87,7 @@ class IrradianceCache:
     def __post_init__(self) -> None:
         _check_range("IrradianceCache", "max_error", self.max_error, 0.0005, 0.5)
         if self.spacing is not None:
-            _check_range("IrradianceCache", "spacing", self.spacing, 0.01, 2)
+            _check_range("IrradianceCache", "spacing", self.spacing, 0.01, 8)
         if self.rows is not None:
             _check_range("IrradianceCache", "rows", self.rows, 2, 256)
         _check_range("IrradianceCache", "far_spacing", self.far_spacing, 0.01, 2)
@@ -79,7 +96,7 @@ class IrradianceCache:
         _check_range("IrradianceCache", "least_pixels", self.least_pixels, 0.25, 1000)
         _check_range("IrradianceCache", "largest_pixels", self.largest_pixels, self.least_pixels, 10**5)
         _check_range("IrradianceCache", "relaxation", self.relaxation, 1, 4)
-        for name, known in (("weight", ("tabellion", "ward")), ("metric", METRICS)):
+        for name, known in (("weight", WEIGHTS), ("metric", METRICS), ("balanced", BALANCED)):
             _check_known("IrradianceCache", name, getattr(self, name), known)
 
 

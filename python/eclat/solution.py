@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import io
 import json
+import math
 import os
 import zipfile
 from dataclasses import asdict, dataclass, field
@@ -18,11 +19,11 @@ from eclat.atomic_file import write_file
 from eclat.compiled import compiled, fingerprint
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, warn
-from eclat.options import METHODS, METRICS, IrradianceCache, RadianceCache, method_name
+from eclat.options import BALANCED, METHODS, METRICS, WEIGHTS, IrradianceCache, RadianceCache, method_name
 from eclat.photons import Photons, merge_photons
 from eclat.scene import FloatArray, Scene
 
-FORMAT_VERSION = 4
+FORMAT_VERSION = 5
 
 Solved = TypeVar("Solved", "Solution", Photons)
 """What can be merged."""
@@ -39,6 +40,7 @@ _COLUMNS = {
     "elongations": slice(32, 33),
     "axes": slice(33, 34),
     "curvatures": slice(34, 35),
+    "enclosed": slice(52, 53),
 }
 
 
@@ -52,10 +54,12 @@ def core_options(
     usual = 0.4 if options.metric in ("minimum", "harmonic") else 0.8
     out.spacing = options.spacing if options.spacing is not None else min(2 * usual, usual * relative**0.5)
     out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), 8, 64))
+    out.disagreement = 2 * options.max_error if options.adaptive else math.inf
     out.metric = METRICS.index(options.metric)
-    out.ward_weight = options.weight == "ward"
+    out.balanced = BALANCED.index(options.balanced)
+    out.weight = WEIGHTS.index(options.weight)
     for name in (
-        "relaxation", "rotation_gradient", "translation_gradient", "neighbor_clamping", "gradient_limit",
+        "relaxation", "rotation_gradient", "translation_gradient", "neighbor_clamping", "gradient_limit", "obstacle_limit",
         "least_pixels", "largest_pixels", "far_rows", "far_records", "far_spacing",
     ):  # fmt: skip
         setattr(out, name, getattr(options, name))
@@ -72,7 +76,7 @@ def core_radiance_options(
     relative = options.max_error / 0.01
     out.order = options.order
     out.spacing = options.gloss_spacing if options.gloss_spacing is not None else out.irradiance.spacing
-    rows = int(np.clip(round(16 * relative**-0.5), 10, 96))
+    rows = int(np.clip(round(24 * relative**-0.5), 12, 96))
     out.rows = options.gloss_rows if options.gloss_rows is not None else rows
     return out
 
@@ -169,6 +173,11 @@ class Solution:
     def radii(self) -> np.ndarray:
         """(N,) radius within which each record is valid, in metres."""
         return self._column("radii")[:, 0]
+
+    @property
+    def enclosed(self) -> np.ndarray:
+        """(N,) whether a record lies inside a solid, where most rays met backs of one-sided surfaces: never read."""
+        return self._column("enclosed")[:, 0] > 0
 
     @property
     def rotation_gradients(self) -> np.ndarray:

@@ -225,6 +225,7 @@ class Job:
             statistics = {
                 "records": float(caches.near_count),
                 "far_records": float(caches.far_count),
+                "left_to_paths": float(caches.left_to_paths),
                 "rays": float(counted.rays),
                 "seconds": clock.perf_counter() - started,
             }

@@ -273,6 +273,52 @@ TEST_CASE("no radius exceeds a neighbour's by more than the distance between the
     CHECK(changed > 100);
 }
 
+TEST_CASE("of two records that disagree the worse shrinks to where its error is the tolerated one") {
+    // E = 1 + x²: each knows its value and slope, so both err by the square of the distance; relative to what is there, that
+    // is more where it is darker.
+    const auto parabola = [](float x) {
+        IrradianceRecord r = bare_record({x, 0, 0}, 2, Color(1 + x * x));
+        r.largest_radius = r.radius;
+        r.translation.channel.fill({2 * x, 0, 0});
+        return r;
+    };
+    const auto shrunk = [&](std::vector<IrradianceRecord> records, float tolerance, float own_noise) {
+        for (auto& r : records) r.own_noise = own_noise;
+        RecordCache cache(CacheOptions{.neighbor_clamping = false});
+        cache.insert(records, spacing, 1);
+        const size_t count = cache.shrink_where_records_disagree(tolerance, spacing, 2);
+        std::vector<float> radii{static_cast<float>(count)};
+        for (const auto& r : cache.records()) radii.push_back(r.radius);
+        return radii;
+    };
+    const float mean = 0.5f * (1 + 1.36f), unit = std::sqrt(1 + 0.01f * mean * mean);
+    const auto two = shrunk({parabola(0), parabola(0.6f)}, 0.1f, 0);
+    CHECK(two[0] == 1);
+    CHECK(two[1] == 1);
+    CHECK(two[2] == doctest::Approx(std::sqrt(0.1 * unit)).epsilon(1e-5));  // there x² is a tenth
+    // What noise explains shrinks nobody, nor do records that agree or are tolerated to differ.
+    CHECK(shrunk({parabola(0), parabola(0.6f)}, 0.1f, 0.2f)[0] == 0);
+    CHECK(shrunk({parabola(0), parabola(0.6f)}, 0.4f, 0)[0] == 0);
+    CHECK(shrunk({parabola(0), parabola(2.1f)}, 0.1f, 0)[0] == 0);  // out of reach
+    const auto linear = shrunk(linear_records(), 0.001f, 0);
+    CHECK(linear[0] == 0);
+}
+
+TEST_CASE("a record in a solid keeps others away, is not read and clamps nobody") {
+    std::vector<IrradianceRecord> records{bare_record({}, 2, Color(1)), bare_record({0.5f, 0, 0}, 0.1f, Color(9))};
+    records[1].enclosed = 1;
+    RecordCache cache;
+    records[0].largest_radius = 10;
+    cache.insert(records, spacing, 1);
+    CHECK(cache.interpolate({0.5f, 0, 0}, {0, 0, 1}, {0, 0, 1})->g == doctest::Approx(1));
+    CHECK(cache.records()[0].radius == doctest::Approx(1));
+    CHECK(cache.mean_luminance() == doctest::Approx(1));
+    RecordCache alone;
+    alone.insert(std::span(records).subspan(1), spacing, 1);
+    CHECK(alone.serves({0.5f, 0, 0}, {0, 0, 1}));
+    CHECK_FALSE(alone.interpolate({0.5f, 0, 0}, {0, 0, 1}, {0, 0, 1}).has_value());
+}
+
 TEST_CASE("a wall beside a record ends its validity in that direction only") {
     std::vector<IrradianceRecord> records{bare_record({}, 4, Color(1))};
     const Frame frame = Frame::around(records[0].normal);
@@ -292,6 +338,7 @@ TEST_CASE("what few rays brought in excess is read as the mean of the surroundin
         IrradianceRecord r = bare_record(p, 1, Color(1), normal);
         r.least_radius = r.largest_radius = r.radius;
         r.excess = Color(excess);
+        r.excess_noise = 1;
         return r;
     };
     const auto read = [&](const std::vector<IrradianceRecord>& records, Vec3 at) {

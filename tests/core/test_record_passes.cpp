@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "cache/hemisphere.h"
+#include "integrators/gather.h"
 #include "integrators/record_passes.h"
 #include "room.h"
 
@@ -65,6 +66,66 @@ TEST_CASE("a gather in a furnace: E = π L_e ρ / (1 − ρ), the emission of wh
     for (const IrradianceRecord& r : records) sum += (r.irradiance + r.excess).g / 9;
     CHECK(sum == doctest::Approx(pi * 2 * 0.5 / (1 - 0.5)).epsilon(0.01));
     CHECK(progress.rays > 9 * 16 * 50);
+}
+
+TEST_CASE("rays aimed at bright places change nothing but the noise") {
+    // A lamp close under the ceiling shines up: all light comes from one small spot.
+    std::vector<Wall> walls{{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, 0.5f, 0},
+                            {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 0.5f, 0}};
+    walls.push_back({{-0.03f, 0.95f, -0.03f}, {0, 0, 0.06f}, {0.06f, 0, 0}, 0, 100});
+    const Room room = build_room(walls);
+    IrradianceCacheOptions options = coarse();
+    options.max_depth = 3;
+    Progress progress;
+    BrightPlaces bright;
+    const BrightPlaces none;
+    const auto at = [&](uint32_t key, const BrightPlaces& places) {
+        return gather(room.world(), candidate({0.8f, -1, 0.3f}, {0, 1, 0}, key), {}, places, options, stream, 8,
+                      progress);
+    };
+    constexpr uint32_t count = 300;
+    const auto mean_and_deviation = [&](const BrightPlaces& places) {
+        double sum = 0, squares = 0;
+        for (uint32_t key = 0; key < count; ++key) {
+            const IrradianceRecord r = at(key, places).record;
+            const double E = (r.irradiance + r.excess).g;
+            sum += E;
+            squares += E * E;
+        }
+        const double mean = sum / count;
+        return std::pair{mean, std::sqrt(squares / count - mean * mean)};
+    };
+    const auto [unaimed, noisy] = mean_and_deviation(none);
+    for (uint32_t key = 1000; key < 1040; ++key) bright.add(at(key, none).sightings, 0.1f);
+    REQUIRE_FALSE(bright.empty());
+    const auto [aimed, quiet] = mean_and_deviation(bright);
+    CHECK(quiet < 0.5 * noisy);
+    CHECK(std::fabs(aimed - unaimed) < 5 * noisy / std::sqrt(double(count)));
+}
+
+TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is in a solid") {
+    // The room seen from outside: its walls face inwards.
+    const Room room = furnace(0.5f, 1);
+    Progress progress;
+    const auto enclosed = [&](bool two_sided) {
+        std::vector<MeshArrays> meshes(1);
+        meshes[0].positions = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
+                               {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
+        // A block, its faces outwards.
+        meshes[0].triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{4, 5, 6}}, {{4, 6, 7}}, {{0, 1, 5}}, {{0, 5, 4}},
+                               {{3, 7, 6}}, {{3, 6, 2}}, {{0, 4, 7}}, {{0, 7, 3}}, {{1, 2, 6}}, {{1, 6, 5}}};
+        Material m = diffuse(0.5f, 0);
+        m.two_sided = two_sided;
+        const Geometry geometry(std::move(meshes), {m}, {});
+        const Lights lights{LightInputs{}};
+        const std::vector<uint32_t> emitters(12, not_emitting);
+        const World world{geometry, lights, emitters};
+        const std::vector<Candidate> inside{candidate({0.2f, -0.5f, 0.1f}, {0, 1, 0}, 1)};
+        return gather_records(world, inside, {}, coarse(), stream, 8, progress)[0].enclosed > 0;
+    };
+    CHECK(enclosed(false));
+    CHECK_FALSE(enclosed(true));
+    CHECK(gather_records(room.world(), on_the_floor(1), {}, coarse(), stream, 8, progress)[0].enclosed == 0);
 }
 
 TEST_CASE("one bounce under a depth of 3 and no more: E = π ρ L_e") {
@@ -199,7 +260,7 @@ TEST_CASE("far records are thinned, coarse and read without turning") {
     const std::vector<Candidate> close{
         candidate({0, -1, 0}, {0, 1, 0}, 0), candidate({0.015f * radius, -1, 0}, {0, 1, 0}, 1),
         candidate({0.005f * radius, -1, 0}, {0, -1, 0}, 2), candidate({0.025f * radius, -1, 0}, {0, 1, 0}, 3)};
-    add_far(world, close, options, caches.far, progress);
+    add_far(world, close, options, caches, progress);
     const auto& records = caches.far.records();
     REQUIRE(records.size() == 3);
     CHECK(records[1].normal == Vec3{0, -1, 0});
@@ -227,9 +288,9 @@ TEST_CASE("far candidates lie on the walls that rays meet, and rays of two parts
         CHECK(dot(c.position, c.normal) == doctest::Approx(-1).epsilon(1e-5));  // inwards, at a distance of 1
     }
     SolvedCaches caches = empty_caches(coarse());
-    solve_far(room.world(), {}, coarse(), caches.far, progress);
+    solve_far(room.world(), {}, coarse(), caches, progress);
     CHECK(caches.far.records().empty());
-    solve_far(room.world(), seen, coarse(), caches.far, progress);
+    solve_far(room.world(), seen, coarse(), caches, progress);
     CHECK(caches.far.records().size() > 20);
     for (const IrradianceRecord& r : caches.far.records()) CHECK(dot(r.position, r.normal) < -0.999f);
 }

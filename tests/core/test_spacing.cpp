@@ -93,6 +93,37 @@ TEST_CASE("bounds of the radius, and a gradient that a raised one shrinks") {
     CHECK(r.radius == 1);
 }
 
+TEST_CASE("by option the summed absolute error is the same whatever bends there") {
+    const float footprint = 0.01f;
+    const auto summed = [&](float E, float curvature) {
+        IrradianceRecord r = record();
+        r.irradiance = Color(E);
+        r.curvature = curvature;
+        space(r, footprint, 0, {Metric::occlusion, 0.5f, false, Balanced::absolute});
+        // ∫ λ d² / 2E over the disc.
+        return curvature / (2 * E) * pi * std::pow(r.radius, 4) / 2 / (footprint * footprint);
+    };
+    CHECK(summed(2, 40) == doctest::Approx(summed(2, 4)).epsilon(1e-3));
+    CHECK(summed(0.1f, 4) == doctest::Approx(summed(2, 4)).epsilon(1e-3));
+}
+
+TEST_CASE("an ellipse is no longer than the distance to obstacles lets a circle be") {
+    const auto half_length = [](float obstacle, float least) {
+        IrradianceRecord r = record();
+        r.distance = obstacle;
+        r.elongation = 2;
+        r.least_radius = least;
+        space(r, 1, 0, {Metric::occlusion, 0.5f, false});  // curvature alone: 0.5 · (1 · 2 / 4)^(1/3)
+        return r.radius * r.elongation;
+    };
+    const float width = 0.5f * std::cbrt(0.5f);
+    CHECK(half_length(10, 0) == doctest::Approx(2 * width));
+    CHECK(half_length(1, 0) == doctest::Approx(0.5f));
+    CHECK(half_length(0.5f, 0) == doctest::Approx(0.25f));  // the obstacle bounds the circle as well
+    CHECK(half_length(0.5f, 0.4f) == doctest::Approx(0.4f));
+    CHECK(half_length(infinity, 0) == doctest::Approx(2 * width));
+}
+
 TEST_CASE("ellipses are at most twice as long as wide") {
     CHECK(elongation({1, 1, 0}) == 1);
     CHECK(elongation({4, 1, 0}) == doctest::Approx(std::cbrt(4.0f)));

@@ -52,6 +52,23 @@ TEST_CASE("a normal that differs by 10° ends the validity") {
     }
 }
 
+TEST_CASE("the split sphere as published: one error of distance and turn, and only what lies behind is refused") {
+    Footing r = record();  // radius 2 = a R
+    r.tolerance = 0.4f;    // a, so R = 5
+    const auto published = [&](Vec3 p, Vec3 n) {
+        const float e = length(p - r.position) / 5 + std::sqrt(1 - n.z);
+        return e < 0.4f ? 0.4f / e - 1 : 0;
+    };
+    for (const double degrees : {0.0, 10.0, 20.0, 30.0})
+        for (const float x : {0.1f, 0.5f, 1.0f, 1.9f}) {
+            const Vec3 n = tilted(degrees);  // away from the record: not behind it
+            CHECK(weight(r, beside(x), n, Weight::split_sphere, 1) ==
+                  doctest::Approx(published(beside(x), n)).epsilon(1e-4));
+        }
+    CHECK(weight(r, beside(1) + Vec3{0, 0, 0.3f}, r.normal, Weight::split_sphere, 1) > 0);
+    CHECK(weight(r, beside(1) - Vec3{0, 0, 0.3f}, r.normal, Weight::split_sphere, 1) == 0);
+}
+
 TEST_CASE("relaxation widens the radius and the tolerated turn") {
     for (Weight kind : both) {
         CHECK(weight(record(), beside(2.9f), {0, 0, 1}, kind, 1.5f) > 0);

@@ -124,15 +124,41 @@ def test_records_do_not_clump_on_finely_tessellated_surfaces() -> None:
 @pytest.mark.parametrize(
     ("where", "region"),
     [
-        ("back wall", back(0.1, 0.3, 1.4, 1.7, (12, 12))),
-        ("left wall", rectangle((0, 0.3, 0.1), (0, 0, 1.4), (0, 1.7, 0), (1, 0, 0), (12, 12))),
+        ("back wall", back(0.1, 0.3, 1.4, 1.7, (9, 9))),
+        ("left wall", rectangle((0, 0.3, 0.1), (0, 0, 1.4), (0, 1.7, 0), (1, 0, 0), (9, 9))),
     ],
     ids=lambda v: v.replace(" ", "-") if isinstance(v, str) else "",
 )
 def test_no_splotches_under_a_small_bright_spot(where: str, region: Region) -> None:
-    found = read(scene_of("bright-spot"), solved("bright-spot"), region)
+    # One ray in five hundred meets the spot: only many tell what is true.
+    found = read(scene_of("bright-spot"), solved("bright-spot"), region, samples=8192)
     print(f"{where}: splotches {found.splotches:.4f}, error {found.error:.3f}, bias {found.bias:.3f}")
-    assert found.splotches < 0.15  # measured 0.05 and 0.08: still to be brought down
+    assert found.splotches < 0.06 and found.error < 0.12  # measured 0.008 to 0.035 and 0.02 to 0.07, by the seed
+
+
+def test_points_inside_of_solids_take_no_part() -> None:
+    """The floor under a block, seen by a solve for all surfaces: dark in truth, and not read from outside or to it."""
+    scene = scene_of("sunk")
+    everywhere = eclat.solve(scene, eclat.IrradianceCache(max_error=0.08), view_independent=True, check=False)
+    inside = floor(0.65, 0.85, 0.5, 0.5, (6, 6))
+    counts: dict[str, float] = {}
+    dark = eclat.irradiance(scene, inside.points, inside.normals, everywhere, component="indirect", statistics=counts)
+    assert counts["served"] == 0 and not dark.any()
+    deep = ((everywhere.positions > (0.65, -0.1, 0.85)) & (everywhere.positions < (1.35, 0.1, 1.55))).all(axis=1)
+    assert deep.any() and everywhere.enclosed[deep].all()
+    assert 0 < everywhere.enclosed.mean() < 0.5
+    assert read(scene, everywhere, floor(0.7, 1.605, 0.55, 0.055, (4, 20))).error < 0.25
+
+
+def test_where_leaves_are_as_small_as_records_the_solve_leaves_them_to_paths() -> None:
+    """It says so, and makes far fewer records than there are pixels of leaves; a bare room has hardly such a place."""
+    size = (160, 120)
+    found = eclat.solve(scene_of("foliage"), size=size, check=False)
+    assert found.statistics["left_to_paths"] > 500
+    leaves = (found.positions[:, 1] > 1.2) & (np.linalg.norm(found.positions[:, [0, 2]], axis=1) < 1.1)
+    assert leaves.sum() < found.statistics["left_to_paths"]
+    bare = eclat.solve(eclat.load("cornell-box"), size=size, check=False)
+    assert bare.statistics["left_to_paths"] < 0.01 * size[0] * size[1]
 
 
 def test_foliage_keeps_its_brightness() -> None:

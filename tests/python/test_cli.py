@@ -59,7 +59,7 @@ def test_help_lists_methods_and_their_options_with_types_and_defaults(capsys: Ou
     assert main(["render", "--help"]) == 0
     text = " ".join(capsys.readouterr().out.split())
     assert "irradiance-cache Irradiance caching" in text
-    assert "weight=tabellion | ward" in text
+    assert "weight=tabellion | ward | split-sphere" in text
     assert "neighbor-clamping=true | false" in text
 
 
@@ -160,7 +160,7 @@ BAD_VALUES = {
     "--set rows": "--set: expected NAME=VALUE, got 'rows'",
     "--set max-eror=1": "--set: unknown option max-eror for irradiance-cache; did you mean 'max-error'?",
     "--set rows=many": "--set: rows: expected integer | none, got 'many'",
-    "--set weight=wart": "--set: weight: expected tabellion | ward, got 'wart'",
+    "--set weight=wart": "--set: weight: expected tabellion | ward | split-sphere, got 'wart'",
     "--set rows=5 --set rows=6": "--set: expected rows once, got it twice",
     "--set rows=1": "IrradianceCache: rows must be between 2 and 256, got 1",
     "--method path --show-records": "--show-records: expected a method with records, got path",

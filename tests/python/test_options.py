@@ -32,7 +32,7 @@ def test_each_method_has_a_name_and_sound_defaults(method: str) -> None:
             {"metric": "median"},
             "metric must be one of occlusion, radiometric, geometric, minimum, harmonic",
         ),
-        ("irradiance-cache", {"spacing": 3.0}, "spacing must be between"),
+        ("irradiance-cache", {"spacing": 9.0}, "spacing must be between"),
         ("path", {"roulette_depth": 0}, "Path: roulette_depth must be between 1 and"),
     ],
 )

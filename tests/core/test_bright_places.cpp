@@ -1,0 +1,70 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What gathers aim at: densities that integrate to 1 and are those of the directions drawn, and which places are kept.
+
+#include "cache/bright_places.h"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "sampling/rng.h"
+#include "sampling/warp.h"
+
+using namespace eclat;
+
+namespace {
+
+const Vec3 up{0, 0, 1};
+
+BrightPlaces three_places() {
+    BrightPlaces places;
+    // Two of them so close together that their cones overlap.
+    const std::vector<Sighting> sightings{
+        {{1.05f, 0.05f, 2.05f}, 3}, {{1.15f, 0.05f, 2.05f}, 1}, {{-2.05f, 1.05f, 0.55f}, 5}};
+    places.add(sightings, 0.1f);
+    return places;
+}
+
+}  // namespace
+
+TEST_CASE("the density of aimed directions integrates to 1 and is what they have") {
+    const AimedCones cones = three_places().seen_from({}, up);
+    REQUIRE_FALSE(cones.empty());
+    Rng rng(41, 1);
+    // 1 / pdf averages to the solid angle of the cones' union, however chances are shared; by even directions as well.
+    int outside = 0;
+    double from_cones = 0, even = 0, integral = 0;
+    constexpr int count = 400000;
+    for (int i = 0; i < count; ++i) {
+        const Vec3 w = cones.sample(rng.next(), {rng.next(), rng.next()});
+        const float drawn = cones.pdf_solid_angle(w);
+        outside += !(drawn > 0);  // by rounding, at a rim
+        if (drawn > 0) from_cones += 1 / drawn / count;
+        const float pdf = cones.pdf_solid_angle(square_to_uniform_sphere({rng.next(), rng.next()}));
+        even += (pdf > 0 ? 4 * pi : 0.0) / count;
+        integral += pdf * 4 * pi / count;
+    }
+    CHECK(outside < count / 10000);
+    CHECK(integral == doctest::Approx(1).epsilon(0.08));
+    CHECK(from_cones == doctest::Approx(even).epsilon(0.08));
+}
+
+TEST_CASE("sightings of one cell are one place; what is below the horizon or as near as a cell is left to the grid") {
+    BrightPlaces places;
+    const std::vector<Sighting> same{
+        {{0.01f, 0.02f, 1.01f}, 1}, {{0.05f, 0.06f, 1.05f}, 3}, {{0.01f, 0.02f, -1.01f}, 1}};
+    places.add(same, 0.1f);
+    CHECK(places.size() == 2);
+    CHECK(places.seen_from({}, up).pdf_solid_angle({0, 0, -1}) == 0);
+    CHECK(places.seen_from({}, -up).pdf_solid_angle({0, 0, -1}) > 0);
+    CHECK(places.seen_from({0, 0, 1}, up).empty());
+    CHECK(BrightPlaces().seen_from({}, up).empty());
+    // No more than are worth their while: the brightest stay.
+    std::vector<Sighting> many;
+    for (int i = 0; i < 1000; ++i) many.push_back({{float(i), 0, 5}, i == 700 ? 100.0f : 1.0f});
+    places.add(many, 0.1f);
+    CHECK(places.size() == 64);
+    CHECK_FALSE(places.seen_from({700, 0, 4.5f}, up).empty());
+}

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Who gets no record: those among whom records serve hardly more than themselves.
+
+#include "integrators/direct_regions.h"
+
+#include <doctest/doctest.h>
+
+#include <vector>
+
+#include "integrators/record_passes.h"
+
+using namespace eclat;
+
+namespace {
+
+/// In a cell of 0.2 about (x, 0, 0), for pixels of 0.01.
+std::vector<Candidate> around(float x, size_t count, float footprint = 0.01f) {
+    std::vector<Candidate> out(count);
+    for (size_t i = 0; i < count; ++i) {
+        out[i].position = {x + 0.001f * static_cast<float>(i % 100), 0.1f, 0.1f};
+        out[i].footprint = footprint;
+        out[i].key = static_cast<uint32_t>(i);
+    }
+    return out;
+}
+
+std::vector<Candidate> part(const std::vector<Candidate>& all, size_t count) {
+    return {all.begin(), all.begin() + static_cast<ptrdiff_t>(count)};
+}
+
+}  // namespace
+
+TEST_CASE("where records serve less than two candidates each, no more are made") {
+    DirectRegions regions;
+    const auto leaves = around(0.05f, 40), wall = around(3.05f, 40);
+    auto tried = leaves, unserved = part(leaves, 30);
+    tried.insert(tried.end(), wall.begin(), wall.end());
+    const auto of_wall = part(wall, 10);
+    unserved.insert(unserved.end(), of_wall.begin(), of_wall.end());
+    const auto worth = regions.worth_records(tried, unserved);
+    REQUIRE(worth.size() == 10);
+    for (const Candidate& c : worth) CHECK(c.position.x > 3);
+    CHECK(regions.left_to_paths() == 30);
+}
+
+TEST_CASE("a few candidates tell nothing, several passes together do") {
+    DirectRegions regions;
+    const auto all = around(0.05f, 20);
+    CHECK(regions.worth_records(all, all).size() == 20);
+    CHECK(regions.worth_records(all, all).empty());
+    CHECK(regions.left_to_paths() == 20);
+}
+
+TEST_CASE("half of them served is enough, and what has no pixel is always worth a record") {
+    DirectRegions regions;
+    const auto all = around(0.05f, 64);
+    CHECK(regions.worth_records(all, part(all, 32)).size() == 32);
+    const auto bare = around(0.05f, 64, 0);
+    CHECK(regions.worth_records(bare, bare).size() == 64);
+}
