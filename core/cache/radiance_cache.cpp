@@ -92,7 +92,9 @@ std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& sh
     const IrradianceRecord* frame_of = nullptr;
     Color sum;
     float weights = 0;
-    const float relaxed = cache_.options().relaxation * reach(factors.width);
+    // Half as far beyond the strict radius as irradiance goes: as smooth, half the records to add up, and a little nearer to
+    // the truth (0.84 % of all light instead of 0.89 % in glossy-box at α 0.4).
+    const float relaxed = 0.5f * (1 + cache_.options().relaxation) * reach(factors.width);
     cache_.for_each_serving(p, normal, relaxed, [&](uint32_t index, float w, const Color& excess) {
         const IrradianceRecord& record = cache_.records()[index];
         if (dot(shading.n, record.normal) < std::cos(largest_radiance_tilt)) return;

@@ -14,7 +14,7 @@ namespace eclat {
 struct RadianceCacheOptions {
     IrradianceCacheOptions irradiance;
     int order = 8;
-    int rows = 24;         // of a gather for a radiance record
+    int rows = 16;         // of a gather for a radiance record
     float spacing = 0.8f;  // as that of irradiance records, for a lobe as wide as a Lambertian one
 };
 

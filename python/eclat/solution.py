@@ -76,7 +76,7 @@ def core_radiance_options(
     relative = options.max_error / 0.01
     out.order = options.order
     out.spacing = options.gloss_spacing if options.gloss_spacing is not None else out.irradiance.spacing
-    rows = int(np.clip(round(24 * relative**-0.5), 12, 96))
+    rows = int(np.clip(round(16 * relative**-0.5), 10, 96))
     out.rows = options.gloss_rows if options.gloss_rows is not None else rows
     return out
 

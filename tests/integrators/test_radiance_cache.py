@@ -63,15 +63,25 @@ def test_rough_metal_in_the_box_is_cached_with_a_stated_bias(
     assert abs(reference(alpha).bias(image.layers["indirect"], cached)) < bias
 
 
-def test_more_bands_err_less() -> None:
-    scene, errors = glossy_box.build(0.4), []
-    for order in (3, 5, 8):
-        # All lobes are cached, whatever the order leaves of them.
-        image = picture(scene, eclat.RadianceCache(order=order, gloss_error=1))
+# RMS error with all lobes cached, whatever the order leaves of them, measured: 0.2 needs tracing, 0.6 needs no more than 4.
+BY_ORDER = {
+    0.2: {4: 0.06, 6: 0.045, 8: 0.038, 10: 0.036},
+    0.4: {4: 0.021, 6: 0.018, 8: 0.017, 10: 0.017},
+    0.6: {4: 0.0105, 6: 0.01, 8: 0.01, 10: 0.01},
+}
+
+
+@pytest.mark.parametrize("alpha", BY_ORDER)
+def test_error_by_order(alpha: float) -> None:
+    scene, errors = glossy_box.build(alpha), {}
+    for order in BY_ORDER[alpha]:
+        image = picture(scene, eclat.RadianceCache(order=order, gloss_error=1), samples=4)
         cached = image.layers["gloss_cached"] > 0.99
-        assert cached.mean() > 0.15
-        errors.append(reference(0.4).error(image.layers["indirect"], cached))
-    assert errors[0] > 1.3 * errors[1] > 1.3 * errors[2]
+        assert cached.mean() > 0.13
+        errors[order] = reference(alpha).error(image.layers["indirect"], cached)
+    assert all(errors[order] < bound for order, bound in BY_ORDER[alpha].items()), errors
+    if alpha < 0.6:
+        assert errors[4] > 1.15 * errors[10], errors
 
 
 def test_narrow_lobes_are_traced() -> None:
@@ -165,14 +175,24 @@ def test_scene_and_camera_turned_together_give_the_same_picture() -> None:
     assert np.sqrt(np.mean((x - y) ** 2) / np.mean(x**2)) < 0.05
 
 
-def test_a_second_view_of_a_solved_scene_gathers_nothing_and_is_served() -> None:
+def test_a_fly_through_gathers_nothing_is_served_and_does_not_flicker() -> None:
     scene = glossy_box.build(0.5)
     solution = eclat.solve(scene, eclat.RadianceCache(), size=SIZE, check=False)
     first = scene.cameras[0]
-    nearer = np.array(first.to_world)
-    nearer[:3, 3] -= 0.3 * nearer[:3, 2] / np.linalg.norm(nearer[:3, 2])
-    moved = Camera(nearer, fov=first.fov, size=SIZE, name="nearer")
-    image = eclat.render(scene, solution, camera=moved, samples=2, size=SIZE)
-    served, traced = image.layers["gloss_cached"].mean(), image.layers["gloss_traced"].mean()
-    assert served > 0.15
-    assert traced < 0.2 * served
+    start = np.array(first.to_world)
+    right, backward = (start[:3, k] / np.linalg.norm(start[:3, k]) for k in (0, 2))
+
+    def frame(time: float) -> eclat.Image:
+        matrix = start.copy()
+        matrix[:3, 3] += time * (0.3 * right - 0.8 * backward)
+        view = Camera(matrix, fov=first.fov, fov_axis=first.fov_axis, size=SIZE, name="flying")
+        return eclat.render(scene, solution, camera=view, samples=1, size=SIZE, adaptive=False)
+
+    for time in np.linspace(0, 1, 8):
+        now, soon = frame(time), frame(time + 1e-3)
+        assert now.layers["gloss_cached"].mean() > 0.12
+        assert now.layers["gloss_traced"].mean() < 0.1 * now.layers["gloss_cached"].mean()
+        cached = (now.layers["gloss_cached"] == 1) & (soon.layers["gloss_cached"] == 1)
+        x, y = (image.layers["indirect"][cached] for image in (now, soon))
+        # A record that began or ended to serve with a weight would be a jump; but for pixels at edges there is none.
+        assert np.quantile(np.abs(y - x), 0.95) < 0.02 * x.mean()
