@@ -38,7 +38,7 @@ struct IrradianceRecord {
     float noise = 0;         // relative, as if its gather had the usual number of rays
     float own_noise = 0;     // relative, of what is read there with the rays that it had
     float excess_noise = 0;  // standard error of the excess's luminance, W·m⁻²
-    float enclosed = 0;      // 1: inside solids, where most rays meet the back of surfaces that have none; never read
+    float enclosed = 0;      // 1: inside solids, unseen, most rays meeting backs of one-sided surfaces; never read
 };
 static_assert(sizeof(IrradianceRecord) <= 212);
 

@@ -76,7 +76,7 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
                     const Vec2 at = some[chains[i].pixel];
                     const uint32_t key =
                         hash(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), static_cast<uint32_t>(edge));
-                    found[b].emplace_back(point, camera.pixel_size_at(length), key);
+                    found[b].emplace_back(point, camera.pixel_size_at(length), key).seen = true;
                 }
                 const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
                 Sampler sampler(options.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));

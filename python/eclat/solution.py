@@ -176,7 +176,8 @@ class Solution:
 
     @property
     def enclosed(self) -> np.ndarray:
-        """(N,) whether a record lies inside a solid, where most rays met backs of one-sided surfaces: never read."""
+        """(N,) whether a record lies inside a solid, unseen, where most rays met backs of one-sided surfaces: never
+        read."""
         return self._column("enclosed")[:, 0] > 0
 
     @property

@@ -103,11 +103,11 @@ TEST_CASE("rays aimed at bright places change nothing but the noise") {
     CHECK(std::fabs(aimed - unaimed) < 5 * noisy / std::sqrt(double(count)));
 }
 
-TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is in a solid") {
+TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is in a solid, unless a camera sees it") {
     // The room seen from outside: its walls face inwards.
     const Room room = furnace(0.5f, 1);
     Progress progress;
-    const auto enclosed = [&](bool two_sided) {
+    const auto enclosed = [&](bool two_sided, bool seen = false) {
         std::vector<MeshArrays> meshes(1);
         meshes[0].positions = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
@@ -120,11 +120,13 @@ TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is 
         const Lights lights{LightInputs{}};
         const std::vector<uint32_t> emitters(12, not_emitting);
         const World world{geometry, lights, emitters};
-        const std::vector<Candidate> inside{candidate({0.2f, -0.5f, 0.1f}, {0, 1, 0}, 1)};
+        std::vector<Candidate> inside{candidate({0.2f, -0.5f, 0.1f}, {0, 1, 0}, 1)};
+        inside[0].seen = seen;
         return gather_records(world, inside, {}, coarse(), stream, 8, progress)[0].enclosed > 0;
     };
     CHECK(enclosed(false));
     CHECK_FALSE(enclosed(true));
+    CHECK_FALSE(enclosed(false, true));
     CHECK(gather_records(room.world(), on_the_floor(1), {}, coarse(), stream, 8, progress)[0].enclosed == 0);
 }
 
