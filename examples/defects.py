@@ -23,7 +23,7 @@ def main(arguments: list[str]) -> None:
     folder, *names = [a for a in arguments if a != "--quick"] or ["out"]
     Path(folder).mkdir(parents=True, exist_ok=True)
     for name in names or CASES:
-        picture = eclat.render(CASES[name](), samples=1 if quick else 32, size=(48, 36) if quick else (320, 240))
+        picture = eclat.render(CASES[name](), samples=1 if quick else 12, size=(48, 36) if quick else (320, 240))
         exposure = float(np.log2(0.3 / np.median(picture.pixels.mean(axis=2))))
         target = Path(folder) / f"defect-{name}.jpg"
         Image.fromarray(to_display(picture.pixels, exposure=exposure)).save(target, quality=QUALITY)
