@@ -46,6 +46,21 @@ bool wide_enough(const TableLobe& lobe) {
     return std::min(lobe.u, lobe.v) >= least_alpha;
 }
 
+/// Whether the exponent or roughness of a material is the same everywhere.
+bool constant_shape(const Material& material) {
+    const auto constant = [&](std::initializer_list<size_t> parameters) {
+        return std::all_of(parameters.begin(), parameters.end(),
+                           [&](size_t i) { return material.parameters[i].is_constant(); });
+    };
+    switch (material.kind) {
+        case MaterialKind::phong:
+        case MaterialKind::metallic_roughness: return constant({2});
+        case MaterialKind::ward: return constant({2, 3});
+        case MaterialKind::conductor: return constant({3, 4});
+        default: return true;
+    }
+}
+
 template <class F>
 void for_each_lobe(const std::vector<Material>& materials, const F& f) {
     for (size_t i = 0; i < materials.size(); ++i) {
@@ -204,8 +219,8 @@ RadianceTables::Wanted RadianceTables::wanted(const std::vector<Material>& mater
     for_each_lobe(materials, [&](const Material& material, const Lobe& lobe) {
         TableLobe key;
         if (!table_lobe(lobe, key)) return;
-        if (material.kind == MaterialKind::metallic_roughness && !material.parameters[2].is_constant()) {
-            out.roughness = true;
+        if (!constant_shape(material)) {
+            out.roughness = out.roughness || material.kind == MaterialKind::metallic_roughness;
             return;
         }
         if (wide_enough(key) &&

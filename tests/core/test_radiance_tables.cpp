@@ -164,3 +164,16 @@ TEST_CASE("tables of another order or basis are refused") {
     const BrdfTable spherical({{TableLobe::Kind::phong, 4, 4}}, options, progress);
     CHECK_THROWS_AS(RadianceTables({}, {&spherical}, order + 1), std::invalid_argument);
 }
+
+TEST_CASE("of roughness in textures only metallic-roughness gets a table, over all of it") {
+    std::vector<Material> all = materials();
+    const uint8_t grey = 128;
+    const Texture texture({1, 1, 1, &grey, nullptr}, {});
+    all[2].parameters[3].texture = &texture;
+    const size_t constant = RadianceTables::wanted(materials()).lobes.size();
+    CHECK(RadianceTables::wanted(all).lobes.size() == constant - 1);
+    CHECK(!RadianceTables::wanted(all).roughness);
+    all[3].parameters[2].texture = &texture;
+    CHECK(RadianceTables::wanted(all).lobes.size() == constant - 2);
+    CHECK(RadianceTables::wanted(all).roughness);
+}

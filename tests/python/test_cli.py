@@ -190,6 +190,10 @@ def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
         ("render cornell-bx", None),
         ("info none.obj", "none.obj: expected a scene file, got no such file"),
         ("solve cornell-box -o a.npy", "a.npy: expected a name that ends in .npz"),
+        (
+            "solve cornell-box --method path -o a.npz",
+            "--method: expected one of irradiance-cache, radiance-cache, got 'path'",
+        ),
         ("compare cornell-box -o a.pdf", "a.pdf: expected a name that ends in .html"),
         (
             "compare cornell-box --methods pth",

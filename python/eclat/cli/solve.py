@@ -12,7 +12,7 @@ import click
 import eclat
 from eclat.atomic_file import check_writable
 from eclat.cli.command import Command, option
-from eclat.cli.method_options import DEFAULT_METHOD, method_notes, options_of, set_option
+from eclat.cli.method_options import DEFAULT_METHOD, method_notes, method_option, options_of, set_option
 from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.point_files import read_points
 from eclat.cli.quality_options import max_depth_option, max_error_option, no_check_option, output_option, refine_option
@@ -32,6 +32,7 @@ from eclat.errors import EclatError
 EXAMPLES = {
     "eclat solve room.glb": "Writes room.npz:",
     "eclat solve room.glb -o fine.npz --max-error 0.005": "Finer records:",
+    "eclat solve room.glb --method radiance-cache": "Glossy surfaces from records as well:",
     "eclat render room.glb --cache fine.npz --samples 64": "Read them; the scene must be the same:",
     "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Go on from there until that is met:",
     "eclat solve room.glb --view-independent": "For views that are not chosen yet:",
@@ -39,12 +40,16 @@ EXAMPLES = {
 }
 
 
+CACHES = (DEFAULT_METHOD, "radiance-cache")
+"""Methods whose records can be kept."""
+
+
 @click.command(
     "solve",
     cls=Command,
     short_help="Compute the records of a scene and keep them.",
     examples=EXAMPLES,
-    notes=lambda: method_notes(DEFAULT_METHOD),
+    notes=lambda: method_notes(*CACHES),
     help="""Compute the irradiance records that a view of SCENE needs (or points, or all surfaces), and keep them.
 
     The file is a NumPy .npz archive with positions, normals, radii, irradiance and its gradients; `eclat render
@@ -60,6 +65,7 @@ EXAMPLES = {
 @no_check_option()
 @refine_option("Go on until the estimated error meets --max-error.")
 @option("--cache", metavar="FILE", section="Input", help="Refine these records, which `eclat solve` wrote.")
+@method_option
 @set_option
 @camera_options
 @light_options
@@ -72,8 +78,9 @@ def command(**flags: Any) -> None:
         if Path(output).suffix.lower() != ".npz":
             raise EclatError(f"{output}: expected a name that ends in .npz")
         check_writable(output)
-        options = options_of(DEFAULT_METHOD, flags["settings"], max_error=flags["max_error"])
-        assert isinstance(options, eclat.IrradianceCache)
+        options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        if not isinstance(options, eclat.IrradianceCache):
+            raise EclatError(f"--method: expected one of {', '.join(CACHES)}, got {flags['method']!r}")
         points = read_points(flags["points"]) if flags["points"] else None
         if points is not None and flags["view_independent"]:
             raise EclatError("--points: expected no --view-independent beside it")
