@@ -6,22 +6,19 @@
 
 #pragma once
 
-#include <array>
 #include <cstdint>
-#include <map>
 #include <span>
+#include <unordered_map>
 #include <vector>
-
-#include "base/vec.h"
 
 namespace eclat {
 
 struct Candidate;
 
-/// Counts, in cells of space about sixteen pixels wide, how many candidates found no record that serves them.
+/// Counts, in squares of sixteen pixels, how many candidates found no record that serves them.
 class DirectRegions {
   public:
-    /// Counts a pass and returns which of the unserved candidates get records: all but those in cells where at least
+    /// Counts a pass and returns which of the unserved candidates get records: all but those in squares where at least
     /// `least_tried` candidates, this pass included, had less than two to each record.
     std::vector<Candidate> worth_records(std::span<const Candidate> tried, std::span<const Candidate> unserved);
     /// Candidates that were left to paths.
@@ -30,13 +27,11 @@ class DirectRegions {
     static constexpr uint32_t least_tried = 32;
 
   private:
-    using Cell = std::array<int32_t, 4>;
     struct Counts {
         uint32_t tried = 0, unserved = 0;
     };
-    static Cell cell_of(const Candidate& candidate);
 
-    std::map<Cell, Counts> counts_;
+    std::unordered_map<uint32_t, Counts> counts_;  // of each region
     size_t left_ = 0;
 };
 

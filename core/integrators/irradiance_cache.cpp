@@ -18,7 +18,7 @@
 
 #include "integrators/irradiance_cache.h"
 
-#include <bit>
+#include <cmath>
 
 #include "base/parallel.h"
 
@@ -27,17 +27,39 @@ namespace eclat {
 namespace {
 
 constexpr uint32_t chain_stream = 4;
-constexpr int coarsest = 32;  // pixels between the candidates of the first pass
+constexpr float coarsest = 32;  // pixels between the candidates of the first pass
 
-/// Pixel centres of one class of a lattice: the three finer points of each cell of `2 · step`, or all of the first.
-std::vector<Vec2> lattice(const Camera& camera, int step, int kind) {
+/// Pixel centres, or places between them, of one class of a lattice: the three finer points of each cell of `2 · step`, or
+/// all of the first. `step`: a power of two.
+std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
     std::vector<Vec2> out;
-    const int dx = kind & 1, dy = kind >> 1;
-    const int period = kind == 0 ? step : 2 * step;
-    for (int y = dy * step; y < camera.height; y += period)
-        for (int x = dx * step; x < camera.width; x += period)
-            out.push_back({static_cast<float>(x) + 0.5f, static_cast<float>(y) + 0.5f});
+    const auto dx = static_cast<float>(kind & 1), dy = static_cast<float>(kind >> 1);
+    const float period = kind == 0 ? step : 2 * step;
+    for (float y = 0.5f + dy * step; y < static_cast<float>(camera.height); y += period)
+        for (float x = 0.5f + dx * step; x < static_cast<float>(camera.width); x += period) out.push_back({x, y});
     return out;
+}
+
+/// Pixels between the candidates of the last passes: one, or fewer where records may be smaller than that.
+float finest_step(const IrradianceCacheOptions& options) {
+    float step = 1;
+    while (step > options.least_pixels) step /= 2;
+    return step;
+}
+
+/// Where a place in the picture, behind so many mirrors, is counted: a square of sixteen pixels. In space, the cells of a grid
+/// would not be the same in a scene that was scaled or turned.
+uint32_t region_of(Vec2 at, int edge) {
+    constexpr uint32_t side = 16, most_columns = 1 << 14;
+    const uint32_t column = static_cast<uint32_t>(at.x) / side, row = static_cast<uint32_t>(at.y) / side;
+    return 1 + static_cast<uint32_t>(edge) + 4 * (column + most_columns * row);
+}
+
+/// Of a place in the picture, as random numbers are keyed: pixel centres by their pixel.
+uint32_t key_of(Vec2 at, int edge) {
+    const auto part = [](float x) { return static_cast<uint32_t>(8 * (x - std::floor(x))) ^ 4u; };
+    const uint32_t parts = part(at.x) | part(at.y) << 3;
+    return hash(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), static_cast<uint32_t>(edge) | parts << 8);
 }
 
 }  // namespace
@@ -74,9 +96,8 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
                 const Vec3 wo_local = point.frame.to_local(wo);
                 if (!is_black(point.bsdf.diffuse_albedo(wo_local))) {
                     const Vec2 at = some[chains[i].pixel];
-                    const uint32_t key =
-                        hash(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), static_cast<uint32_t>(edge));
-                    found[b].emplace_back(point, camera.pixel_size_at(length), key).seen = true;
+                    found[b].emplace_back(point, camera.pixel_size_at(length), key_of(at, edge)).region =
+                        region_of(at, edge);
                 }
                 const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
                 Sampler sampler(options.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));
@@ -95,9 +116,10 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
     return out;
 }
 
-void for_each_lattice(const Camera& camera, const std::function<void(std::span<const Vec2>)>& pass) {
+void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
+                      const std::function<void(std::span<const Vec2>)>& pass) {
     pass(lattice(camera, coarsest, 0));
-    for (int step = coarsest / 2; step >= 1; step /= 2)
+    for (float step = coarsest / 2; step >= finest_step(options); step /= 2)
         for (int kind : {1, 2, 3}) pass(lattice(camera, step, kind));
 }
 
@@ -105,12 +127,12 @@ void solve_irradiance_cache(const World& world, const Camera& camera, const Irra
                             SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near) {
     constexpr int far_sources = 16;  // between the points from which the far cache is found
     caches = empty_caches(options);
-    const uint64_t sweep = 1 + 3 * std::bit_width(unsigned(coarsest) / 2);
+    const auto sweep = 1 + 3 * static_cast<uint64_t>(std::ilogb(coarsest / finest_step(options)));
     progress.begin(far_passes(options) + (before_near ? 2 : 1) * sweep);
     solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
               caches, progress);
     if (before_near) before_near();
-    for_each_lattice(camera, [&](std::span<const Vec2> pixels) {
+    for_each_lattice(camera, options, [&](std::span<const Vec2> pixels) {
         add_near(world, camera_candidates(world, camera, pixels, options, progress), options, caches, progress);
     });
 }

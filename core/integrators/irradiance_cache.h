@@ -20,8 +20,10 @@ namespace eclat {
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
                             SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {});
 
-/// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all.
-void for_each_lattice(const Camera& camera, const std::function<void(std::span<const Vec2>)>& pass);
+/// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all. Where records may be smaller than
+/// pixels, also for places between them, or what changes inside of a pixel would never get a record on both sides.
+void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
+                      const std::function<void(std::span<const Vec2>)>& pass);
 
 /// Light samples at a vertex that the camera sees: the cached part has no noise, so direct light's is what is left, and one
 /// more shadow ray costs less than one more camera ray with its lookup.

@@ -136,7 +136,7 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
     solve_irradiance_cache(world, camera, options.irradiance, caches, progress, [&] {
         const RadianceProjection projection(options.order, Rows::balanced, options.rows);
         caches.radiance = RadianceCache(options.irradiance.cache, options.order);
-        for_each_lattice(camera, [&](std::span<const Vec2> pixels) {
+        for_each_lattice(camera, options.irradiance, [&](std::span<const Vec2> pixels) {
             add_radiance(world, glossy_candidates(world, camera, tables, pixels, options, progress), projection,
                          options, caches, progress);
         });

@@ -15,12 +15,10 @@ using namespace eclat;
 
 namespace {
 
-/// In a cell of 0.2 about (x, 0, 0), for pixels of 0.01.
-std::vector<Candidate> around(float x, size_t count, float footprint = 0.01f) {
+std::vector<Candidate> in_region(uint32_t region, size_t count) {
     std::vector<Candidate> out(count);
     for (size_t i = 0; i < count; ++i) {
-        out[i].position = {x + 0.001f * static_cast<float>(i % 100), 0.1f, 0.1f};
-        out[i].footprint = footprint;
+        out[i].region = region;
         out[i].key = static_cast<uint32_t>(i);
     }
     return out;
@@ -34,29 +32,29 @@ std::vector<Candidate> part(const std::vector<Candidate>& all, size_t count) {
 
 TEST_CASE("where records serve less than two candidates each, no more are made") {
     DirectRegions regions;
-    const auto leaves = around(0.05f, 40), wall = around(3.05f, 40);
+    const auto leaves = in_region(7, 40), wall = in_region(8, 40);
     auto tried = leaves, unserved = part(leaves, 30);
     tried.insert(tried.end(), wall.begin(), wall.end());
     const auto of_wall = part(wall, 10);
     unserved.insert(unserved.end(), of_wall.begin(), of_wall.end());
     const auto worth = regions.worth_records(tried, unserved);
     REQUIRE(worth.size() == 10);
-    for (const Candidate& c : worth) CHECK(c.position.x > 3);
+    for (const Candidate& c : worth) CHECK(c.region == 8);
     CHECK(regions.left_to_paths() == 30);
 }
 
 TEST_CASE("a few candidates tell nothing, several passes together do") {
     DirectRegions regions;
-    const auto all = around(0.05f, 20);
+    const auto all = in_region(7, 20);
     CHECK(regions.worth_records(all, all).size() == 20);
     CHECK(regions.worth_records(all, all).empty());
     CHECK(regions.left_to_paths() == 20);
 }
 
-TEST_CASE("half of them served is enough, and what has no pixel is always worth a record") {
+TEST_CASE("half of them served is enough, and what no camera sees is always worth a record") {
     DirectRegions regions;
-    const auto all = around(0.05f, 64);
+    const auto all = in_region(7, 64);
     CHECK(regions.worth_records(all, part(all, 32)).size() == 32);
-    const auto bare = around(0.05f, 64, 0);
+    const auto bare = in_region(0, 64);
     CHECK(regions.worth_records(bare, bare).size() == 64);
 }

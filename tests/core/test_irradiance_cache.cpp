@@ -12,6 +12,7 @@
 
 #include "cache/hemisphere.h"
 #include "cache/irradiance_cache.h"
+#include "integrators/irradiance_cache.h"
 #include "leaning_normal.h"
 
 using namespace eclat;
@@ -371,4 +372,26 @@ TEST_CASE("what few rays brought in excess is read as the mean of the surroundin
     }
     CHECK(sum == doctest::Approx(100).epsilon(0.01));
     CHECK(largest < 15);
+}
+
+TEST_CASE("a view is tried at each pixel once, and at places between where records may be smaller than pixels") {
+    Camera camera;
+    camera.width = 13, camera.height = 9;
+    const auto tried = [&](float least_pixels) {
+        IrradianceCacheOptions options;
+        options.least_pixels = least_pixels;
+        std::vector<std::pair<float, float>> all;
+        for_each_lattice(camera, options, [&](std::span<const Vec2> places) {
+            for (Vec2 at : places) all.emplace_back(at.x, at.y);
+        });
+        std::sort(all.begin(), all.end());
+        CHECK(std::adjacent_find(all.begin(), all.end()) == all.end());
+        for (const auto& [x, y] : all) CHECK((x > 0 && x < 13 && y > 0 && y < 9));
+        return all.size();
+    };
+    CHECK(tried(2) == 13 * 9);
+    CHECK(tried(1) == 13 * 9);
+    // From the first centre to less than half a pixel beyond the last.
+    CHECK(tried(0.5f) == 25 * 17);
+    CHECK(tried(0.3f) == 50 * 34);
 }
