@@ -15,7 +15,7 @@ namespace eclat {
 
 struct Candidate;
 
-/// Counts, in squares of sixteen pixels, how many candidates found no record that serves them.
+/// Counts, in squares of sixteen pixels, how many pixels of the last passes found no record that serves them.
 class DirectRegions {
   public:
     /// Counts a pass and returns which of the unserved candidates get records: all but those in squares where at least

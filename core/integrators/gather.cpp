@@ -179,7 +179,7 @@ Gathered gather(const World& world, const Candidate& candidate, const RecordCach
     HemisphereSamples samples =
         sample_hemisphere(world, candidate, far, options, stream, rows, kind, progress, enclosed);
     // What a camera sees is in no solid, though a one-sided panel that hangs close to a ceiling fills its hemisphere.
-    record.enclosed = enclosed && candidate.region == 0;
+    record.enclosed = enclosed && !candidate.seen;
     Excess excess;
     if (kind == Rows::cosine)
         excess = gather_excess(world, candidate, samples, excess_limit(samples), far, bright, options, stream, progress,

@@ -47,12 +47,15 @@ float finest_step(const IrradianceCacheOptions& options) {
     return step;
 }
 
-/// Where a place in the picture, behind so many mirrors, is counted: a square of sixteen pixels. In space, the cells of a grid
-/// would not be the same in a scene that was scaled or turned.
+/// Where a place in the picture, behind so many mirrors, is weighed: a square of sixteen pixels. In space, the cells of a grid
+/// would not be the same in a scene that was scaled or turned. 0 for the places of coarser passes, which say nothing of single
+/// pixels, and for those between pixels, where records were asked for that are smaller.
 uint32_t region_of(Vec2 at, int edge) {
     constexpr uint32_t side = 16, most_columns = 1 << 14;
-    const uint32_t column = static_cast<uint32_t>(at.x) / side, row = static_cast<uint32_t>(at.y) / side;
-    return 1 + static_cast<uint32_t>(edge) + 4 * (column + most_columns * row);
+    const uint32_t x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
+    const bool between = at.x != static_cast<float>(x) + 0.5f || at.y != static_cast<float>(y) + 0.5f;
+    if (between || (x % 2 == 0 && y % 2 == 0)) return 0;
+    return 1 + static_cast<uint32_t>(edge) + 4 * (x / side + most_columns * (y / side));
 }
 
 /// Of a place in the picture, as random numbers are keyed: pixel centres by their pixel.
@@ -96,8 +99,9 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
                 const Vec3 wo_local = point.frame.to_local(wo);
                 if (!is_black(point.bsdf.diffuse_albedo(wo_local))) {
                     const Vec2 at = some[chains[i].pixel];
-                    found[b].emplace_back(point, camera.pixel_size_at(length), key_of(at, edge)).region =
-                        region_of(at, edge);
+                    Candidate& candidate = found[b].emplace_back(point, camera.pixel_size_at(length), key_of(at, edge));
+                    candidate.seen = true;
+                    candidate.region = region_of(at, edge);
                 }
                 const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
                 Sampler sampler(options.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));

@@ -60,7 +60,8 @@ struct Candidate {
     float offset = 0;     // how far rays must start from the surface
     float footprint = 0;  // width of a pixel there
     uint32_t key = 0;     // of its random numbers: what was traced to find it, never coordinates
-    uint32_t region = 0;  // of the picture, where a camera sees it, or in its mirrors; 0: none does
+    bool seen = false;    // by a camera, or in its mirrors
+    uint32_t region = 0;  // of the picture, in which records are weighed against pixels; 0: none
 
     Candidate() = default;
     Candidate(const SurfacePoint& point, float footprint, uint32_t key)

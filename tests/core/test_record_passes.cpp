@@ -121,7 +121,7 @@ TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is 
         const std::vector<uint32_t> emitters(12, not_emitting);
         const World world{geometry, lights, emitters};
         std::vector<Candidate> inside{candidate({0.2f, -0.5f, 0.1f}, {0, 1, 0}, 1)};
-        inside[0].region = seen ? 1 : 0;
+        inside[0].seen = seen;
         return gather_records(world, inside, {}, coarse(), stream, 8, progress)[0].enclosed > 0;
     };
     CHECK(enclosed(false));
