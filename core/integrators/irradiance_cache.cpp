@@ -67,6 +67,13 @@ uint32_t key_of(Vec2 at, int edge) {
 
 }  // namespace
 
+Candidate seen_candidate(const SurfacePoint& point, const Camera& camera, float length, Vec2 at, int edge) {
+    Candidate out(point, camera.pixel_size_at(length), key_of(at, edge));
+    out.seen = true;
+    out.region = region_of(at, edge);
+    return out;
+}
+
 std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
                                          const IrradianceCacheOptions& options, Progress& progress) {
     constexpr int longest_chain = 4;  // mirrors and glossy bounces that are followed to find candidates
@@ -99,9 +106,7 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
                 const Vec3 wo_local = point.frame.to_local(wo);
                 if (!is_black(point.bsdf.diffuse_albedo(wo_local))) {
                     const Vec2 at = some[chains[i].pixel];
-                    Candidate& candidate = found[b].emplace_back(point, camera.pixel_size_at(length), key_of(at, edge));
-                    candidate.seen = true;
-                    candidate.region = region_of(at, edge);
+                    found[b].push_back(seen_candidate(point, camera, length, at, edge));
                 }
                 const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
                 Sampler sampler(options.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));

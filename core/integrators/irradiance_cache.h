@@ -20,6 +20,9 @@ namespace eclat {
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
                             SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {});
 
+/// What the camera sees at the place `at` of the picture (pixels), `edge` mirrors on, at the end of a path of that `length`.
+Candidate seen_candidate(const SurfacePoint& point, const Camera& camera, float length, Vec2 at, int edge);
+
 /// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all. Where records may be smaller than
 /// pixels, also for places between them, or what changes inside of a pixel would never get a record on both sides.
 void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,

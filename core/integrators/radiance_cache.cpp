@@ -65,10 +65,7 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
                 const Vec2 at = some[chains[i].pixel];
                 tables.reflect(point.bsdf, wo_local, factors);
                 if (factors.order > 0) {
-                    const uint32_t key =
-                        hash(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), static_cast<uint32_t>(edge));
-                    found[b].push_back({{point, camera.pixel_size_at(length), key},
-                                        factors.width,
+                    found[b].push_back({seen_candidate(point, camera, length, at, edge), factors.width,
                                         !is_black(point.bsdf.diffuse_albedo(wo_local))});
                     for (int lobe = 0; lobe < point.bsdf.count(); ++lobe)
                         if (factors.lobes >> lobe & 1) point.bsdf.set_cached(lobe);
