@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.image import Image
     from eclat.loaders import load, load_dict
+    from eclat.material_overrides import override_materials
     from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache
     from eclat.photons import Photons
     from eclat.point_irradiance import irradiance
@@ -24,6 +25,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
+    "override_materials": "eclat.material_overrides",
     "solve": "eclat.solving",
     "refine": "eclat.solving",
     "render": "eclat.rendering",
@@ -61,6 +63,7 @@ __all__ = [
     "load",
     "load_dict",
     "merge",
+    "override_materials",
     "refine",
     "render",
     "solve",

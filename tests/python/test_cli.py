@@ -103,6 +103,24 @@ def test_camera_sun_and_environment_change_the_scene(api: FakeApi) -> None:
     np.testing.assert_array_equal(scene.environment.image, [[[1, 2, 3]]])
 
 
+def test_materials_change_by_name(api: FakeApi, capsys: Output) -> None:
+    flags = ["--material", "floor=roughplastic,distribution=ggx,alpha=0.2", "--size", "8x8", "-o", "a.png"]
+    assert main(["render", "cornell-box", *flags]) == 0
+    (floor,) = (m.material for m in api.calls[0]["scene"].meshes if m.name == "floor")
+    assert (floor.kind, floor.parameters["alpha_u"].constant[0]) == ("plastic", 0.2)
+    assert main(["render", "cornell-box", "--replay-settings", "a.png"]) == 0
+    assert [m.material.kind for m in api.calls[1]["scene"].meshes] == [
+        m.material.kind for m in api.calls[0]["scene"].meshes
+    ]
+    capsys.readouterr()
+    assert main(["render", "cornell-box", "--material", "flor=plastic"]) == 2
+    assert "eclat: material 'flor': expected one of" in (text := errors(capsys)) and "did you mean 'floor'?" in text
+    assert main(["render", "cornell-box", "--material", "floor=plastic", "--material", "floor=diffuse"]) == 2
+    assert errors(capsys) == "eclat: --material: expected floor once, got it twice\n"
+    assert main(["render", "cornell-box", "--material", "floor"]) == 2
+    assert "eclat: --material: expected NAME=KIND,property=value,…" in errors(capsys)
+
+
 def two_cameras(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = load("cornell-box")
     cameras = tuple(replace(scene.cameras[0], name=name) for name in ("walk", "gallery"))
@@ -350,6 +368,7 @@ def test_info_counts_what_a_scene_holds(capsys: Output, monkeypatch: pytest.Monk
     facts = json.loads(capsys.readouterr().out)
     assert facts["triangles"] > 20 and facts["emissive_triangles"] >= 2
     assert facts["materials"].keys() == {"diffuse"}
+    assert {"white", "red", "light"} <= set(facts["material_names"])
     assert facts["cameras"][0]["size"] == [512, 512]
     two_cameras(monkeypatch)
     assert main(["info", "atrium"]) == 0

@@ -26,6 +26,7 @@ from eclat.cli.scene_options import (
     camera_options,
     light_options,
     load_scene,
+    material_option,
     scene_argument,
     scene_stem,
     work_options,
@@ -66,6 +67,7 @@ EXAMPLES = {
 @option("--reference", metavar="FILE", multiple=True, section="Reference", help="An .exr instead; better two.")
 @camera_options
 @light_options
+@material_option
 @work_options
 @reporting_options
 def command(**flags: Any) -> None:

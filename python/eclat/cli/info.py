@@ -13,6 +13,7 @@ import eclat
 from eclat.cli.command import Command
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import scene_argument
+from eclat.material_overrides import material_names
 from eclat.scene import DirectionalLight, PointLight, SpotLight
 
 if TYPE_CHECKING:
@@ -61,6 +62,7 @@ def describe(scene: Scene) -> dict[str, Any]:
         "triangles": sum(len(mesh.triangles) for mesh in scene.meshes),
         "vertices": sum(len(mesh.positions) for mesh in scene.meshes),
         "materials": dict(Counter(material.kind for material in materials.values()).most_common()),
+        "material_names": material_names(scene),
         "textures": len({id(t) for m in materials.values() for v in m.parameters.values() if (t := v.texture)}),
         "lights": dict(Counter(_LIGHTS[type(light)] for light in scene.lights).most_common()),
         "emissive_meshes": len(glowing),
@@ -97,6 +99,7 @@ def _text(description: dict[str, Any]) -> str:
         ("meshes", f"{description['meshes']:,}"),
         ("triangles", f"{description['triangles']:,} of {description['vertices']:,} vertices"),
         ("materials", _counts(description["materials"])),
+        ("named", ", ".join(description["material_names"]) or "none"),
         ("textures", f"{description['textures']:,}"),
         ("lights", _counts(lights)),
         *(_camera_line(i, camera) for i, camera in enumerate(description["cameras"])),
@@ -106,7 +109,7 @@ def _text(description: dict[str, Any]) -> str:
         ("warnings", f"{len(description['warnings'])}"),
     ]
     if not description["cameras"]:
-        lines.insert(6, ("cameras", "none"))
+        lines.insert(7, ("cameras", "none"))
     return "\n".join(f"{label:<10}  {value}" for label, value in lines)
 
 

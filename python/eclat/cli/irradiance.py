@@ -26,7 +26,7 @@ from eclat.cli.quality_options import (
     samples_option,
 )
 from eclat.cli.reporting import Reporter, reporting_options
-from eclat.cli.scene_options import light_options, load_scene, scene_argument, work_options
+from eclat.cli.scene_options import light_options, load_scene, material_option, scene_argument, work_options
 from eclat.errors import EclatError
 from eclat.photometry import illuminance
 from eclat.sky import LUMENS_PER_WATT
@@ -68,6 +68,7 @@ EXAMPLES = {
 @method_option
 @set_option
 @light_options
+@material_option
 @work_options
 @reporting_options
 @click.pass_context

@@ -42,6 +42,7 @@ from eclat.cli.scene_options import (
     camera_options,
     light_options,
     load_scene,
+    material_option,
     scene_argument,
     scene_stem,
     work_options,
@@ -137,6 +138,7 @@ _quality_options = together(
 @set_option
 @camera_options
 @light_options
+@material_option
 @work_options
 @reporting_options
 @click.pass_context

@@ -33,7 +33,7 @@ REPEATED = (
         "size",
         "crop",
     ),
-    *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment"),
+    *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "materials"),
 )
 """The flags that a picture's values depend on, by name; the scene is given anew, since files move."""
 

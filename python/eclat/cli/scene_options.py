@@ -4,7 +4,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -18,7 +18,18 @@ from eclat.errors import EclatError, did_you_mean
 if TYPE_CHECKING:
     from eclat.scene import Scene
 
-CAMERA, LIGHT, WORK = "Camera", "Light", "Work"
+CAMERA, LIGHT, WORK, SURFACES = "Camera", "Light", "Work", "Surfaces"
+
+material_option = option(
+    "--material",
+    "materials",
+    metavar="NAME=KIND,…",
+    multiple=True,
+    section=SURFACES,
+    help="Another material for what is called NAME: a Mitsuba bsdf with its properties, such as "
+    "floor=roughplastic,distribution=ggx,alpha=0.2; repeatable. What is not said stays; `eclat info` lists names.",
+)
+"""`--material`."""
 
 light_options = together(
     option("--sun", type=SUN, section=LIGHT, help="Sun and sky instead of the scene's; degrees, azimuth from north."),
@@ -64,8 +75,26 @@ def load_scene(flags: Mapping[str, Any]) -> Scene:
     """The scene that the flags ask for, with a camera and light in any case. Raises EclatError."""
     from eclat.defaults import complete
 
+    scene = eclat.load(flags["scene"])
+    if flags["materials"]:
+        scene = eclat.override_materials(scene, _overrides(flags["materials"]))
     names = ("camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "size")
-    return complete(eclat.load(flags["scene"]), **{name: flags[name] for name in names if flags.get(name) is not None})
+    return complete(scene, **{name: flags[name] for name in names if flags.get(name) is not None})
+
+
+def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
+    from eclat.material_overrides import parsed_override
+
+    materials: dict[str, dict[str, Any]] = {}
+    for text in texts:
+        try:
+            name, bsdf = parsed_override(text)
+        except EclatError as error:
+            raise EclatError(f"--material: {error}") from None
+        if name in materials:
+            raise EclatError(f"--material: expected {name} once, got it twice")
+        materials[name] = bsdf
+    return materials
 
 
 def camera_index(scene: Scene, wanted: str | None) -> int:

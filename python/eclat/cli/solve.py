@@ -22,6 +22,7 @@ from eclat.cli.scene_options import (
     camera_options,
     light_options,
     load_scene,
+    material_option,
     scene_argument,
     scene_stem,
     work_options,
@@ -69,6 +70,7 @@ CACHES = (DEFAULT_METHOD, "radiance-cache")
 @set_option
 @camera_options
 @light_options
+@material_option
 @work_options
 @reporting_options
 def command(**flags: Any) -> None:

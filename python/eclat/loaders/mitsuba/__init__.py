@@ -11,12 +11,14 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from eclat.errors import EclatError, did_you_mean
 from eclat.loaders.mitsuba.assemble import assemble
-from eclat.loaders.mitsuba.dicts import parse_dict
+from eclat.loaders.mitsuba.dicts import parse_bsdf, parse_dict
+from eclat.loaders.mitsuba.materials import Materials, known_kinds
 from eclat.loaders.mitsuba.parse import parse_xml
-from eclat.scene import Scene
+from eclat.scene import Material, Scene
 
-__all__ = ["load_dict", "load_xml"]
+__all__ = ["load_dict", "load_material", "load_xml"]
 
 
 def load_xml(path: Path, parameters: dict[str, str] | None = None) -> Scene:
@@ -56,3 +58,20 @@ def load_dict(d: Mapping[str, Any], base_folder: Path | None = None) -> Scene:
     1
     """
     return assemble(parse_dict(d, Path(base_folder) if base_folder is not None else Path()), "dict")
+
+
+def load_material(bsdf: Mapping[str, Any], base_folder: Path | None = None) -> Material:
+    """The material that a dict describes as `mitsuba.load_dict` takes it, such as `{'type': 'plastic', 'int_ior': 1.4}`.
+
+    Raises EclatError, unlike for scenes also for an unknown type or property: nobody else wrote them.
+    """
+    kinds = known_kinds()
+    kind = bsdf.get("type")
+    if kind not in kinds:
+        raise EclatError(f"expected a bsdf of type {', '.join(kinds)}, got {kind!r}{did_you_mean(str(kind), kinds)}")
+    node = parse_bsdf(bsdf, Path(base_folder) if base_folder is not None else Path())
+    material = Materials().of(node)
+    for name in node.properties:
+        if name not in node.used:
+            raise EclatError(f"{kind} has no property {name!r}{did_you_mean(name, sorted(node.asked))}")
+    return material

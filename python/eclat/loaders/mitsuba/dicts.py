@@ -33,6 +33,14 @@ def parse_dict(scene: Mapping[str, Any], folder: Path) -> Node:
     return root
 
 
+def parse_bsdf(bsdf: Mapping[str, Any], folder: Path) -> Node:
+    """The tree of a bsdf alone. Raises EclatError with the path of keys."""
+    identifiers = Identifiers()
+    root = _node(bsdf, "bsdf", "", folder, identifiers, 0)
+    resolve_references(root, identifiers)
+    return root
+
+
 def _node(given: Mapping[str, Any], tag: str, path: str, folder: Path, identifiers: Identifiers, depth: int) -> Node:
     where = f"dict{path}"
     if depth > MAX_DEPTH:

@@ -63,6 +63,11 @@ class Materials:
         return {"alpha_u": u} if same else {"alpha_u": u, "alpha_v": v}
 
 
+def known_kinds() -> list[str]:
+    """The types of bsdf that are read, as they are or as what comes nearest."""
+    return sorted({*_MAKERS, *wrappers.WRAPPERS})
+
+
 def default_material() -> Material:
     """What a shape without a bsdf is made of, as in Mitsuba."""
     return Material("diffuse", {"reflectance": grey(0.5)}, two_sided=False)

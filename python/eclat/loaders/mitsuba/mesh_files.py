@@ -19,7 +19,7 @@ from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.obj import load_obj
 from eclat.loaders.ply import load_ply
 from eclat.loaders.serialized import load_serialized
-from eclat.scene import Mesh
+from eclat.scene import Material, Mesh
 
 MESH_FILES = ("obj", "ply", "serialized", "gltf")
 
@@ -59,10 +59,15 @@ def _with_replacements(node: Node, materials: Materials, own: list[Node], named:
         return _with_bsdf(node, materials, [named[unknown[0]]])
     for name in unknown:
         warn(f"{node.where}: the file has no material {name!r} for a bsdf to replace{did_you_mean(name, known)}")
+    made: dict[str, Material] = {}
     result = []
     for mesh in meshes:
-        replacement = named.get(mesh.material.name, own[0] if own else None)
-        result.append(mesh if replacement is None else replace(mesh, material=materials.of(replacement)))
+        name = mesh.material.name
+        replacement = named.get(name, own[0] if own else None)
+        if replacement is not None and name not in made:
+            material = materials.of(replacement)
+            made[name] = material if material.name else replace(material, name=name)
+        result.append(mesh if replacement is None else replace(mesh, material=made[name]))
     return result
 
 

@@ -64,7 +64,7 @@ class Node:
 
     `properties` have snake_case names whatever the file wrote; `children` keep the name they were given (a property's
     or, for a bsdf inside a shape of type obj, a material's) and their order. `used` are the properties somebody read;
-    `asked` whether anybody wanted to read one.
+    `asked` those that somebody wanted to read, there or not.
     """
 
     tag: str
@@ -77,11 +77,11 @@ class Node:
     properties: dict[str, Any] = field(default_factory=dict)
     children: list[tuple[str, Node]] = field(default_factory=list)
     used: set[str] = field(default_factory=set)
-    asked: bool = False
+    asked: set[str] = field(default_factory=set)
 
     def get(self, *names: str) -> Any:
         """The property, or else the child node, of the first of `names` that there is; None without one."""
-        self.asked = True
+        self.asked.update(names)
         for name in names:
             if name in self.properties:
                 self.used.update(names)
