@@ -117,6 +117,7 @@ void bind_cache(nb::module_& m) {
                                       from_array(far, far_reading(o.cache), o.far_spacing),
                                       {},
                                       {},
+                                      {},
                                       {}};
              })
         .def(nb::init<>())
@@ -180,6 +181,12 @@ void bind_cache(nb::module_& m) {
             solve_everywhere(scene.world(), options, caches, progress);
         },
         "scene"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+    m.def(
+        "solve_radiance_everywhere",
+        [](const CoreScene& scene, const RadianceTables& tables, const RadianceCacheOptions& options,
+           SolvedCaches& caches,
+           Progress& progress) { solve_radiance_everywhere(scene.world(), tables, options, caches, progress); },
+        "scene"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
     nb::class_<ErrorCheck>(m, "ErrorCheck")
         .def(nb::init<>())
         .def_rw("rays", &ErrorCheck::rays)
@@ -206,8 +213,11 @@ void bind_cache(nb::module_& m) {
     m.def(
         "estimate_error_for_camera",
         [](const CoreScene& scene, const Camera& camera, const SolvedCaches& caches, const ErrorCheck& check,
-           Progress& progress) { return estimate_error(scene.world(), camera, caches, check, progress); },
-        "scene"_a, "camera"_a, "caches"_a, "check"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+           Progress& progress, const RadianceTables* tables) {
+            return estimate_error(scene.world(), camera, caches, tables, check, progress);
+        },
+        "scene"_a, "camera"_a, "caches"_a, "check"_a, "progress"_a, "tables"_a.none() = nb::none(),
+        nb::call_guard<nb::gil_scoped_release>());
     m.def(
         "estimate_error_at_points",
         [](const CoreScene& scene, Points positions, Points normals, const SolvedCaches& caches,

@@ -22,11 +22,13 @@ void RecordCache::rebuild(float spacing, int threads) {
     for (const auto& r : records_) spheres.push_back({r.position, r.radius * r.elongation * options_.relaxation});
     tree_ = SphereTree(spheres);
     footings_.clear();
+    slot_of_.resize(records_.size());
     for (uint32_t i : tree_.order()) {
         if (i == SphereTree::vacant) {
             footings_.push_back({});
             continue;
         }
+        slot_of_[i] = static_cast<uint32_t>(footings_.size());
         const IrradianceRecord& r = records_[i];
         const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
         const Frame frame = Frame::around(r.normal);
@@ -127,35 +129,43 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     }
 }
 
-// A record's value at its own place is no extrapolation, so that is where its neighbours' are judged. The error of a
-// first-order extrapolation grows with the square of the distance, so it is the tolerated one where that is shorter by the
-// root of their ratio.
 size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing, int threads) {
-    const auto& order = tree_.order();
     constexpr float deviations = 2;  // what noise explains with a chance of 95 %
-    std::vector<uint32_t> slot_of(records_.size());
-    for (uint32_t slot = 0; slot < order.size(); ++slot)
-        if (order[slot] != SphereTree::vacant) slot_of[order[slot]] = slot;
-    // How much more record `from` errs at the place of `at` than is tolerated; 0 where it does not reach.
-    const auto excess_error = [&](uint32_t from, uint32_t at, float d2) {
-        const IrradianceRecord &a = records_[order[from]], &b = records_[order[at]];
-        if (b.enclosed > 0 || weight_of(from, b.position, b.normal, d2, options_.relaxation) <= 0) return 0.0f;
-        const float there = luminance(b.irradiance + shared_excess_[at]);
-        const float read = luminance(extrapolate(a, b.position, b.normal) + shared_excess_[from]);
+    const auto error = [&](uint32_t from, uint32_t at) {
+        const IrradianceRecord &a = records_[from], &b = records_[at];
+        const float there = luminance(b.irradiance + shared_excess(at));
+        const float read = luminance(extrapolate(a, b.position, b.normal) + shared_excess(from));
         // The floor is that of the measure of error.
         const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
         const float explained = deviations * std::sqrt(sqr(a.own_noise) + sqr(b.own_noise)) * there;
         return std::fabs(read - there) / (explained + tolerance * unit);
     };
+    const auto reach = [&](uint32_t) { return Disagreement::Reach{1, options_.relaxation}; };
+    return shrink_where_records_disagree({error, reach}, spacing, threads);
+}
+
+// A record's value at its own place is no extrapolation, so that is where its neighbours' are judged. The error of a
+// first-order extrapolation grows with the square of the distance, so it is the tolerated one where that is shorter by the
+// root of their ratio.
+size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads) {
+    const auto& order = tree_.order();
+    // 0 where record `from` does not reach.
+    const auto error = [&](uint32_t from, uint32_t at, float d2) {
+        const IrradianceRecord& b = records_[at];
+        if (b.enclosed > 0 || weight_of(slot_of_[from], b.position, b.normal, d2, disagreement.reach(at).read) <= 0)
+            return 0.0f;
+        return disagreement.error(from, at);
+    };
     const auto distances = parallel_map<float>(records_.size(), threads, [&](size_t i) {
-        const uint32_t here = slot_of[i];
+        const auto here = static_cast<uint32_t>(i);
         float distance = records_[i].distance;
         const float reach = records_[i].radius * records_[i].elongation * options_.relaxation;
-        tree_.for_each_near(records_[i].position, reach, [&](uint32_t other, float d2) {
+        tree_.for_each_near(records_[i].position, reach, [&](uint32_t slot, float d2) {
+            const uint32_t other = order[slot];
             if (other == here) return;
-            const float mine = excess_error(here, other, d2);
-            if (mine <= 1 || mine < excess_error(other, here, d2)) return;
-            distance = std::min(distance, std::sqrt(d2 / mine) / spacing);
+            const float mine = error(here, other, d2);
+            if (mine <= 1 || mine < error(other, here, d2)) return;
+            distance = std::min(distance, std::sqrt(d2 / mine) / (spacing * disagreement.reach(other).placed));
         });
         return distance;
     });

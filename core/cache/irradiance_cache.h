@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -22,6 +23,20 @@ struct CacheOptions {
     bool neighbor_clamping = true;
 };
 
+/// How records that reach each other are found to disagree.
+struct Disagreement {
+    /// In units of a record's radius.
+    struct Reach {
+        float placed;  // how far it keeps others from being placed
+        float read;    // how far it is read
+    };
+
+    /// How many times more than is tolerated record `from` errs at the place of record `at`.
+    std::function<float(uint32_t from, uint32_t at)> error;
+    /// For what is read at the place of record `at`.
+    std::function<Reach(uint32_t at)> reach;
+};
+
 class RecordCache {
   public:
     RecordCache() = default;
@@ -34,6 +49,10 @@ class RecordCache {
     /// explains, the worse one's radius shrinks to where it would not [Krivanek06]; then neighbours are clamped again. What
     /// it no longer serves is up to the next pass. Returns how many shrank.
     size_t shrink_where_records_disagree(float tolerance, float spacing, int threads);
+    /// The same by any measure of error.
+    size_t shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads);
+    /// What record i shares with its surroundings of the irradiance in excess.
+    Color shared_excess(uint32_t i) const { return shared_excess_[slot_of_[i]]; }
 
     // Normals here are geometric: a bump tilts what a point looks at, not where its records lie.
 
@@ -78,6 +97,7 @@ class RecordCache {
     SphereTree tree_;
     std::vector<Footing> footings_;     // of the records, in the tree's slots
     std::vector<Color> shared_excess_;  // of each record's surroundings, in the tree's slots
+    std::vector<uint32_t> slot_of_;     // each record's
 };
 
 }  // namespace eclat

@@ -21,6 +21,9 @@ class DirectRegions {
     /// Counts a pass and returns which of the unserved candidates get records: all but those in squares where at least
     /// `least_tried` candidates, this pass included, had less than two to each record.
     std::vector<Candidate> worth_records(std::span<const Candidate> tried, std::span<const Candidate> unserved);
+    /// The same in two steps, a candidate at a time: all of a pass are counted before any is asked for.
+    void count(const Candidate& candidate, bool served);
+    bool pays(const Candidate& unserved);
     /// Candidates that were left to paths.
     size_t left_to_paths() const { return left_; }
 

@@ -191,8 +191,8 @@ class Estimator {
 }  // namespace
 
 ErrorEstimate estimate_error(const World& world, const Camera& camera, const SolvedCaches& caches,
-                             const ErrorCheck& check, Progress& progress) {
-    const PixelProbes probes(world, camera, caches, check.max_depth, check.seed);
+                             const RadianceTables* tables, const ErrorCheck& check, Progress& progress) {
+    const PixelProbes probes(world, camera, caches, tables, check.max_depth, check.seed);
     return Estimator(probes, check, progress).run();
 }
 

@@ -37,9 +37,10 @@ Color traced(const World& world, std::span<const PathRay> rays, std::span<const 
 
 }  // namespace
 
-/// A vertex whose diffuse lobes the cache answers for.
+/// A vertex some of whose lobes a cache answers for.
 struct PixelProbes::Vertex {
     SurfacePoint point;
+    LobeSet lobes;
     Vec3 wo;           // local
     Color throughput;  // of the path up to here
     Color read;        // radiance that the cache adds there
@@ -66,6 +67,7 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     options.max_depth = max_depth_;
     options.light_set = LightSet::without_environment_image;
     options.cache = read_near(caches_);
+    options.reflection = reflection_;
     options.light_samples = cached_light_samples;
     std::vector<PathResult> results(samples);
     trace_paths(world_, rays, options, results, progress);
@@ -89,14 +91,19 @@ std::vector<PixelProbes::Vertex> PixelProbes::vertices(const Ray& first, Sampler
         if (hit.missed()) break;
         SurfacePoint point = world_.geometry.surface_point(hit, -ray.direction);
         const Vec3 wo = point.frame.to_local(-ray.direction);
-        LobeSet going_on = LobeSet::all;
+        if (reflection_ && point.bsdf.has(LobeSet::glossy)) {
+            const Color reflected = reflection_(point, wo);
+            if (point.bsdf.has(LobeSet::cached))
+                out.push_back({point, LobeSet::cached, wo, throughput, reflected, edges});
+        }
         if (point.bsdf.has(LobeSet::diffuse))
             if (const auto E = cache(point, hit.t)) {
-                out.push_back({point, wo, throughput, point.bsdf.diffuse_albedo(wo) * *E * inv_pi, edges});
-                going_on = LobeSet::glossy;
+                const Color read = point.bsdf.diffuse_albedo(wo) * *E * inv_pi;
+                out.push_back({point, LobeSet::diffuse, wo, throughput, read, edges});
+                point.bsdf.set_cached(LobeSet::diffuse);
             }
         const float u_lobe = sampler.next_1d();
-        const auto sample = point.bsdf.sample(wo, u_lobe, sampler.next_2d(), going_on);
+        const auto sample = point.bsdf.sample(wo, u_lobe, sampler.next_2d(), LobeSet::uncached);
         if (!sample) break;
         const Vec3 wi = point.frame.to_world(sample->wi);
         if (dot(wi, point.normal) * sample->wi.z <= 0) break;
@@ -139,7 +146,7 @@ Probe PixelProbes::compared(Vec2 u, uint32_t stream, uint32_t place, uint32_t lo
                 // The looks of a probe share one sequence: most see the same surface.
                 Sampler sampler(seed_ ^ hash(gather_stream, stream, static_cast<uint32_t>(v)), place, look * paths + j);
                 const float u_lobe = sampler.next_1d();
-                const auto sample = vertex.point.bsdf.sample(vertex.wo, u_lobe, sampler.next_2d(), LobeSet::diffuse);
+                const auto sample = vertex.point.bsdf.sample(vertex.wo, u_lobe, sampler.next_2d(), vertex.lobes);
                 if (!sample) continue;
                 const Vec3 wi = vertex.point.frame.to_world(sample->wi);
                 if (dot(wi, vertex.point.normal) * sample->wi.z <= 0) continue;

@@ -11,6 +11,7 @@
 #include <span>
 
 #include "integrators/point_irradiance.h"
+#include "integrators/radiance_cache.h"
 
 namespace eclat {
 
@@ -24,8 +25,12 @@ struct Probe {
 /// A place is chosen by a point u of the unit square; `stream` and `place` key the random numbers.
 class PixelProbes {
   public:
-    PixelProbes(const World& world, const Camera& camera, const SolvedCaches& caches, int max_depth, uint32_t seed)
-        : world_(world), camera_(camera), caches_(caches), max_depth_(max_depth), seed_(seed) {}
+    /// `tables`: of radiance caching, else null.
+    PixelProbes(const World& world, const Camera& camera, const SolvedCaches& caches, const RadianceTables* tables,
+                int max_depth, uint32_t seed)
+        : world_(world), camera_(camera), caches_(caches), max_depth_(max_depth), seed_(seed) {
+        if (tables) reflection_ = read_radiance(caches.radiance, *tables);
+    }
 
     /// Columns of a grid of about `count` cells.
     uint32_t columns(uint32_t count) const {
@@ -51,6 +56,7 @@ class PixelProbes {
     const World& world_;
     const Camera& camera_;
     const SolvedCaches& caches_;
+    CachedReflection reflection_;
     int max_depth_;
     uint32_t seed_;
 };

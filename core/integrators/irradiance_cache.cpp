@@ -20,7 +20,7 @@
 
 #include <cmath>
 
-#include "base/parallel.h"
+#include "integrators/camera_chains.h"
 
 namespace eclat {
 
@@ -47,82 +47,21 @@ float finest_step(const IrradianceCacheOptions& options) {
     return step;
 }
 
-/// Where a place in the picture, behind so many mirrors, is weighed: a square of sixteen pixels. In space, the cells of a grid
-/// would not be the same in a scene that was scaled or turned. 0 for the places of coarser passes, which say nothing of single
-/// pixels, and for those between pixels, where records were asked for that are smaller.
-uint32_t region_of(Vec2 at, int edge) {
-    constexpr uint32_t side = 16, most_columns = 1 << 14;
-    const uint32_t x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
-    const bool between = at.x != static_cast<float>(x) + 0.5f || at.y != static_cast<float>(y) + 0.5f;
-    if (between || (x % 2 == 0 && y % 2 == 0)) return 0;
-    return 1 + static_cast<uint32_t>(edge) + 4 * (x / side + most_columns * (y / side));
-}
-
-/// Of a place in the picture, as random numbers are keyed: pixel centres by their pixel.
-uint32_t key_of(Vec2 at, int edge) {
-    const auto part = [](float x) { return static_cast<uint32_t>(8 * (x - std::floor(x))) ^ 4u; };
-    const uint32_t parts = part(at.x) | part(at.y) << 3;
-    return hash(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), static_cast<uint32_t>(edge) | parts << 8);
-}
-
 }  // namespace
 
-Candidate seen_candidate(const SurfacePoint& point, const Camera& camera, float length, Vec2 at, int edge) {
-    Candidate out(point, camera.pixel_size_at(length), key_of(at, edge));
-    out.seen = true;
-    out.region = region_of(at, edge);
-    return out;
-}
-
 std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
-                                         const IrradianceCacheOptions& options, Progress& progress) {
-    constexpr int longest_chain = 4;  // mirrors and glossy bounces that are followed to find candidates
-    constexpr size_t block = 1024;
-    std::vector<std::vector<Candidate>> found((pixels.size() + block - 1) / block);
-    parallel_for(found.size(), options.threads, [&](size_t b) {
-        progress.check();
-        const auto some = pixels.subspan(b * block, std::min(block, pixels.size() - b * block));
-        struct Chain {
-            uint32_t pixel;
-            float length;
-        };
-        std::vector<Ray> rays;
-        std::vector<Chain> chains;
-        for (uint32_t i = 0; i < some.size(); ++i) {
-            rays.push_back(camera.ray(some[i].x, some[i].y, {0.5f, 0.5f}));
-            chains.push_back({i, 0});
-        }
-        for (int edge = 0; edge < longest_chain && !rays.empty(); ++edge) {
-            std::vector<Hit> hits(rays.size());
-            world.geometry.rays().intersect(rays, hits, edge == 0 ? Coherence::camera : Coherence::none);
-            progress.count_rays(rays.size());
-            std::vector<Ray> next;
-            std::vector<Chain> next_chains;
-            for (size_t i = 0; i < rays.size(); ++i) {
-                if (hits[i].missed()) continue;
-                const Vec3 wo = -rays[i].direction;
-                const SurfacePoint point = world.geometry.surface_point(hits[i], wo);
-                const float length = chains[i].length + hits[i].t;
-                const Vec3 wo_local = point.frame.to_local(wo);
-                if (!is_black(point.bsdf.diffuse_albedo(wo_local))) {
-                    const Vec2 at = some[chains[i].pixel];
-                    found[b].push_back(seen_candidate(point, camera, length, at, edge));
-                }
-                const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
-                Sampler sampler(options.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));
-                const float u_lobe = sampler.next_1d();
-                const auto sample = point.bsdf.sample(wo_local, u_lobe, sampler.next_2d(), LobeSet::glossy);
-                if (!sample) continue;
-                next.push_back(point.ray(point.frame.to_world(sample->wi)));
-                next_chains.push_back({chains[i].pixel, length});
-            }
-            rays.swap(next);
-            chains.swap(next_chains);
-        }
-    });
-    std::vector<Candidate> out;
-    for (auto& f : found) out.insert(out.end(), f.begin(), f.end());
-    return out;
+                                         const IrradianceCacheOptions& options, Progress& progress,
+                                         const MarkCached& mark) {
+    return follow_chains<Candidate>(world, camera, pixels, chain_stream, options, progress,
+                                    [&](SeenVertex& vertex, std::vector<Candidate>& found) {
+                                        Bsdf& bsdf = vertex.point.bsdf;
+                                        if (!is_black(bsdf.diffuse_albedo(vertex.wo)))
+                                            found.push_back(vertex.candidate());
+                                        if (!mark) return LobeSet::glossy;
+                                        mark(vertex.point, vertex.wo);
+                                        bsdf.set_cached(LobeSet::diffuse);
+                                        return LobeSet::uncached;
+                                    });
 }
 
 void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
@@ -133,7 +72,8 @@ void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& option
 }
 
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near) {
+                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near,
+                            const MarkCached& mark) {
     constexpr int far_sources = 16;  // between the points from which the far cache is found
     caches = empty_caches(options);
     const auto sweep = 1 + 3 * static_cast<uint64_t>(std::ilogb(coarsest / finest_step(options)));
@@ -142,7 +82,7 @@ void solve_irradiance_cache(const World& world, const Camera& camera, const Irra
               caches, progress);
     if (before_near) before_near();
     for_each_lattice(camera, options, [&](std::span<const Vec2> pixels) {
-        add_near(world, camera_candidates(world, camera, pixels, options, progress), options, caches, progress);
+        add_near(world, camera_candidates(world, camera, pixels, options, progress, mark), options, caches, progress);
     });
 }
 

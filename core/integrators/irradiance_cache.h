@@ -14,14 +14,15 @@
 
 namespace eclat {
 
+/// Marks the lobes of a point that another cache answers for, for light that leaves towards `wo` (in the point's frame).
+using MarkCached = std::function<void(SurfacePoint& point, Vec3 wo)>;
+
 /// Fills both caches for what `camera` sees. Whatever stops it (an exception, a cancelled progress) leaves the passes that
 /// were finished. `progress` counts passes. `before_near` may add to the caches once the far one is there, in one more sweep of
-/// passes.
+/// passes; what the chains then need not follow, `mark` says.
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {});
-
-/// What the camera sees at the place `at` of the picture (pixels), `edge` mirrors on, at the end of a path of that `length`.
-Candidate seen_candidate(const SurfacePoint& point, const Camera& camera, float length, Vec2 at, int edge);
+                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {},
+                            const MarkCached& mark = {});
 
 /// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all. Where records may be smaller than
 /// pixels, also for places between them, or what changes inside of a pixel would never get a record on both sides.
@@ -38,8 +39,10 @@ constexpr int cached_miss_paths = 16;
 /// How paths read the cache: `near` at vertices seen from the camera.
 CachedIrradiance read_near(const SolvedCaches& caches);
 
-/// Diffuse points that pixels see, at pixel centres (x, y), after mirrors and glossy bounces where there are any.
+/// Diffuse points that pixels see, at pixel centres (x, y), after mirrors and glossy bounces where there are any; not after
+/// those that `mark` marks.
 std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
-                                         const IrradianceCacheOptions& options, Progress& progress);
+                                         const IrradianceCacheOptions& options, Progress& progress,
+                                         const MarkCached& mark = {});
 
 }  // namespace eclat

@@ -3,7 +3,7 @@
 
 // Radiance caching for a view.
 //
-// References   [Krivanek05], [Gautron04]; docs/algorithms/radiance_cache.md
+// References   [Krivanek05], [Gautron04], [Krivanek06]; docs/algorithms/radiance_cache.md
 //
 // Departures   As irradiance caching: coarse-to-fine passes against a frozen cache. A gather for a radiance record gives an
 //              irradiance record as well, which serves what is diffuse there.
@@ -12,130 +12,168 @@
 
 #include "integrators/radiance_cache.h"
 
-#include <bit>
+#include <cmath>
 
 #include "base/parallel.h"
+#include "integrators/camera_chains.h"
 
 namespace eclat {
 
 namespace {
 
 constexpr uint32_t chain_stream = 5;
+constexpr uint32_t glossy_pass = 1u << 21;  // of points everywhere, beside those of diffuse ones
 
-/// Where a radiance record could be wanted, and for how wide a lobe.
+void set_cached(Bsdf& bsdf, uint32_t lobes) {
+    for (int lobe = 0; lobe < bsdf.count(); ++lobe)
+        if (lobes >> lobe & 1) bsdf.set_cached(lobe);
+}
+
+/// Where a radiance record could be wanted.
 struct GlossyCandidate {
     Candidate at;
-    float width = 1;
+    bool served = false;   // there is one
     bool diffuse = false;  // an irradiance record serves there as well
+    PlacedLobe lobe;       // where it is not served
 };
+
+GlossyCandidate candidate_for(const Candidate& at, const SurfacePoint& point, Vec3 wo, const ReflectedFactors& factors,
+                              const RadianceCache& cache) {
+    GlossyCandidate out{
+        at, cache.serves(at.position, at.normal, factors.width), !is_black(point.bsdf.diffuse_albedo(wo)), {}};
+    if (!out.served) out.lobe = cache.placed_lobe(factors, point.frame, at.normal);
+    return out;
+}
+
+bool within_tilt(const SurfacePoint& point) {
+    return dot(point.frame.n, point.normal_towards_shading()) > std::cos(largest_radiance_tilt);
+}
 
 /// What pixels see with lobes that may be cached, at first or after mirrors and narrow lobes.
 std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera& camera, const RadianceTables& tables,
-                                               std::span<const Vec2> pixels, const RadianceCacheOptions& options,
-                                               Progress& progress) {
-    constexpr int longest_chain = 4;
-    constexpr size_t block = 1024;
-    std::vector<std::vector<GlossyCandidate>> found((pixels.size() + block - 1) / block);
-    parallel_for(found.size(), options.irradiance.threads, [&](size_t b) {
-        progress.check();
-        const auto some = pixels.subspan(b * block, std::min(block, pixels.size() - b * block));
-        struct Chain {
-            uint32_t pixel;
-            float length;
-        };
-        std::vector<Ray> rays;
-        std::vector<Chain> chains;
-        for (uint32_t i = 0; i < some.size(); ++i) {
-            rays.push_back(camera.ray(some[i].x, some[i].y, {0.5f, 0.5f}));
-            chains.push_back({i, 0});
-        }
-        ReflectedFactors factors;
-        for (int edge = 0; edge < longest_chain && !rays.empty(); ++edge) {
-            std::vector<Hit> hits(rays.size());
-            world.geometry.rays().intersect(rays, hits, edge == 0 ? Coherence::camera : Coherence::none);
-            progress.count_rays(rays.size());
-            std::vector<Ray> next;
-            std::vector<Chain> next_chains;
-            for (size_t i = 0; i < rays.size(); ++i) {
-                if (hits[i].missed()) continue;
-                const Vec3 wo = -rays[i].direction;
-                SurfacePoint point = world.geometry.surface_point(hits[i], wo);
-                const Vec3 wo_local = point.frame.to_local(wo);
-                const float length = chains[i].length + hits[i].t;
-                const Vec2 at = some[chains[i].pixel];
-                tables.reflect(point.bsdf, wo_local, factors);
-                if (factors.order > 0) {
-                    found[b].push_back({seen_candidate(point, camera, length, at, edge), factors.width,
-                                        !is_black(point.bsdf.diffuse_albedo(wo_local))});
-                    for (int lobe = 0; lobe < point.bsdf.count(); ++lobe)
-                        if (factors.lobes >> lobe & 1) point.bsdf.set_cached(lobe);
-                }
-                point.bsdf.set_cached(LobeSet::diffuse);
-                const auto pixel = static_cast<uint32_t>(b * block) + chains[i].pixel;
-                Sampler sampler(options.irradiance.seed ^ hash(chain_stream), pixel, static_cast<uint32_t>(edge));
-                const float u_lobe = sampler.next_1d();
-                const auto sample = point.bsdf.sample(wo_local, u_lobe, sampler.next_2d(), LobeSet::uncached);
-                if (!sample) continue;
-                next.push_back(point.ray(point.frame.to_world(sample->wi)));
-                next_chains.push_back({chains[i].pixel, length});
+                                               const RadianceCache& cache, std::span<const Vec2> pixels,
+                                               const RadianceCacheOptions& options, Progress& progress) {
+    return follow_chains<GlossyCandidate>(
+        world, camera, pixels, chain_stream, options.irradiance, progress,
+        [&](SeenVertex& vertex, std::vector<GlossyCandidate>& found) {
+            SurfacePoint& point = vertex.point;
+            ReflectedFactors factors;
+            tables.reflect(point.bsdf, vertex.wo, factors);
+            if (factors.order > 0 && within_tilt(point)) {
+                found.push_back(candidate_for(vertex.candidate(), point, vertex.wo, factors, cache));
+                set_cached(point.bsdf, factors.lobes);
             }
-            rays.swap(next);
-            chains.swap(next_chains);
+            point.bsdf.set_cached(LobeSet::diffuse);
+            return LobeSet::uncached;
+        });
+}
+
+/// The narrowest lobe that may be cached, of views from four heights and two sides; false where there is none.
+bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFactors& out) {
+    ReflectedFactors factors;
+    out.order = 0;
+    for (const float z : {1.0f, 0.8f, 0.5f, 0.25f})
+        for (const Vec2 side : {Vec2{1, 0}, Vec2{0, 1}}) {
+            const float across = std::sqrt(1 - z * z);
+            tables.reflect(bsdf, {across * side.x, across * side.y, z}, factors);
+            if (factors.order > 0 && (out.order == 0 || factors.width < out.width)) out = factors;
         }
+    return out.order > 0;
+}
+
+/// The same on all surfaces.
+std::vector<GlossyCandidate> glossy_candidates(const World& world, const SurfacePoints& surface, size_t count,
+                                               uint32_t pass, const RadianceTables& tables, const RadianceCache& cache,
+                                               const RadianceCacheOptions& options) {
+    const auto places = surface.spread(count, glossy_pass | pass, options.irradiance.seed);
+    using Sides = std::vector<GlossyCandidate>;
+    const auto found = parallel_map<Sides>(places.size(), options.irradiance.threads, [&](size_t i) {
+        Sides sides;
+        uint32_t side = 0;
+        surface.for_each_side(places[i].hit, [&](const SurfacePoint& point, Vec3 wo) {
+            ReflectedFactors factors;
+            const Candidate at(point, pixel_without_camera(world), hash(places[i].key, side++));
+            if (point.bsdf.has(LobeSet::glossy) && within_tilt(point) && narrowest_lobe(tables, point.bsdf, factors))
+                sides.push_back(candidate_for(at, point, wo, factors, cache));
+        });
+        return sides;
     });
     std::vector<GlossyCandidate> out;
-    for (auto& f : found) out.insert(out.end(), f.begin(), f.end());
+    for (const Sides& sides : found) out.insert(out.end(), sides.begin(), sides.end());
     return out;
 }
 
-std::vector<GlossyCandidate> unserved(const RadianceCache& cache, std::span<const GlossyCandidate> candidates,
-                                      int threads) {
-    std::vector<uint8_t> served(candidates.size());
-    parallel_blocks(candidates.size(), 256, threads, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i)
-            served[i] = cache.serves(candidates[i].at.position, candidates[i].at.normal, candidates[i].width);
-    });
-    std::vector<GlossyCandidate> out;
-    for (size_t i = 0; i < candidates.size(); ++i)
-        if (!served[i]) out.push_back(candidates[i]);
-    return out;
-}
-
-/// A pass: radiance records for the candidates that are not served, and irradiance records of the same gathers.
-void add_radiance(const World& world, std::span<const GlossyCandidate> candidates, const RadianceProjection& projection,
-                  const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
-    const auto wanted = unserved(caches.radiance, candidates, options.irradiance.threads);
+/// A pass: radiance records for the candidates that are not served, and irradiance records of the same gathers. Returns how
+/// many were not served.
+size_t add_radiance(const World& world, std::span<const GlossyCandidate> candidates,
+                    const RadianceProjection& projection, const RadianceCacheOptions& options, SolvedCaches& caches,
+                    Progress& progress) {
+    size_t missed = 0;
+    for (const GlossyCandidate& c : candidates) {
+        caches.glossy_direct.count(c.at, c.served);
+        missed += !c.served;
+    }
     std::vector<Candidate> places;
-    for (const GlossyCandidate& c : wanted) places.push_back(c.at);
+    std::vector<PlacedLobe> lobes;
+    std::vector<uint8_t> diffuse;
+    for (const GlossyCandidate& c : candidates) {
+        if (c.served || !caches.glossy_direct.pays(c.at)) continue;
+        places.push_back(c.at);
+        lobes.push_back(c.lobe);
+        diffuse.push_back(c.diffuse);
+    }
     std::vector<RadianceCoefficients> coefficients(places.size());
     IrradianceCacheOptions spaced = options.irradiance;
     spaced.spacing = options.spacing;
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
                           [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
     const auto records = gather_records(world, places, caches.far, spaced, plan, progress);
-    std::vector<IrradianceRecord> diffuse;
+    std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
         // Where a lower bound widened the radius, the gradients go with it, as those of irradiance did.
         const float raised = options.spacing * records[i].distance / records[i].radius;
         if (raised < 1)
             for (float& g : coefficients[i].gradients) g *= raised;
-        if (wanted[i].diffuse) diffuse.push_back(records[i]);
+        if (diffuse[i]) near.push_back(records[i]);
     }
-    caches.radiance.insert(records, coefficients, options.spacing, options.irradiance.threads);
-    if (!diffuse.empty()) caches.near.insert(diffuse, options.irradiance.spacing, options.irradiance.threads);
+    const int threads = options.irradiance.threads;
+    caches.radiance.insert(records, coefficients, lobes, options.spacing, threads);
+    if (options.irradiance.disagreement < infinity)
+        caches.radiance.shrink_where_records_disagree(options.irradiance.disagreement, options.spacing, threads);
+    if (!near.empty()) caches.near.insert(near, options.irradiance.spacing, threads);
     progress.advance();
+    return missed;
 }
 
 }  // namespace
 
 void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
-    solve_irradiance_cache(world, camera, options.irradiance, caches, progress, [&] {
+    const auto before_near = [&] {
         const RadianceProjection projection(options.order, Rows::balanced, options.rows);
         caches.radiance = RadianceCache(options.irradiance.cache, options.order);
         for_each_lattice(camera, options.irradiance, [&](std::span<const Vec2> pixels) {
-            add_radiance(world, glossy_candidates(world, camera, tables, pixels, options, progress), projection,
-                         options, caches, progress);
+            add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
+                         projection, options, caches, progress);
+        });
+    };
+    const auto mark = [&](SurfacePoint& point, Vec3 wo) {
+        if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
+        ReflectedFactors factors;
+        tables.reflect(point.bsdf, wo, factors);
+        set_cached(point.bsdf, factors.lobes);
+    };
+    solve_irradiance_cache(world, camera, options.irradiance, caches, progress, before_near, mark);
+}
+
+void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
+                               SolvedCaches& caches, Progress& progress) {
+    solve_everywhere(world, options.irradiance, caches, progress, [&](const SurfacePoints& surface) {
+        const RadianceProjection projection(options.order, Rows::balanced, options.rows);
+        caches.radiance = RadianceCache(options.irradiance.cache, options.order);
+        double_places([&](uint32_t pass, size_t count) {
+            const auto found = glossy_candidates(world, surface, count, pass, tables, caches.radiance, options);
+            return PassCounts{found.size(), add_radiance(world, found, projection, options, caches, progress)};
         });
     });
 }
@@ -147,8 +185,7 @@ CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables&
         if (factors.order == 0) return {};
         const auto reflected = cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors);
         if (!reflected) return {};
-        for (int lobe = 0; lobe < point.bsdf.count(); ++lobe)
-            if (factors.lobes >> lobe & 1) point.bsdf.set_cached(lobe);
+        set_cached(point.bsdf, factors.lobes);
         return *reflected;
     };
 }

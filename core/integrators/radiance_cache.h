@@ -8,6 +8,7 @@
 
 #include "cache/radiance_tables.h"
 #include "integrators/irradiance_cache.h"
+#include "integrators/solve_points.h"
 
 namespace eclat {
 
@@ -22,6 +23,10 @@ struct RadianceCacheOptions {
 /// and narrow lobes lead to.
 void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress);
+
+/// As `solve_everywhere`, and radiance records on all glossy surfaces, for views from any side.
+void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
+                               SolvedCaches& caches, Progress& progress);
 
 /// How paths read the radiance cache.
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables);

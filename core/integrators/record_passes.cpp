@@ -122,7 +122,7 @@ CachedIrradiance read_far(const RecordCache& far) {
 }
 
 SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
-    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}, {}, {}};
+    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}, {}, {}, {}};
 }
 
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,

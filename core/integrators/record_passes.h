@@ -49,7 +49,7 @@ struct SolvedCaches {
     RadianceCache radiance;  // empty under irradiance caching
     // While records are made:
     BrightPlaces bright;
-    DirectRegions direct;
+    DirectRegions direct, glossy_direct;
 };
 
 /// Where a record could be wanted.

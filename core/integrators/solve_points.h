@@ -5,10 +5,12 @@
 
 #pragma once
 
+#include <functional>
 #include <span>
 #include <vector>
 
 #include "integrators/point_irradiance.h"
+#include "integrators/surface_points.h"
 
 namespace eclat {
 
@@ -18,9 +20,10 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
                      SolvedCaches& caches, Progress& progress);
 
 /// The same for all diffuse surfaces, on each side that reflects: candidates are spread evenly over their area, and
-/// doubled until the records serve almost all new ones.
+/// doubled until the records serve almost all new ones. `before_near` may add to the caches once the far one is there, in as
+/// many more passes.
 void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
-                      Progress& progress);
+                      Progress& progress, const std::function<void(const SurfacePoints&)>& before_near = {});
 
 /// Points spread evenly over the same surfaces, about `count` of them, but not those that a solve looked at.
 std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed);

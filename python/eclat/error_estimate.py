@@ -61,9 +61,11 @@ class ErrorEstimate:
 
 
 def error_text(statistics: Mapping[str, float]) -> str:
-    """`estimated error 0.9 % ± 0.1 (95 %)`; empty where nothing was estimated."""
+    """`estimated error 0.9 % ± 0.1 (95 %)`; empty where nothing was estimated. It says where records of radiance are left out."""
     if "estimated_error" not in statistics:
         return ""
+    if statistics.get("gloss_estimated") == 0 and statistics.get("radiance_records"):
+        return error_text({**statistics, "gloss_estimated": 1.0}) + " of irradiance, gloss not included"
     quoted, low, high = (100 * statistics[f"estimated_error{end}"] for end in ("", "_low", "_high"))
     if high == 0:
         return "estimated error 0 % (95 %)"

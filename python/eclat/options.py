@@ -72,7 +72,8 @@ class IrradianceCache:
     """Radii differ no more than places do (Křivánek et al. 2006)."""
     adaptive: bool = True
     """Where overlapping records disagree by more than twice `max_error`, beyond what their noise explains, the worse one's
-    radius shrinks, and the next pass fills the gap (Křivánek et al. 2006)."""
+    radius shrinks, and the next pass fills the gap (Křivánek et al. 2006). Records of radiance are compared by what they
+    reflect."""
     gradient_limit: bool = True
     """A radius is no longer than the gradient would take to change the record's value by all of it."""
     obstacle_limit: bool = True
@@ -105,7 +106,7 @@ class RadianceCache(IrradianceCache):
     """Radiance caching: irradiance caching for diffuse surfaces, and records of light by direction for glossy ones; what is
     too sharp is traced.
 
-    Records of radiance are made for views; for points and for all surfaces, only those of irradiance are.
+    Records of radiance are made for views and for all surfaces; for points, which have no lobes, only those of irradiance.
     """
 
     order: int = 8

@@ -7,8 +7,8 @@ from __future__ import annotations
 from dataclasses import replace
 
 from eclat.error_estimate import ErrorEstimate
-from eclat.options import IrradianceCache
-from eclat.solution import core_options
+from eclat.options import IrradianceCache, RadianceCache
+from eclat.solution import core_options, core_radiance_options
 
 CHECK_SHARE_OF_REFINEMENT = 1.0
 """Rays of a check that decides about another step, at most, in units of those of the step that it checks."""
@@ -31,10 +31,19 @@ def finer(options: IrradianceCache, ratio: float) -> IrradianceCache:
 
     Extrapolation errs with the square of a record's radius, and what its lower bound in pixels hides is at least as wide
     as that bound; a gather of M rows, stratified in the plane, errs with M^(-3/2). The same holds for far records, which
-    become more with the square of their density.
+    become more with the square of their density. Of gloss, what the harmonics leave of a lobe is part of the error too: less
+    of it is allowed, and more lobes are traced.
     """
     now = core_options(options)
     rows = ratio ** (-2 / 3)
+    if isinstance(options, RadianceCache):
+        gloss = core_radiance_options(options)
+        options = replace(
+            options,
+            gloss_spacing=max(0.01, gloss.spacing * ratio**0.5),
+            gloss_rows=min(256, round(gloss.rows * rows)),
+            gloss_error=max(0.001, options.gloss_error * ratio),
+        )
     return replace(
         options,
         max_error=max(0.0005, options.max_error * ratio),

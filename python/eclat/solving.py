@@ -41,11 +41,15 @@ class Where:
 
     fill: Callable[[_core.SolvedCaches, _core.IrradianceCacheOptions, _core.Progress], None]
     """In place; what it has done when it is stopped stays."""
-    estimate: Callable[[_core.SolvedCaches, _core.ErrorCheck, _core.Progress], _core.ErrorEstimate]
+    estimate: Callable[
+        [_core.SolvedCaches, _core.ErrorCheck, _core.Progress, _core.RadianceTables | None], _core.ErrorEstimate
+    ]
     fill_radiance: (
         Callable[[_core.SolvedCaches, _core.RadianceTables, _core.RadianceCacheOptions, _core.Progress], None] | None
     ) = None
-    """The same with records of radiance, where there is a view."""
+    """The same with records of radiance; points have no lobes to be cached."""
+    estimates_gloss: bool = False
+    """Whether `estimate` looks at what is reflected, not at irradiance alone."""
 
 
 @overload
@@ -113,7 +117,8 @@ def solve(
         scene's first camera and that camera's size.
     points : positions and normals, (N, 3) each, instead of a view. They need not lie on a surface; each gets a record
         unless another one serves it.
-    view_independent : records for all diffuse surfaces instead of a view, on each side that reflects. Without a
+    view_independent : records for all diffuse surfaces instead of a view, on each side that reflects, and under radiance
+        caching on all glossy ones, for views from any direction. Without a
         view a pixel of `options` is a thousandth of the scene's diameter.
     max_depth : edges of a path: 2 direct light only, −1 unlimited.
     keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then the Solution of the
@@ -122,7 +127,8 @@ def solve(
     check : estimate the error of the records where they are wanted, by path-traced gathers that never end in a cache.
         It takes up to `CHECK_SHARE` of the solve's rays, and says in the statistics `estimated_error` with
         `estimated_error_low` and `_high` (95 %), the measure of `metrics.relative_rmse` over all pixels of the view,
-        over the points, or over all surfaces; of the light that records answer for, in units of all light there.
+        over the points, or over all surfaces; of the light that records answer for, in units of all light there. In a
+        view that is gloss from records of radiance too; on all surfaces it is irradiance alone, which is said beside it.
     refine : solve again with finer settings until the estimate and its margin meet the `max_error` of the options, or a
         step would take more than `refining.MOST_RAYS`, which is said in a warning. The statistics then hold the number of
         `refinements`; rays and seconds are those of all.
@@ -208,13 +214,17 @@ class Job:
 
     def _fill(self, options: IrradianceCache, caches: _core.SolvedCaches) -> Callable[[_core.Progress], None]:
         common = {"max_depth": self.max_depth, "seed": self.seed, "threads": self.threads}
-        fill_radiance = self.where.fill_radiance
-        if isinstance(options, RadianceCache) and fill_radiance is not None:
-            tables = radiance_tables(self.scene, options, threads=self.threads or None, progress=self.progress)
+        fill_radiance, tables = self.where.fill_radiance, self._tables(options)
+        if isinstance(options, RadianceCache) and fill_radiance is not None and tables is not None:
             with_radiance = core_radiance_options(options, **common)
             return lambda p: fill_radiance(caches, tables, with_radiance, p)
         settings = core_options(options, **common)
         return lambda p: self.where.fill(caches, settings, p)
+
+    def _tables(self, options: IrradianceCache) -> _core.RadianceTables | None:
+        if not isinstance(options, RadianceCache) or self.where.fill_radiance is None:
+            return None
+        return radiance_tables(self.scene, options, threads=self.threads or None, progress=self.progress)
 
     def solve(self, options: IrradianceCache, check_share: float) -> Solution:
         """One solve, checked with that share of its rays."""
@@ -253,13 +263,16 @@ class Job:
         check.wanted = solution.options.max_error if max_error is None else max_error
         check.max_depth, check.seed, check.threads = self.max_depth, self.seed, self.threads
         read = solution.core() if caches is None else caches
+        tables = self._tables(solution.options)
         try:
-            found = run("check", lambda p: self.where.estimate(read, check, p), self.progress, counted)
+            found = run("check", lambda p: self.where.estimate(read, check, p, tables), self.progress, counted)
         except KeyboardInterrupt as stop:
             if self.keep_partial:
                 stop.partial = solution  # type: ignore[attr-defined]
             raise
         statistics = solution.statistics | ErrorEstimate.of(found).statistics()
+        if tables is not None:
+            statistics["gloss_estimated"] = float(self.where.estimates_gloss)
         statistics["check_rays"] = float(counted.rays)
         statistics["rays"] += float(counted.rays)
         statistics["seconds"] += clock.perf_counter() - started
@@ -311,17 +324,19 @@ def where_wanted(
         positions, directions = prepared.to_core(places), np.ascontiguousarray(sides, np.float32)
         return Where(
             lambda caches, o, p: _core.solve_at_points(prepared.core, positions, directions, o, caches, p),
-            lambda caches, c, p: _core.estimate_error_at_points(prepared.core, positions, directions, caches, c, p),
+            lambda caches, c, p, _: _core.estimate_error_at_points(prepared.core, positions, directions, caches, c, p),
         )
     if view_independent:
         return Where(
             lambda caches, o, p: _core.solve_everywhere(prepared.core, o, caches, p),
-            lambda caches, c, p: _core.estimate_error_everywhere(prepared.core, SURFACE_POINTS, caches, c, p),
+            lambda caches, c, p, _: _core.estimate_error_everywhere(prepared.core, SURFACE_POINTS, caches, c, p),
+            lambda caches, tables, o, p: _core.solve_radiance_everywhere(prepared.core, tables, o, caches, p),
         )
     view = chosen_camera(scene, 0 if camera is None else camera)
     core_camera = prepared.camera(view, picture_size(view, size))
     return Where(
         lambda caches, o, p: _core.solve_for_camera(prepared.core, core_camera, o, caches, p),
-        lambda caches, c, p: _core.estimate_error_for_camera(prepared.core, core_camera, caches, c, p),
+        lambda caches, c, p, tables: _core.estimate_error_for_camera(prepared.core, core_camera, caches, c, p, tables),
         lambda caches, tables, o, p: _core.solve_radiance_for_camera(prepared.core, core_camera, tables, o, caches, p),
+        estimates_gloss=True,
     )

@@ -58,7 +58,7 @@ struct Records {
     }
     RadianceCache cache() const {
         RadianceCache out({}, order);
-        out.insert(records, coefficients, 1, 1);
+        out.insert(records, coefficients, {}, 1, 1);
         return out;
     }
 };
@@ -138,6 +138,31 @@ TEST_CASE("narrow lobes are served from less far") {
     CHECK(cache.reflect({1.4f, 0, 0}, {0, 0, 1}, shading, factors));  // relaxed
     factors.width = 0.5f;
     CHECK(!cache.reflect({1.4f, 0, 0}, {0, 0, 1}, shading, factors));
+}
+
+TEST_CASE("a record whose neighbour reflects otherwise shrinks until it no longer reaches it") {
+    const Frame up = Frame::around({0, 0, 1});
+    const ReflectedFactors factors = lobe_around(direction_at(0.4, 1.0), 6);
+    const auto shrunk = [&](float jump, float width, float distance) {
+        Records records;
+        records.add({0, 0, 0}, {0, 0, 1});
+        records.add({distance, 0, 0}, {0, 0, 1});
+        for (float& value : records.coefficients[1].values) value *= jump;
+        RadianceCache cache({}, order);
+        ReflectedFactors seen = factors;
+        seen.width = width;
+        const std::vector<PlacedLobe> lobes(2, cache.placed_lobe(seen, up, {0, 0, 1}));
+        cache.insert(records.records, records.coefficients, lobes, 1, 1);
+        const size_t count = cache.shrink_where_records_disagree(0.02f, 1, 1);
+        const bool reach = cache.serves({distance, 0, 0}, {0, 0, 1}, width) &&
+                           std::min(cache.records()[0].radius, cache.records()[1].radius) * width > distance;
+        CHECK(reach == (count == 0 && width > distance));
+        return count;
+    };
+    CHECK(shrunk(1, 1, 0.5f) == 0);     // a linear light is extrapolated exactly
+    CHECK(shrunk(1.1f, 1, 0.5f) == 1);  // the worse of both
+    CHECK(shrunk(1.01f, 1, 0.5f) == 0);
+    CHECK(shrunk(1.1f, 0.3f, 0.5f) == 0);  // too far for so narrow a lobe
 }
 
 TEST_CASE("what a cache gives is read back by another") {

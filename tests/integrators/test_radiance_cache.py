@@ -12,6 +12,7 @@ import numpy as np
 import pytest
 
 import eclat
+from eclat.error_estimate import error_text
 from eclat.errors import EclatError
 from eclat.scene import Camera, Environment, Material, Scene, grey, look_at
 from eclat.scenes import glossy_box
@@ -82,6 +83,49 @@ def test_error_by_order(alpha: float) -> None:
     assert all(errors[order] < bound for order, bound in BY_ORDER[alpha].items()), errors
     if alpha < 0.6:
         assert errors[4] > 1.15 * errors[10], errors
+
+
+def test_records_that_reflect_otherwise_than_their_neighbours_shrink() -> None:
+    """Too sparse a spacing is made up for where it matters."""
+    scene, errors, counts = glossy_box.build(0.4), {}, {}
+    for adaptive in (False, True):
+        options = eclat.RadianceCache(gloss_spacing=2.0, gloss_rows=32, adaptive=adaptive)
+        solution = eclat.solve(scene, options, size=SIZE, check=False)
+        assert solution.radiance is not None
+        image = eclat.render(scene, solution, samples=8, size=SIZE)
+        cached = image.layers["gloss_cached"] > 0.99
+        errors[adaptive] = reference(0.4).error(image.layers["indirect"], cached)
+        counts[adaptive] = len(solution.radiance)
+    assert counts[True] < 2.5 * counts[False]
+    assert errors[True] < 0.8 * errors[False], errors
+
+
+def test_the_estimated_error_is_that_of_gloss_too() -> None:
+    """With two bands, which hold little of a narrow lobe."""
+    scene, truth = glossy_box.build(0.2), reference(0.2)
+    solution = eclat.solve(scene, eclat.RadianceCache(order=2, gloss_error=1), size=SIZE)
+    first, second = (eclat.render(scene, solution, samples=8, size=SIZE, seed=s) for s in (1, 2))
+    squares = (first.layers["indirect"] - truth.first) * (second.layers["indirect"] - truth.second)
+    whole = (truth.floor - 0.01).mean()
+    exact = float(np.sqrt((squares / (truth.floor - 0.01 + 0.01 * whole)).mean()))
+    estimate = solution.estimate
+    assert estimate is not None and solution.statistics["gloss_estimated"] == 1
+    assert exact > 0.03
+    assert 0.65 * exact < estimate.quoted < 1.5 * exact
+
+
+def test_records_everywhere_serve_a_view_that_nobody_chose() -> None:
+    scene = glossy_box.build(0.6)
+    options = eclat.RadianceCache(max_error=0.1, far_records=500, least_pixels=10)
+    solution = eclat.solve(scene, options, view_independent=True)
+    assert solution.radiance is not None and len(solution.radiance) > 200
+    assert solution.statistics["gloss_estimated"] == 0
+    assert error_text(solution.statistics).endswith("of irradiance, gloss not included")
+    image = eclat.render(scene, solution, samples=4, size=SIZE)
+    cached = image.layers["gloss_cached"] > 0.99
+    assert cached.mean() > 0.14
+    assert image.layers["gloss_traced"].mean() < 0.02
+    assert reference(0.6).error(image.layers["indirect"], cached) < 0.05
 
 
 def test_narrow_lobes_are_traced() -> None:

@@ -13,7 +13,7 @@ from eclat import refining
 from eclat.error_estimate import ErrorEstimate
 from eclat.refining import finer, rays_after, step_towards
 from eclat.scenes import build
-from eclat.solution import core_options
+from eclat.solution import core_options, core_radiance_options
 
 COARSE = eclat.IrradianceCache(max_error=0.04, far_records=300)
 
@@ -30,8 +30,16 @@ def test_all_parts_of_the_error_are_made_finer() -> None:
     assert abs(twice.rows - once.rows) <= 1
 
 
-def test_settings_end_at_their_limits() -> None:
-    options = COARSE
+def test_all_parts_of_the_error_of_gloss_too() -> None:
+    coarse = eclat.RadianceCache(max_error=0.04)
+    half = finer(coarse, 0.5)
+    assert isinstance(half, eclat.RadianceCache) and half.gloss_error == 0.2
+    before, after = core_radiance_options(coarse), core_radiance_options(half)
+    assert after.spacing < before.spacing and after.rows > before.rows
+
+
+@pytest.mark.parametrize("options", [COARSE, eclat.RadianceCache()])
+def test_settings_end_at_their_limits(options: eclat.IrradianceCache) -> None:
     for _ in range(40):
         options = finer(options, 0.25)
     assert finer(options, 0.25) == options
