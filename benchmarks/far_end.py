@@ -15,6 +15,7 @@ from typing import Any
 
 import eclat
 from eclat.scene import Scene
+from eclat.solution import core_options
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.curves import as_rows, cost_at, from_rows, measure
@@ -26,13 +27,12 @@ SAMPLES = 64
 """A pixel, of the two pictures that tell the error of the records alone."""
 
 SEED = 1
-DEFAULT = eclat.IrradianceCache()
 FAR_ENDS = {
     "traced on": 0,
-    "far cache, default": DEFAULT.far_records,
-    "far cache, 4 × default": 4 * DEFAULT.far_records,
+    "far cache, default": 1,
+    "far cache, 4 × default": 4,
 }
-"""Name → far_records."""
+"""Name → candidates for far records, in units of what max_error asks for."""
 
 
 def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
@@ -47,12 +47,17 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
         ), None
 
     series = {
-        far_end: {f"{e:g}": partial(_solve, replace(DEFAULT, max_error=e, far_records=n), shared) for e in wanted}
+        far_end: {f"{e:g}": partial(_solve, _options(e, n), shared) for e in wanted}
         for far_end, n in list(FAR_ENDS.items())[: 2 if settings.quick else None]
     }
     points = measure(scene, series, judge, settings.repeats)
     rows = {far_end: as_rows(found) for far_end, found in points.items()}
     return {"points": rows, "reference": truth.described(), "size": size}
+
+
+def _options(max_error: float, far: int) -> eclat.IrradianceCache:
+    options = eclat.IrradianceCache(max_error=max_error)
+    return replace(options, far_records=far * core_options(options).far_records)
 
 
 def _solve(options: eclat.IrradianceCache, shared: dict[str, Any], scene: Scene) -> eclat.Solution:

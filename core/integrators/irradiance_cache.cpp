@@ -40,9 +40,9 @@ std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
     return out;
 }
 
-/// Pixels between the candidates of the last passes: one, or fewer where records may be smaller than that.
+/// Pixels between the candidates of the last passes: no more than the radius of the smallest records.
 float finest_step(const IrradianceCacheOptions& options) {
-    float step = 1;
+    float step = coarsest;
     while (step > options.least_pixels) step /= 2;
     return step;
 }

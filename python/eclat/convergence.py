@@ -74,7 +74,10 @@ class Sampling:
         self.taken, self.rays, self.noise = 0, 0.0, math.nan
         self.partial: _core.Film | None = None
         self.partial_taken = 0
+        self._counts = _everywhere(0) if adaptive is None else adaptive.counts
+        self._deadline = math.inf
         self._seconds_per_sample: float | None = None
+        self._seconds_of_look = 0.0
 
     def run(self, goal: Goal) -> None:
         """Sample until the goal is reached."""
@@ -105,51 +108,50 @@ class Sampling:
 
     def _until(self, deadline: float) -> None:
         self._deadline = deadline
-        started = clock.perf_counter()
-        while True:
-            now, step = clock.perf_counter(), max(self._first, self.taken)
-            if self.taken:
-                # Time for as many samples as all before takes as long as they did.
-                fitting = int(step * (deadline - now) / max(now - started, 1e-9))
-                if fitting < step:
-                    self._expected = self.taken + fitting
-                    if fitting > 0:
-                        self._pass(self.taken + fitting)
-                    return
-            self._expected = self._reachable(self.taken + step, now)
-            self._pass(self.taken + step)
+        while self.taken == 0 or self._affordable() >= 1:
+            self._expected = self.taken + max(1, self._affordable())
+            self._pass(max(self._first, 2 * self.taken))
 
-    def _reachable(self, least: int, now: float) -> int:
-        if self._seconds_per_sample is None:
-            return max(least, EXPECTED_SAMPLES)
-        return max(least, self.taken + int((self._deadline - now) / max(self._seconds_per_sample, 1e-9)))
+    def _affordable(self) -> int:
+        """Samples for which there is time, with that of looking at the picture after them left over."""
+        if self._seconds_per_sample is None or self._deadline == math.inf:
+            return EXPECTED_SAMPLES
+        left = self._deadline - clock.perf_counter() - self._seconds_of_look
+        return max(0, int(left / max(self._seconds_per_sample, 1e-9)))
+
+    def _step(self, end: int) -> int:
+        """How many samples are taken before the next look at the clock."""
+        step, pace = end - self.taken, self._seconds_per_sample
+        if self._deadline < math.inf:
+            # Half of what fits, then half of the rest: when the last sample ends is known from ones just taken.
+            step = min(step, 1 if pace is None else max(1, self._affordable() // 2))
+        if self.keep_partial:
+            step = min(step, 1 if pace is None else max(1, int(SLICE_SECONDS / max(pace, 1e-9))))
+        return step
 
     def _pass(self, end: int) -> None:
-        """Take samples until there are `end` of each pixel, or on average."""
+        """Take samples until there are `end` of each pixel, or on average; fewer where the deadline is near."""
         half = self.film.radiance if self.taken and end == 2 * self.taken else None
-        counts = None if self.adaptive is None else self.adaptive.unevenly(end)
-        begun, taken_before = self.taken, None if self.adaptive is None else self.adaptive.counts
-        while self.taken < end:
-            step = end - self.taken
-            if self.keep_partial:
-                pace = self._seconds_per_sample
-                step = min(step, 1 if pace is None else max(1, int(SLICE_SECONDS / max(pace, 1e-9))))
-            if counts is None or taken_before is None:
-                first, last = _everywhere(self.taken), _everywhere(self.taken + step)
-            else:
-                first = _between(taken_before, counts, self.taken - begun, end - begun)
-                last = _between(taken_before, counts, self.taken + step - begun, end - begun)
+        while self.taken < end and (self.taken == 0 or self._affordable() >= 1):
+            step = self._step(end)
+            first, last = _everywhere(self.taken), _everywhere(self.taken + step)
+            if self.adaptive is not None:
+                # What a pixel takes grows with the mean, so that parts of a pass add up to it.
+                first, last = self._counts, self.adaptive.unevenly(self.taken + step)
+                self._counts = last
             before = clock.perf_counter()
-            self.rays += self.render_range(first, last, self._overall(step))
+            self.rays += self.render_range(first.ravel(), last.ravel(), self._overall(step))
             self._seconds_per_sample = (clock.perf_counter() - before) / step
             self.taken += step
             if self.keep_partial:
                 self.partial, self.partial_taken = self.film.copy(), self.taken
-        if self.adaptive is not None and counts is not None:
-            self.adaptive.observe(counts, self.film.radiance)
+        before = clock.perf_counter()
+        if self.adaptive is not None:
+            self.adaptive.observe(self._counts, self.film.radiance)
             self.noise = self.adaptive.noise()
-        elif half is not None:
+        elif half is not None and self.taken == end:
             self.noise = estimated_error(half, self.film.radiance)
+        self._seconds_of_look = clock.perf_counter() - before
 
     def _overall(self, step: int) -> ProgressReport | None:
         """Reports of one call, as a part of all samples that are expected, and with the rays of all calls."""
@@ -166,12 +168,6 @@ class Sampling:
 
 def _everywhere(samples: int) -> Counts:
     return np.array([samples], dtype=np.uint32)
-
-
-def _between(first: Counts, end: Counts, part: int, whole: int) -> Counts:
-    """`first` + (`end` − `first`) · `part` / `whole` of each pixel, as one row."""
-    wide = first.astype(np.int64)
-    return (wide + (end - wide) * part // whole).astype(np.uint32).ravel()
 
 
 def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> float:

@@ -41,7 +41,7 @@ METRICS = ("occlusion", "radiometric", "geometric", "minimum", "harmonic")
 class IrradianceCache:
     """Irradiance caching: diffuse indirect light from records, the rest traced.
 
-    `max_error` steers the spacing and the rays of records; the other fields are None for "what max_error asks for".
+    `max_error` steers the spacing and the rays of records, near and far; the other fields are None for "what max_error asks for".
     """
 
     max_error: float = 0.01
@@ -78,9 +78,9 @@ class IrradianceCache:
     """A radius is no longer than the gradient would take to change the record's value by all of it."""
     obstacle_limit: bool = True
     """What curvature allows is bounded by the least distance to what stands apart from the surface."""
-    far_records: int = 2000
+    far_records: int | None = None
     """Candidates for the coarse records in which gather rays end; 0 traces every path to its end."""
-    far_rows: int = 9
+    far_rows: int | None = None
     """Rows of the gathers of far records."""
     far_spacing: float = 0.3
     """Radius of a far record in units of the distance to what it sees."""
@@ -92,8 +92,10 @@ class IrradianceCache:
         if self.rows is not None:
             _check_range("IrradianceCache", "rows", self.rows, 2, 256)
         _check_range("IrradianceCache", "far_spacing", self.far_spacing, 0.01, 2)
-        _check_range("IrradianceCache", "far_rows", self.far_rows, 2, 256)
-        _check_range("IrradianceCache", "far_records", self.far_records, 0, 10**7)
+        if self.far_rows is not None:
+            _check_range("IrradianceCache", "far_rows", self.far_rows, 2, 256)
+        if self.far_records is not None:
+            _check_range("IrradianceCache", "far_records", self.far_records, 0, 10**7)
         _check_range("IrradianceCache", "least_pixels", self.least_pixels, 0.25, 1000)
         _check_range("IrradianceCache", "largest_pixels", self.largest_pixels, self.least_pixels, 10**5)
         _check_range("IrradianceCache", "relaxation", self.relaxation, 1, 4)

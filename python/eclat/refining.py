@@ -51,8 +51,8 @@ def finer(options: IrradianceCache, ratio: float) -> IrradianceCache:
         rows=min(256, round(now.rows * rows)),
         least_pixels=max(0.25, options.least_pixels * ratio),
         far_spacing=max(0.01, options.far_spacing * ratio**0.5),
-        far_rows=min(256, round(options.far_rows * rows)),
-        far_records=min(10**7, round(options.far_records / ratio)),
+        far_rows=min(256, round(now.far_rows * rows)),
+        far_records=min(10**7, round(now.far_records / ratio)),
     )
 
 

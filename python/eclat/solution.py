@@ -47,20 +47,27 @@ _COLUMNS = {
 def core_options(
     options: IrradianceCache, *, max_depth: int = -1, seed: int = 0, threads: int = 0
 ) -> _core.IrradianceCacheOptions:
-    """The core's options. `max_error` sets what is None: the error of first-order extrapolation grows with the square
-    of a record's radius, a gather's noise falls with the number of its rows."""
+    """The core's options. `max_error` sets what is None.
+
+    The error of first-order extrapolation grows with the square of a record's radius, a gather's noise falls with the
+    number of its rows. Records are never more than √2 times as far apart as at 1 %: where they are wider than what
+    stands beside them, others must be crowded in between. What far records do not know is averaged over hemispheres, so
+    that they are spared more slowly than the error grows.
+    """
     out = _core.IrradianceCacheOptions()
     relative = options.max_error / 0.01
     usual = 0.4 if options.metric in ("minimum", "harmonic") else 0.8
-    out.spacing = options.spacing if options.spacing is not None else min(2 * usual, usual * relative**0.5)
+    out.spacing = options.spacing if options.spacing is not None else usual * min(2.0, relative) ** 0.5
     out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), 8, 64))
+    out.far_records = options.far_records if options.far_records is not None else round(2000 * relative ** (-1 / 3))
+    out.far_rows = options.far_rows if options.far_rows is not None else round(9 * relative**-0.2)
     out.disagreement = 2 * options.max_error if options.adaptive else math.inf
     out.metric = METRICS.index(options.metric)
     out.balanced = BALANCED.index(options.balanced)
     out.weight = WEIGHTS.index(options.weight)
     for name in (
         "relaxation", "rotation_gradient", "translation_gradient", "neighbor_clamping", "gradient_limit", "obstacle_limit",
-        "least_pixels", "largest_pixels", "far_rows", "far_records", "far_spacing",
+        "least_pixels", "largest_pixels", "far_spacing",
     ):  # fmt: skip
         setattr(out, name, getattr(options, name))
     out.max_depth, out.seed, out.threads = max_depth, seed, threads

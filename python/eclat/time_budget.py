@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """How much of a given time goes into records: as fine ones as fit, the rest is left to samples of pixels.
 
-A cheap solve tells how many rays a second this scene gets on this machine. The laws of `refining` then say how fine a
-second solve may be. With records' error falling with time to the power −3/7 and noise with −1/2, both parts weigh about
-the same at the best split, so that each gets about half.
+A cheap solve, which looks only at every fourth pixel, tells how many rays a second this scene gets on this machine. A
+second one looks at all pixels, or at as many as there is time for. The laws of `refining` then say how fine a third one
+may be. With records' error falling with time to the power −3/7 and noise with −1/2, both parts weigh about the same at
+the best split, so that each gets about half.
 """
 
 from __future__ import annotations
 
+import math
 import time as clock
 from dataclasses import replace
 from typing import Any
@@ -16,21 +18,41 @@ from typing import Any
 from eclat.error_estimate import CHECK_SHARE
 from eclat.options import IrradianceCache
 from eclat.refining import RAYS_EXPONENT, finer
+from eclat.running import ProgressReport
 from eclat.scene import Scene
 from eclat.solution import Solution, core_options
 from eclat.solving import solve
 
 SHARE_OF_RECORDS = 0.45
-"""Of the time that is left after the first solve, the check included."""
+"""Of the time that is left before the last solve, the check included."""
+
+SHARE_OF_COVERAGE = 0.7
+"""The same as long as records do not lie as close as was asked for: pixels without one take sixteen paths a sample."""
 
 FINEST_STEP = 1 / 64
-"""Of the error from the first solve to the second: beyond it laws say nothing."""
+"""Of the error from one solve to the next: beyond it laws say nothing."""
+
+FIRST_PIXELS = 4.0
+"""Lower bound of a record's radius in the first solve, and so the pixels between the places that it looks at."""
+
+RAYS_OF_HALVING = 2.3
+"""Of a solve whose places lie half as far apart, in units of what it took before."""
+
+LATEST = 0.8
+"""Of all the time: a solve that is not done then is given up, since laws can be wrong, and the one before it stays."""
 
 
 def first_options(options: IrradianceCache) -> IrradianceCache:
     """Of the cheap solve."""
     coarse = core_options(replace(options, max_error=0.08, spacing=None, rows=None))
-    return replace(options, spacing=coarse.spacing, rows=coarse.rows, far_records=min(options.far_records, 500))
+    return replace(
+        options,
+        spacing=coarse.spacing,
+        rows=coarse.rows,
+        least_pixels=min(options.largest_pixels, max(options.least_pixels, FIRST_PIXELS)),
+        far_records=min(coarse.far_records, 500),
+        far_rows=coarse.far_rows,
+    )
 
 
 def solve_within(scene: Scene, options: IrradianceCache, deadline: float, *, check: bool, **keywords: Any) -> Solution:
@@ -38,14 +60,54 @@ def solve_within(scene: Scene, options: IrradianceCache, deadline: float, *, che
 
     The options of the Solution hold the numbers that were chosen: with them `solve` makes the same records.
     """
-    started = clock.perf_counter()
-    first = solve(scene, first_options(options), check=False, **keywords)
-    now = clock.perf_counter()
-    rate = first.statistics["rays"] / max(now - started, 1e-9)
-    affordable = SHARE_OF_RECORDS * max(0.0, deadline - now) * rate / (1 + CHECK_SHARE * check)
-    if affordable <= first.statistics["rays"]:
-        return first
-    ratio = max(FINEST_STEP, (first.statistics["rays"] / affordable) ** (1 / RAYS_EXPONENT))
-    second = solve(scene, finer(first.options, ratio), check=check, **keywords)
-    second.statistics["rays"] += first.statistics["rays"]
-    return second
+    begun = clock.perf_counter()
+    last = solve(scene, first_options(options), check=False, **keywords)
+    total = last.statistics["rays"]
+
+    def fitting() -> float:
+        """Rays for which there is time, by those of the last solve; a check takes its part."""
+        left = max(0.0, deadline - clock.perf_counter())
+        return left * last.statistics["rays"] / max(clock.perf_counter() - begun, 1e-9) / (1 + CHECK_SHARE * check)
+
+    keywords["progress"] = _until(begun + LATEST * (deadline - begun), keywords.get("progress"))
+    try:
+        # First the places that are looked at come as close to each other as was asked for, since pixels without records
+        # cost the most.
+        least, rays, most = last.options.least_pixels, last.statistics["rays"], fitting()
+        while least >= 2 * options.least_pixels and rays * RAYS_OF_HALVING <= SHARE_OF_COVERAGE * most:
+            least, rays = least / 2, rays * RAYS_OF_HALVING
+        finer_fits = rays <= SHARE_OF_RECORDS / 2 * most
+        if least < last.options.least_pixels:
+            begun = clock.perf_counter()
+            covering = replace(last.options, least_pixels=least)
+            last = solve(scene, covering, check=check and not finer_fits, **keywords)
+            total += last.statistics["rays"]
+        # Then all becomes finer.
+        if finer_fits:
+            ratio = (last.statistics["rays"] / max(1.0, SHARE_OF_RECORDS * fitting())) ** (1 / RAYS_EXPONENT)
+            ratio = min(1.0, max(FINEST_STEP, ratio))
+            # Places lie at steps of powers of two: the next finer one only where there is time for all of it.
+            steps = math.floor(math.log2(1 / ratio) + 1e-6)
+            fine = replace(finer(last.options, ratio), least_pixels=max(0.25, least / 2**steps))
+            last = solve(scene, fine, check=check, **keywords)
+            total += last.statistics["rays"]
+    except _LateError:
+        pass
+    last.statistics["rays"] = total
+    return last
+
+
+class _LateError(Exception):
+    """A solve takes longer than there is time."""
+
+
+def _until(latest: float, report: ProgressReport | None) -> ProgressReport:
+    """`report`, which stops what it reports of when it is later than that."""
+
+    def timely(phase: str, fraction: float, statistics: dict[str, float]) -> None:
+        if clock.perf_counter() > latest:
+            raise _LateError
+        if report is not None:
+            report(phase, fraction, statistics)
+
+    return timely

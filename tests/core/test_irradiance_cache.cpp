@@ -374,7 +374,7 @@ TEST_CASE("what few rays brought in excess is read as the mean of the surroundin
     CHECK(largest < 15);
 }
 
-TEST_CASE("a view is tried at each pixel once, and at places between where records may be smaller than pixels") {
+TEST_CASE("a view is tried at each pixel once, at fewer where records are larger than pixels, at more where they may be smaller") {
     Camera camera;
     camera.width = 13, camera.height = 9;
     const auto tried = [&](float least_pixels) {
@@ -389,7 +389,9 @@ TEST_CASE("a view is tried at each pixel once, and at places between where recor
         for (const auto& [x, y] : all) CHECK((x > 0 && x < 13 && y > 0 && y < 9));
         return all.size();
     };
-    CHECK(tried(2) == 13 * 9);
+    CHECK(tried(4) == 4 * 3);
+    CHECK(tried(3.9f) == 7 * 5);
+    CHECK(tried(2) == 7 * 5);
     CHECK(tried(1) == 13 * 9);
     // From the first centre to less than half a pixel beyond the last.
     CHECK(tried(0.5f) == 25 * 17);
