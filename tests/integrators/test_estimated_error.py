@@ -25,7 +25,7 @@ def estimated(
 ) -> _core.ErrorEstimate:
     check = _core.ErrorCheck()
     check.rays, check.seed, check.threads = rays, seed, threads
-    return where.estimate(solution.core(), check, _core.Progress())
+    return where.estimate(solution.core(), check, _core.Progress(), None)
 
 
 def scaled(solution: eclat.Solution, factor: float) -> eclat.Solution:
@@ -104,11 +104,11 @@ def test_depth_is_that_of_the_solve(furnace: eclat.Scene) -> None:
     settings = core_options(solution.options, max_depth=3)
     check = _core.ErrorCheck()
     check.rays, check.max_depth = 200_000, settings.max_depth
-    found = ErrorEstimate.of(where_wanted(furnace, size=SIZE).estimate(solution.core(), check, _core.Progress()))
+    found = ErrorEstimate.of(where_wanted(furnace, size=SIZE).estimate(solution.core(), check, _core.Progress(), None))
     assert found.error < 0.004
     # The same records against all depths lack ρ³ / (1 − ρ) of light.
     check.max_depth = -1
-    found = ErrorEstimate.of(where_wanted(furnace, size=SIZE).estimate(solution.core(), check, _core.Progress()))
+    found = ErrorEstimate.of(where_wanted(furnace, size=SIZE).estimate(solution.core(), check, _core.Progress(), None))
     # Pixels that are left to paths have no such error.
     assert found.unserved < 0.3
     served = (1 - found.unserved) ** 0.5
