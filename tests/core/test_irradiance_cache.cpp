@@ -374,7 +374,9 @@ TEST_CASE("what few rays brought in excess is read as the mean of the surroundin
     CHECK(largest < 15);
 }
 
-TEST_CASE("a view is tried at each pixel once, at fewer where records are larger than pixels, at more where they may be smaller") {
+TEST_CASE(
+    "a view is tried at each pixel once, at fewer where records are larger than pixels, at more where they may be "
+    "smaller") {
     Camera camera;
     camera.width = 13, camera.height = 9;
     const auto tried = [&](float least_pixels) {
