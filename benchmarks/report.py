@@ -15,6 +15,8 @@ import convergence
 import embree_rate
 import equal_error
 import far_end
+import fly_through
+import glossy
 import lazy_fill
 import max_error
 import memory
@@ -27,6 +29,8 @@ MODULES = (
     path_rate,
     embree_rate,
     equal_error,
+    glossy,
+    fly_through,
     max_error,
     scaling,
     memory,

@@ -6,8 +6,10 @@ from __future__ import annotations
 
 import os
 import warnings
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 from pathlib import Path
+from typing import Any
 
 import eclat
 from eclat.metrics import TARGET_C
@@ -22,17 +24,20 @@ QUICK_SIDE = 64
 
 @dataclass(frozen=True)
 class BenchmarkScene:
-    """`source` is a built-in name, or a file in `FOLDER`; `paint` gives every surface one diffuse colour."""
+    """`source` is a built-in name with `parameters`, or a file in `FOLDER`; `paint` gives every surface one diffuse colour,
+    `materials` are others by name (`eclat.override_materials`)."""
 
     source: str
     size: tuple[int, int]
     c: float | None = None
     paint: bool = False
+    parameters: Mapping[str, float] = field(default_factory=dict)
+    materials: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
 
     def load(self) -> Scene:
         """The scene. Raises UnavailableError where its file is absent."""
         if "/" not in self.source:
-            return eclat.load(self.source)
+            return eclat.override_materials(eclat.load(self.source, **self.parameters), self.materials)
         path = FOLDER / self.source
         if not path.is_file():
             how = "set ECLAT_SCENES to the folder of real scenes (README, 'Real scenes')"
@@ -40,7 +45,7 @@ class BenchmarkScene:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the file's own dirt calls for, named by `eclat info`
             scene = eclat.load(str(path))
-        return painted(scene) if self.paint else scene
+        return eclat.override_materials(painted(scene) if self.paint else scene, self.materials)
 
     def size_for(self, quick: bool, side: int | None = None) -> tuple[int, int]:
         """(width, height), with a longer side of `side` pixels where it is given, of `QUICK_SIDE` for smoke runs."""
@@ -49,13 +54,20 @@ class BenchmarkScene:
         return max(1, round(self.size[0] * scale)), max(1, round(self.size[1] * scale))
 
 
+POLISH = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.3}
+"""Of a stone floor."""
+
 SCENES: dict[str, BenchmarkScene] = {
     "cornell-box": BenchmarkScene("cornell-box", (512, 512), TARGET_C),
     "furnace": BenchmarkScene("furnace", (512, 512)),
     "glossy-box": BenchmarkScene("glossy-box", (512, 512), TARGET_C),
+    "glossy-box-0.4": BenchmarkScene("glossy-box", (512, 512), TARGET_C, parameters={"alpha": 0.4}),
+    "glossy-box-0.6": BenchmarkScene("glossy-box", (512, 512), TARGET_C, parameters={"alpha": 0.6}),
     "two-rooms": BenchmarkScene("two-rooms", (512, 512)),
     "door-ajar": BenchmarkScene("door-ajar", (512, 288)),
     "sponza": BenchmarkScene("targets/sponza-sun.xml", (512, 512), TARGET_C),
+    "sponza-polished": BenchmarkScene("targets/sponza-sun.xml", (512, 512), TARGET_C, materials={"sp_00_pod": POLISH}),
+    "sibenik-polished": BenchmarkScene("sibenik/nave.xml", (512, 288), materials={"pod": POLISH}),
     "sibenik": BenchmarkScene("sibenik/nave.xml", (512, 288)),
     "sibenik-painted": BenchmarkScene("sibenik/nave.xml", (512, 288), paint=True),
     "atrium": BenchmarkScene("atrium", (512, 288)),

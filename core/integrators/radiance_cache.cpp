@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Radiance caching for a view.
+// Radiance caching, for a view or for all surfaces.
 //
 // References   [Krivanek05], [Gautron04], [Krivanek06]; docs/algorithms/radiance_cache.md
 //

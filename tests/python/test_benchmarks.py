@@ -11,6 +11,8 @@ import pytest
 
 from eclat.image import Image
 from eclat.metrics import relative_rmse
+from eclat.scene import Camera, look_at
+from fly_through import along, flicker, seen_points
 from harness import document
 from harness.curves import Cost, Point, cost_at
 from harness.flame_graph import Node, stacks, svg
@@ -146,3 +148,29 @@ def test_a_flame_graph_has_each_call_once_as_wide_as_its_share() -> None:
     assert drawn.count("<rect") == 5  # all, trace_paths, solve, and Embree in each
     assert "<title>trace_paths, 75.0 %</title>" in drawn and 'width="899.5"' in drawn
     assert "a &lt;picture&gt;" in drawn
+
+
+def test_points_that_stand_still_are_found_again_from_another_place() -> None:
+    """A plane whose light changes with the place alone: no change, no flicker, whatever the camera does."""
+    base = Camera(look_at((0, 0, 3), (0, 0, 0)), fov=40)
+
+    def frame(camera: Camera, jump: float) -> Image:
+        image = Image(np.zeros((60, 80, 3), np.float32), {"depth": np.ones((60, 80)), "normal": np.zeros((60, 80, 3))})
+        ahead, _ = seen_points(image, camera)  # at distance 1
+        eye = np.asarray(camera.to_world)[:3, 3]
+        distance = eye[2] / (eye - ahead)[..., 2]
+        place = eye + distance[..., None] * (ahead - eye)
+        light = 1 + 0.3 * np.sin(2 * place[..., 0]) + 0.2 * place[..., 1] + jump
+        layers = {
+            "depth": distance, "normal": np.broadcast_to([0.0, 0, 1], (60, 80, 3)),
+            "indirect": np.repeat(light[..., None], 3, axis=2), "gloss_cached": np.ones((60, 80)),
+        }  # fmt: skip
+        return Image(image.pixels, layers)
+
+    cameras = [along(base, "glossy-box-0.6", t, (80, 60)) for t in (0.3, 0.33, 0.36)]
+    still = flicker([frame(camera, 0) for camera in cameras], cameras)
+    assert still["points"] > 0.8
+    assert max(still["change"], still["flicker"], still["gloss_flicker"]) < 5e-4
+    jumps = flicker([frame(c, j) for c, j in zip(cameras, (0, 0.1, 0), strict=True)], cameras)
+    assert jumps["change"] == pytest.approx(0.1 / 1.1, rel=0.1)
+    assert jumps["flicker"] == pytest.approx(0.2 / 6**0.5 / 1.1, rel=0.1)
