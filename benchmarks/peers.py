@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The race: Éclat's irradiance cache against renderers that people use, on the same scenes by the same measure.
+"""The race: Éclat's caches against renderers that people use, on the same scenes by the same measure.
 
 Mitsuba 3 (path tracing), the same with Open Image Denoise, Radiance (ambient cache), POV-Ray (radiosity) and LuxCore
 (PhotonGI) get the same triangles, colours, lights and camera, each in a process of its own, and draw at several levels
@@ -31,9 +31,10 @@ from harness.scenes import BenchmarkScene
 from harness.unavailable import UnavailableError
 from harness.worker import Worker
 
-ECLAT = "Éclat"
+ECLAT, GLOSSY = OURS = ("Éclat", "Éclat radiance-cache")
 ENTRANTS = {
     "eclat": (ECLAT, "harness.eclat_entrant:Entrant"),
+    "glossy": (GLOSSY, "harness.eclat_entrant:Glossy"),
     "mitsuba": ("Mitsuba 3 path", "harness.mitsuba_peer:Entrant"),
     "denoised": ("Mitsuba 3 + OIDN", "harness.denoised_peer:Entrant"),
     "radiance": ("Radiance", "harness.radiance_peer:Entrant"),
@@ -115,7 +116,7 @@ def losses(result: dict[str, Any]) -> str:
             continue
         for wanted in WANTED:
             found = {peer: cost.value for peer, c in courses.items() if (cost := time_to(c, wanted)[0]) is not None}
-            ours = found.pop(ECLAT, None)
+            ours = min((found.pop(name) for name in OURS if name in found), default=None)
             if not found or (ours is not None and ours <= min(found.values())):
                 continue
             best = min(found, key=lambda peer: found[peer])

@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-import io
-import json
 import os
 import time as clock
-import zipfile
 from dataclasses import asdict, dataclass, field
 
 import numpy as np
 
 from eclat import _core
+from eclat.archive import read_archive, write_archive
 from eclat.arguments import points_with_normals
-from eclat.atomic_file import write_file
 from eclat.compiled import compiled, fingerprint
 from eclat.errors import EclatError, warn
 from eclat.options import KERNELS, PhotonMap
@@ -160,30 +157,16 @@ class Photons:
             "max_depth": self.max_depth,
             "statistics": self.statistics,
         }
-        file = io.BytesIO()
-        np.savez(file, header=json.dumps(header), stored=self.stored, caustic=self.caustic, center=self.center)
-        write_file(path, file.getvalue())
+        write_archive(path, header, {"stored": self.stored, "caustic": self.caustic, "center": self.center})
 
     @staticmethod
     def load(path: str | os.PathLike[str], scene: Scene | None = None) -> Photons:
         """Read saved photons; with `scene`, refuse those that were traced in another. Raises EclatError."""
         name = os.fspath(path)
-        try:
-            with open(path, "rb") as file:
-                if not zipfile.is_zipfile(file):
-                    raise zipfile.BadZipFile("it is no .npz archive")
-                file.seek(0)
-                with np.load(file, allow_pickle=False) as data:
-                    header = json.loads(str(data["header"]))
-                    stored, caustic, center = data["stored"], data["caustic"], data["center"]
-        except FileNotFoundError:
-            raise EclatError(f"{name}: no such file") from None
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:
-            raise EclatError(f"{name}: not photons that Éclat saved, or damaged ({error})") from error
-        if not isinstance(header, dict) or header.get("photons") != FORMAT_VERSION:
+        header, arrays = read_archive(path, "photons", ("stored", "caustic", "center"))
+        if header.get("photons") != FORMAT_VERSION:
             raise EclatError(f"{name}: photons of another version of Éclat: trace them again")
-        if center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all():
-            raise EclatError(f"{name}: the array 'center' is damaged")
+        stored, caustic, center = arrays["stored"], arrays["caustic"], arrays["center"]
         for label, array in (("stored", stored), ("caustic", caustic)):
             if array.ndim != 2 or array.shape[1] != 13 or array.dtype != np.float32 or not np.isfinite(array).all():
                 raise EclatError(f"{name}: the array {label!r} is damaged")

@@ -4,18 +4,15 @@
 
 from __future__ import annotations
 
-import io
-import json
 import math
 import os
-import zipfile
 from dataclasses import asdict, dataclass, field
 from typing import Any, TypeVar
 
 import numpy as np
 
 from eclat import _core
-from eclat.atomic_file import write_file
+from eclat.archive import read_archive, write_archive
 from eclat.compiled import compiled, fingerprint
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, warn
@@ -242,35 +239,21 @@ class Solution:
             "complete": self.complete,
             "statistics": self.statistics,
         }
-        file = io.BytesIO()
         arrays: dict[str, Any] = {"near": self.near, "far": self.far, "center": self.center}
         if self.radiance is not None:
             arrays |= self.radiance.arrays()
-        np.savez(file, header=json.dumps(header), **arrays)
-        write_file(path, file.getvalue())
+        write_archive(path, header, arrays)
 
     @staticmethod
     def load(path: str | os.PathLike[str], scene: Scene | None = None) -> Solution:
         """Read a saved cache; with `scene`, refuse one that was solved for another. Raises EclatError."""
         name = os.fspath(path)
-        try:
-            with open(path, "rb") as file:
-                if not zipfile.is_zipfile(file):
-                    raise zipfile.BadZipFile("it is no .npz archive")
-                file.seek(0)
-                with np.load(file, allow_pickle=False) as data:
-                    header = json.loads(str(data["header"]))
-                    near, far, center = data["near"], data["far"], data["center"]
-                    names = ("radiance", "radiance_values", "radiance_gradients")
-                    radiance = RadianceRecords(*(data[n] for n in names)) if names[0] in data else None
-        except FileNotFoundError:
-            raise EclatError(f"{name}: no such file") from None
-        except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:
-            raise EclatError(f"{name}: not a cache that Éclat saved, or damaged ({error})") from error
-        if not isinstance(header, dict) or header.get("format") != FORMAT_VERSION:
+        parts = ("radiance", "radiance_values", "radiance_gradients")
+        header, arrays = read_archive(path, "a cache", ("near", "far", "center"), parts)
+        if header.get("format") != FORMAT_VERSION:
             raise EclatError(f"{name}: a cache of another version of Éclat: solve the scene again")
-        if center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all():
-            raise EclatError(f"{name}: the array 'center' is damaged")
+        near, far, center = arrays["near"], arrays["far"], arrays["center"]
+        radiance = RadianceRecords(*(arrays[n] for n in parts)) if parts[0] in arrays else None
         for label, array in (("near", near), ("far", far)):
             if _damaged(array):
                 raise EclatError(f"{name}: the array {label!r} is damaged")

@@ -54,6 +54,16 @@ def test_paths_stay_the_same_path_by_path(box: Scene, name: str) -> None:
     assert relative_error(traced(SIZES_AND_PLACES[name].scene(box)), traced(box)) < 1e-3
 
 
+@pytest.mark.parametrize("power", [-10, 10])
+def test_powers_of_two_change_no_bit(box: Scene, cached_box: tuple[int, np.ndarray], power: int) -> None:
+    """They change exponents only: no length in the whole renderer is absolute, or it would show here."""
+    scaled = Similarity(2.0**power).scene(box)
+    np.testing.assert_array_equal(traced(scaled), traced(box))
+    records, image = cached(scaled)
+    assert records == cached_box[0]
+    np.testing.assert_array_equal(image, cached_box[1])
+
+
 @pytest.mark.parametrize("name", ["turned", "turned, in millimetres, far away"])
 def test_turned_paths_have_the_same_mean(box: Scene, name: str) -> None:
     """Tangent frames follow the world's axes, so that single paths differ: only their means may be compared."""
