@@ -28,7 +28,7 @@ LONGER_SIDE = 512
 REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
 """XORed into the seed: the references must be unrelated to each other and to the pictures."""
 
-LARGEST_MAX_ERROR = 0.5
+LARGEST_MAX_ERROR, FEWEST_PHOTONS = 0.5, 1000
 """What options accept."""
 
 
@@ -36,8 +36,8 @@ LARGEST_MAX_ERROR = 0.5
 class Effort:
     """How hard the methods try, and at how many levels.
 
-    At the last level with all of it; each level before has a quarter of the samples (or seconds) and twice the error,
-    so that noise and bias are to halve from level to level.
+    At the last level with all of it; each level before has a quarter of the samples (or seconds) and of the photons, and
+    twice the error, so that noise and bias are to halve from level to level.
     """
 
     levels: int = 4
@@ -250,6 +250,13 @@ def _levels(name: str, effort: Effort) -> list[tuple[Any, dict[str, Any]]]:
     for level in range(effort.levels):
         bounds, max_error = effort.at(level)
         options: Any = eclat.METHODS[name]()
+        fewer = 4 ** (effort.levels - 1 - level)
+        if any(f.name == "photons" for f in fields(options)):
+            options = replace(
+                options,
+                photons=max(FEWEST_PHOTONS, options.photons // fewer),
+                caustic_photons=max(FEWEST_PHOTONS, options.caustic_photons // fewer),
+            )
         if any(f.name == "max_error" for f in fields(options)):
             options = replace(options, max_error=max_error)
         if (options, bounds) not in levels:

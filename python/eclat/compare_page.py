@@ -16,6 +16,7 @@ from PIL import Image as PillowImage
 
 from eclat.colormaps import AMOUNT, SIGNED, Anchors, colored
 from eclat.metrics import PIXELS_PER_DEGREE, Float64, has_flip, signed_error
+from eclat.options import METHODS
 from eclat.svg_plot import log_log_plot
 from eclat.tone import to_display
 
@@ -147,7 +148,8 @@ def _method(result: MethodResult, exposure: float, scale: float) -> str:
         caption = "FLIP" + _legend(AMOUNT, "0", "1")
         figures.append(_figure(colored(result.flip_map, AMOUNT), f"{result.method}: FLIP", caption))
     headline = f"{name}: {percent(last.error)} in {last.seconds:.2f} s"
-    return f'<h2>{headline}</h2>\n<div class="row">{"".join(figures)}</div>'
+    limits = f"<p>{escape(METHODS[result.method].cannot)}</p>"
+    return f'<h2>{headline}</h2>\n{limits}\n<div class="row">{"".join(figures)}</div>'
 
 
 def _error_figure(error: Float64, scale: float, alternative: str, caption: str) -> str:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass, fields
-from typing import Literal
+from typing import ClassVar, Literal
 
 from eclat.errors import EclatError, did_you_mean
 
@@ -15,10 +15,20 @@ from eclat.errors import EclatError, did_you_mean
 class Direct:
     """Emission and light that arrives straight from lights: paths of at most two edges."""
 
+    cannot: ClassVar[str] = (
+        "All indirect light is missing: of every path that is longer than from a light to a surface to the camera."
+    )
+    """What a method leaves out or gets wrong, for people who compare; every method says so."""
+
 
 @dataclass(frozen=True)
 class Path:
     """Unbiased path tracing: the reference."""
+
+    cannot: ClassVar[str] = (
+        "Caustics of small lamps are met by chance; those of point, spot and directional lights never, so they are missing. "
+        "Nothing else is wrong but noise."
+    )
 
     roulette_depth: int = 5
     """Edges of a path before it may be ended at random (1 or more)."""
@@ -43,6 +53,12 @@ class IrradianceCache:
 
     `max_error` steers the spacing and the rays of records, near and far; the other fields are None for "what max_error asks for".
     """
+
+    cannot: ClassVar[str] = (
+        "Only indirect light on diffuse surfaces is cached; glossy reflections are traced, with noise. Indirect shadows "
+        "narrower than a record's radius are blurred. Caustics of small lamps are met by chance, those of point, spot and "
+        "directional lights are missing."
+    )
 
     max_error: float = 0.01
     """Wanted relative error of the indirect light, 0.0005..0.5."""
@@ -111,6 +127,12 @@ class RadianceCache(IrradianceCache):
     Records of radiance are made for views and for all surfaces; for points, which have no lobes, only those of irradiance.
     """
 
+    cannot: ClassVar[str] = (
+        "Lobes sharper than the harmonics of its order are traced, with noise. Indirect shadows narrower than a record's "
+        "radius, and reflections of what is smaller than a lobe, are blurred. Caustics of small lamps are met by chance, "
+        "those of point, spot and directional lights are missing."
+    )
+
     order: int = 8
     """Bands of the harmonics in which light and lobes are written, 2..12; order² numbers a colour."""
     gloss_error: float = 0.4
@@ -137,6 +159,11 @@ KERNELS = ("uniform", "cone", "epanechnikov")
 @dataclass(frozen=True)
 class PhotonMap:
     """Photon mapping: indirect light from photons that are traced from the lights; caustics too."""
+
+    cannot: ClassVar[str] = (
+        "Light is blurred over the disc of an estimate, and at edges and thin walls some is lost or leaks; only with "
+        "`progressive` does that vanish. Glossy reflections are traced, with noise."
+    )
 
     photons: int = 200_000
     """Photons to store of light that was scattered diffusely before it arrived."""

@@ -12,6 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
+import eclat
 from eclat.cli import main
 from eclat.compare import Effort, Reference, auto_exposure, compare, default_size
 from eclat.compare_page import page_facts
@@ -63,8 +64,10 @@ def test_all_methods_by_default_and_no_level_twice(api: FakeApi) -> None:
         ("path", 2),
         ("irradiance-cache", 3),
         ("radiance-cache", 3),
-        ("photon-map", 2),
+        ("photon-map", 3),
     ]
+    photons = [call["what"].photons for call in api.calls if isinstance(call["what"], eclat.PhotonMap)]
+    assert photons == [12_500, 50_000, 200_000]
 
 
 def test_a_reference_of_ones_own_sets_the_size(api: FakeApi) -> None:

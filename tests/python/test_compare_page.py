@@ -9,6 +9,7 @@ import dataclasses
 import io
 import re
 import sys
+from html import escape
 from html.parser import HTMLParser
 from pathlib import Path
 
@@ -18,6 +19,7 @@ import pytest
 from eclat.compare import Comparison, Effort, compare
 from eclat.compare_page import FLIP_MISSING, compare_page, error_scale, percent
 from eclat.loaders import load
+from eclat.options import METHODS
 from support.fake_api import FakeApi
 
 VOID = {"meta", "img", "line", "circle", "rect", "path", "polyline", "br"}
@@ -82,6 +84,13 @@ def test_the_table_has_a_row_for_each_level(comparison: Comparison) -> None:
     page = compare_page(comparison)
     assert page.count("<tr") == 1 + 6
     assert percent(comparison.results[0].measurements[-1].error) in page
+
+
+def test_every_method_says_what_it_cannot_do(comparison: Comparison) -> None:
+    said = {method: options.cannot for method, options in METHODS.items()}
+    assert len(set(said.values())) == len(METHODS)
+    page = compare_page(comparison)
+    assert all((escape(said[method]) in page) == (method in ("path", "irradiance-cache")) for method in METHODS)
 
 
 def test_names_from_files_cannot_break_the_page(comparison: Comparison) -> None:
