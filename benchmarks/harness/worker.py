@@ -17,8 +17,8 @@ from eclat.scene import Scene
 from harness.entrant import Picture
 from harness.unavailable import UnavailableError
 
-TIMEOUT = 900.0
-"""Seconds after which a picture counts as not finished."""
+TIMEOUT = 150.0
+"""Seconds after which a picture counts as not finished, so that a race ends within an hour or two."""
 
 
 class WorkerError(Exception):
