@@ -22,6 +22,7 @@ import max_error
 import memory
 import path_rate
 import peers
+import radiosity_scaling
 import scaling
 from harness.benchmark import RESULTS
 
@@ -33,6 +34,7 @@ MODULES = (
     fly_through,
     max_error,
     scaling,
+    radiosity_scaling,
     memory,
     lazy_fill,
     far_end,

@@ -11,6 +11,7 @@ void bind_cache(nb::module_& m);
 void bind_harmonics(nb::module_& m);
 void bind_brdf_table(nb::module_& m);
 void bind_photons(nb::module_& m);
+void bind_radiosity(nb::module_& m);
 
 NB_MODULE(_core, m) {
     bind_scene(m);
@@ -19,4 +20,5 @@ NB_MODULE(_core, m) {
     bind_brdf_table(m);
     bind_cache(m);
     bind_photons(m);
+    bind_radiosity(m);
 }

@@ -14,9 +14,10 @@ if TYPE_CHECKING:
     from eclat.image import Image
     from eclat.loaders import load, load_dict
     from eclat.material_overrides import override_materials
-    from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache
+    from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache, Radiosity
     from eclat.photons import Photons
     from eclat.point_irradiance import irradiance
+    from eclat.radiosity import RadiositySolution, load_solved
     from eclat.rendering import render
     from eclat.scene import Scene
     from eclat.solution import Solution, merge
@@ -38,6 +39,9 @@ _HOMES = {
     "PhotonMap": "eclat.options",
     "Photons": "eclat.photons",
     "RadianceCache": "eclat.options",
+    "Radiosity": "eclat.options",
+    "RadiositySolution": "eclat.radiosity",
+    "load_solved": "eclat.radiosity",
     "METHODS": "eclat.options",
     "Image": "eclat.image",
     "Scene": "eclat.scene",
@@ -57,11 +61,14 @@ __all__ = [
     "PhotonMap",
     "Photons",
     "RadianceCache",
+    "Radiosity",
+    "RadiositySolution",
     "Scene",
     "Solution",
     "irradiance",
     "load",
     "load_dict",
+    "load_solved",
     "merge",
     "override_materials",
     "refine",

@@ -36,7 +36,7 @@ LARGEST_MAX_ERROR, FEWEST_PHOTONS = 0.5, 1000
 class Effort:
     """How hard the methods try, and at how many levels.
 
-    At the last level with all of it; each level before has a quarter of the samples (or seconds) and of the photons, and
+    At the last level with all of it; each level before has a quarter of the samples (or seconds), photons and patches, and
     twice the error, so that noise and bias are to halve from level to level.
     """
 
@@ -257,6 +257,8 @@ def _levels(name: str, effort: Effort) -> list[tuple[Any, dict[str, Any]]]:
                 photons=max(FEWEST_PHOTONS, options.photons // fewer),
                 caustic_photons=max(FEWEST_PHOTONS, options.caustic_photons // fewer),
             )
+        if any(f.name == "patches" for f in fields(options)):
+            options = replace(options, patches=max(1, options.patches // fewer))
         if any(f.name == "max_error" for f in fields(options)):
             options = replace(options, max_error=max_error)
         if (options, bounds) not in levels:

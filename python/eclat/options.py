@@ -195,7 +195,44 @@ class PhotonMap:
         _check_known("PhotonMap", "kernel", self.kernel, KERNELS)
 
 
-Options = Direct | Path | IrradianceCache | RadianceCache | PhotonMap
+SOLVERS = ("gathering", "shooting")
+"""How the equation of radiosity can be solved, in the core's order."""
+
+
+@dataclass(frozen=True)
+class Radiosity:
+    """Radiosity: surfaces in patches that exchange light diffusely, solved once for all views."""
+
+    cannot: ClassVar[str] = (
+        "All reflection is taken for diffuse on its way from surface to surface: there are no caustics, and no light passes "
+        "through glass. Straight from patches (`gather=0`) shadows are as sharp as these are small. Where links take many "
+        "patches together indirect light is one to three per cent too dark."
+    )
+
+    patches: int = 20_000
+    """About how many patches there are in the end, of both sides of surfaces that have two."""
+    patch_size: float | None = None
+    """Longest edge of a patch in metres, instead; where light changes fast patches are smaller."""
+    refinements: int = 2
+    """How often patches are divided where the light of neighbours differs: at the edges of shadows and in corners."""
+    tolerance: float = 0.003
+    """Irradiance that a link may carry without being refined, relative to the mean radiosity, 0.0001..1."""
+    solver: Literal["gathering", "shooting"] = "gathering"
+    """All patches gather from all others at a time, or the brightest send first (progressive refinement)."""
+    gather: int = 4
+    """Rays of a final gather, per sample of a pixel; 0 shows the patches directly, smoothly reconstructed."""
+
+    def __post_init__(self) -> None:
+        _check_range("Radiosity", "patches", self.patches, 1, 10**8)
+        if self.patch_size is not None:
+            _check_range("Radiosity", "patch_size", self.patch_size, 1e-9, 1e9)
+        _check_range("Radiosity", "refinements", self.refinements, 0, 8)
+        _check_range("Radiosity", "tolerance", self.tolerance, 0.0001, 1)
+        _check_range("Radiosity", "gather", self.gather, 0, 10**4)
+        _check_known("Radiosity", "solver", self.solver, SOLVERS)
+
+
+Options = Direct | Path | IrradianceCache | RadianceCache | PhotonMap | Radiosity
 
 METHODS: dict[str, type[Options]] = {
     "direct": Direct,
@@ -203,6 +240,7 @@ METHODS: dict[str, type[Options]] = {
     "irradiance-cache": IrradianceCache,
     "radiance-cache": RadianceCache,
     "photon-map": PhotonMap,
+    "radiosity": Radiosity,
 }
 """Name on the command line → options class."""
 

@@ -15,8 +15,9 @@ from eclat import _core
 from eclat.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
 from eclat.compiled import compiled
 from eclat.errors import EclatError, did_you_mean
-from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap
+from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, Radiosity
 from eclat.photons import Photons, trace
+from eclat.radiosity import RadiositySolution, solve_radiosity
 from eclat.running import ProgressReport, run
 from eclat.scene import FloatArray, Scene
 from eclat.solution import Solution, core_options
@@ -49,7 +50,7 @@ def irradiance(
     scene: Scene,
     points: FloatArray,
     normals: FloatArray,
-    what: Solution | Photons | Options | None = None,
+    what: Solution | Photons | RadiositySolution | Options | None = None,
     *,
     component: Component = "total",
     max_error: float = 0.01,
@@ -74,6 +75,8 @@ def irradiance(
         `IrradianceCache`     the same, with records solved for these points first
         `Photons`             each point is gathered by `samples` paths that end in the photons' irradiance
         `PhotonMap`           the same, with photons traced first
+        `RadiositySolution`   each point is gathered by `samples` paths that end in the patches' irradiance
+        `Radiosity`           the same, with the scene solved first
         `Path`                unbiased: each point is gathered by `samples` paths
         `Direct`              light straight from lights only
         ====================  ==================================================================================
@@ -120,7 +123,10 @@ def irradiance(
     if isinstance(what, PhotonMap):
         what = trace(scene, what, max_depth=depth, seed=seed, threads=common[-1], progress=progress)
         counts["rays"] += what.statistics["rays"]
-    if isinstance(what, Solution | Photons):
+    if isinstance(what, Radiosity):
+        what = solve_radiosity(scene, what, max_depth=depth, seed=seed, threads=common[-1], progress=progress)
+        counts["rays"] += what.statistics["rays"]
+    if isinstance(what, Solution | Photons | RadiositySolution):
         what.check(scene, max_depth)
     if indirect and isinstance(what, IrradianceCache):
         what = solve(
@@ -149,6 +155,16 @@ def irradiance(
             "irradiance",
             lambda p: _core.irradiance_by_photons(
                 prepared.core, positions, directions, maps, p, number, samples, depth, *common
+            ),
+            progress,
+            counted,
+        )
+    elif indirect and isinstance(what, RadiositySolution):
+        field = what.core(scene, threads=common[-1])
+        result = run(
+            "irradiance",
+            lambda p: _core.irradiance_by_radiosity(
+                prepared.core, positions, directions, field, p, number, samples, depth, *common
             ),
             progress,
             counted,

@@ -30,9 +30,10 @@ from eclat.convergence import Goal, Sampling
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.image import Image
-from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, RadianceCache, method_name
+from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, RadianceCache, Radiosity, method_name
 from eclat.photons import Photons, ProgressivePasses, trace
 from eclat.radiance_tables import radiance_tables
+from eclat.radiosity import RadiositySolution, solve_radiosity
 from eclat.record_overlay import record_density
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, Scene
@@ -45,7 +46,7 @@ _FILTERS = ("box", "tent")
 
 def render(
     scene: Scene,
-    what: Solution | Photons | Options | None = None,
+    what: Solution | Photons | RadiositySolution | Options | None = None,
     *,
     samples: int | None = None,
     max_error: float = 0.01,
@@ -68,7 +69,8 @@ def render(
 
     Parameters
     ----------
-    what : a Solution or Photons, the options of a method (solved on the fly), or None for irradiance caching.
+    what : a Solution, Photons or a RadiositySolution, the options of a method (solved on the fly), or None for irradiance
+        caching.
     samples : paths per pixel, where `adaptive` their mean. None: as many as `max_error` asks for.
     max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
         samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
@@ -136,8 +138,12 @@ def render(
         passes = ProgressivePasses(scene, what, max_depth=max_depth, seed=seed, threads=thread_count(threads))
     elif isinstance(what, PhotonMap):
         what = trace(scene, what, max_depth=max_depth, seed=seed, threads=thread_count(threads), progress=progress)
+    if isinstance(what, Radiosity):
+        what = solve_radiosity(
+            scene, what, max_depth=max_depth, seed=seed, threads=thread_count(threads), progress=progress
+        )
     solution = what if isinstance(what, Solution) else None
-    if isinstance(what, Solution | Photons):
+    if isinstance(what, Solution | Photons | RadiositySolution):
         what.check(scene, max_depth)
     prepared = compiled(scene)
     depth = (2 if max_depth < 0 else min(2, max_depth)) if isinstance(what, Direct) else max_depth
@@ -157,6 +163,9 @@ def render(
     if isinstance(what, Photons):
         gather = what.options.gather
         maps = what.core(scene, gather=gather > 0, threads=thread_count(threads), progress=progress)
+    if isinstance(what, RadiositySolution):
+        gather = what.options.gather
+        field = what.core(scene, threads=thread_count(threads))
 
     def render_samples(first: Counts, end: Counts, p: _core.Progress) -> None:
         if passes is not None:
@@ -166,6 +175,8 @@ def render(
                 _core.render_photons(prepared.core, core_camera, film, p, of_pass, 0, max_depth, begins, ends, *where)
         elif isinstance(what, Photons):
             _core.render_photons(prepared.core, core_camera, film, p, maps, gather, max_depth, first, end, *where)
+        elif isinstance(what, RadiositySolution):
+            _core.render_radiosity(prepared.core, core_camera, film, p, field, gather, max_depth, first, end, *where)
         else:
             _core.render_samples(
                 prepared.core, core_camera, film, p, depth, roulette, caches, tables, first, end, *where
@@ -204,7 +215,7 @@ class _About:
     """What a picture shows and how it was asked for."""
 
     scene: Scene
-    what: Solution | Photons | Options
+    what: Solution | Photons | RadiositySolution | Options
     camera: Camera
     seed: int
     max_depth: int
@@ -214,7 +225,7 @@ class _About:
 
     @property
     def options(self) -> Options:
-        return self.what.options if isinstance(self.what, Solution | Photons) else self.what
+        return self.what.options if isinstance(self.what, Solution | Photons | RadiositySolution) else self.what
 
     def image(self, film: _core.Film, statistics: dict[str, float]) -> Image:
         radiance, direct = film.radiance, film.direct
@@ -259,7 +270,7 @@ class _About:
 def _statistics(
     sampling: Sampling,
     samples: int,
-    what: Solution | Photons | Options,
+    what: Solution | Photons | RadiositySolution | Options,
     estimate: ErrorEstimate | None,
     film: _core.Film,
     seconds: float,
@@ -267,7 +278,7 @@ def _statistics(
     statistics = {"samples": float(samples), "rays": sampling.rays, "seconds": seconds}
     if sampling.noise == sampling.noise:
         statistics["noise"] = sampling.noise
-    if isinstance(what, Solution | Photons):
+    if isinstance(what, Solution | Photons | RadiositySolution):
         statistics["rays"] += what.statistics.get("rays", 0.0)
     if isinstance(what, Solution):
         statistics |= {"records": float(len(what)), "cache_misses": float(film.cache_misses)}
@@ -275,6 +286,8 @@ def _statistics(
             statistics["radiance_records"] = float(len(what.radiance))
     if isinstance(what, Photons):
         statistics["photons"] = float(len(what))
+    if isinstance(what, RadiositySolution):
+        statistics["patches"] = float(len(what))
     if estimate is not None:
         noise = statistics.get("noise", 0.0)
         statistics |= estimate.with_noise(noise).statistics() | {"cache_error": estimate.quoted}

@@ -23,9 +23,10 @@ from eclat.arguments import (
 from eclat.compiled import compiled
 from eclat.error_estimate import CHECK_SHARE, ErrorEstimate
 from eclat.errors import EclatError, warn
-from eclat.options import IrradianceCache, PhotonMap, RadianceCache
+from eclat.options import IrradianceCache, PhotonMap, RadianceCache, Radiosity
 from eclat.photons import Photons, trace
 from eclat.radiance_tables import radiance_tables
+from eclat.radiosity import RadiositySolution, solve_radiosity
 from eclat.refining import CHECK_SHARE_OF_REFINEMENT, finer, rays_after, step_towards
 from eclat.running import ProgressReport, run
 from eclat.scene import Camera, FloatArray, Scene
@@ -90,9 +91,10 @@ def solve(
 ) -> Photons: ...
 
 
+@overload
 def solve(
     scene: Scene,
-    options: IrradianceCache | PhotonMap | None = None,
+    options: Radiosity,
     *,
     camera: int | Camera | None = None,
     size: tuple[int, int] | None = None,
@@ -105,11 +107,29 @@ def solve(
     check: bool = True,
     refine: bool = False,
     progress: ProgressReport | None = None,
-) -> Solution | Photons:
+) -> RadiositySolution: ...
+
+
+def solve(
+    scene: Scene,
+    options: IrradianceCache | PhotonMap | Radiosity | None = None,
+    *,
+    camera: int | Camera | None = None,
+    size: tuple[int, int] | None = None,
+    points: tuple[FloatArray, FloatArray] | None = None,
+    view_independent: bool = False,
+    max_depth: int = -1,
+    seed: int = 0,
+    threads: int | None = None,
+    keep_partial: bool = False,
+    check: bool = True,
+    refine: bool = False,
+    progress: ProgressReport | None = None,
+) -> Solution | Photons | RadiositySolution:
     """Compute irradiance records where they are wanted: in a view (the default), at points, or everywhere.
 
-    With the options of photon mapping: trace photons, which are for the whole scene, so that of the following only
-    `max_depth`, `seed`, `threads` and `progress` apply.
+    With the options of photon mapping or radiosity: trace photons or solve all patches, which are for the whole scene, so
+    that of the following only `max_depth`, `seed`, `threads` and `progress` apply.
 
     Parameters
     ----------
@@ -148,11 +168,14 @@ def solve(
     >>> len(desk)
     1
     """
-    if isinstance(options, PhotonMap):
+    if isinstance(options, PhotonMap | Radiosity):
         if camera is not None or size is not None or points is not None or view_independent or refine or keep_partial:
-            raise EclatError("solve: photons are for the whole scene: expected no view, no points, and no refinement")
-        depth, count = checked_max_depth(max_depth), thread_count(threads)
-        return trace(scene, options, max_depth=depth, seed=checked_seed(seed), threads=count, progress=progress)
+            named = "photons are" if isinstance(options, PhotonMap) else "radiosity is"
+            raise EclatError(f"solve: {named} for the whole scene: expected no view, no points, and no refinement")
+        depth, count, key = checked_max_depth(max_depth), thread_count(threads), checked_seed(seed)
+        if isinstance(options, PhotonMap):
+            return trace(scene, options, max_depth=depth, seed=key, threads=count, progress=progress)
+        return solve_radiosity(scene, options, max_depth=depth, seed=key, threads=count, progress=progress)
     options = options or IrradianceCache()
     where = where_wanted(scene, camera=camera, size=size, points=points, view_independent=view_independent)
     job = Job(

@@ -173,8 +173,8 @@ BAD_VALUES = {
     "--environment 1,-2,3": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,-2,3'",
     "--exposure 65": "--exposure: expected a number from -64 to 64, got '65'",
     "--tone-mapping filmc": "--tone-mapping: expected one of none, filmic, got 'filmc'; did you mean 'filmic'?",
-    "--method pth": "--method: expected one of direct, path, irradiance-cache, radiance-cache, photon-map, got 'pth'; "
-    "did you mean 'path'?",
+    "--method pth": "--method: expected one of direct, path, irradiance-cache, radiance-cache, photon-map, radiosity, "
+    "got 'pth'; did you mean 'path'?",
     "--set rows": "--set: expected NAME=VALUE, got 'rows'",
     "--set max-eror=1": "--set: unknown option max-eror for irradiance-cache; did you mean 'max-error'?",
     "--set rows=many": "--set: rows: expected integer | none, got 'many'",
@@ -210,13 +210,13 @@ def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
         ("solve cornell-box -o a.npy", "a.npy: expected a name that ends in .npz"),
         (
             "solve cornell-box --method path -o a.npz",
-            "--method: expected one of irradiance-cache, radiance-cache, got 'path'",
+            "--method: expected one of irradiance-cache, radiance-cache, radiosity, got 'path'",
         ),
         ("compare cornell-box -o a.pdf", "a.pdf: expected a name that ends in .html"),
         (
             "compare cornell-box --methods pth",
-            "methods: expected some of direct, path, irradiance-cache, radiance-cache, photon-map, got 'pth'; "
-            "did you mean 'path'?",
+            "methods: expected some of direct, path, irradiance-cache, radiance-cache, photon-map, radiosity, "
+            "got 'pth'; did you mean 'path'?",
         ),
         ("irradiance cornell-box --points none.csv", "none.csv: file not found"),
     ],

@@ -65,6 +65,7 @@ def test_all_methods_by_default_and_no_level_twice(api: FakeApi) -> None:
         ("irradiance-cache", 3),
         ("radiance-cache", 3),
         ("photon-map", 3),
+        ("radiosity", 3),
     ]
     photons = [call["what"].photons for call in api.calls if isinstance(call["what"], eclat.PhotonMap)]
     assert photons == [12_500, 50_000, 200_000]

@@ -84,7 +84,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         points, normals = read_points(flags["points"])
         scene = load_scene(flags)
         if flags["cache"]:
-            what = eclat.Solution.load(flags["cache"], scene)
+            what = eclat.load_solved(flags["cache"], scene)
         statistics: dict[str, float] = {}
         keywords = {name: flags[name] for name in ("component", "max_error", "samples", "max_depth", "seed", "threads")}
         irradiance = eclat.irradiance(

@@ -153,7 +153,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         index = camera_index(scene, flags["camera"])
         _check_pixels(flags, scene.cameras[index].size)
         common = {name: flags[name] for name in REACHING_RENDER} | {"camera": index, "progress": reporter.progress}
-        what = eclat.Solution.load(flags["cache"], scene) if options is None else options
+        what = eclat.load_solved(flags["cache"], scene) if options is None else options
 
         def keep(image: Image) -> None:
             image = _finished(image, flags)

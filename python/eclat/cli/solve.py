@@ -34,6 +34,7 @@ EXAMPLES = {
     "eclat solve room.glb": "Writes room.npz:",
     "eclat solve room.glb -o fine.npz --max-error 0.005": "Finer records:",
     "eclat solve room.glb --method radiance-cache": "Glossy surfaces from records as well:",
+    "eclat solve room.glb --method radiosity": "Radiosity of all surfaces, for all views:",
     "eclat render room.glb --cache fine.npz --samples 64": "Read them; the scene must be the same:",
     "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Go on from there until that is met:",
     "eclat solve room.glb --view-independent": "For views that are not chosen yet:",
@@ -44,13 +45,16 @@ EXAMPLES = {
 CACHES = (DEFAULT_METHOD, "radiance-cache")
 """Methods whose records can be kept."""
 
+KEPT = (*CACHES, "radiosity")
+"""Methods whose solutions can be kept."""
+
 
 @click.command(
     "solve",
     cls=Command,
     short_help="Compute the records of a scene and keep them.",
     examples=EXAMPLES,
-    notes=lambda: method_notes(*CACHES),
+    notes=lambda: method_notes(*KEPT),
     help="""Compute the irradiance records that a view of SCENE needs (or points, or all surfaces), and keep them.
 
     The file is a NumPy .npz archive with positions, normals, radii, irradiance and its gradients; `eclat render
@@ -81,8 +85,10 @@ def command(**flags: Any) -> None:
             raise EclatError(f"{output}: expected a name that ends in .npz")
         check_writable(output)
         options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        if isinstance(options, eclat.Radiosity):
+            return _solve_radiosity(reporter, options, output, flags)
         if not isinstance(options, eclat.IrradianceCache):
-            raise EclatError(f"--method: expected one of {', '.join(CACHES)}, got {flags['method']!r}")
+            raise EclatError(f"--method: expected one of {', '.join(KEPT)}, got {flags['method']!r}")
         points = read_points(flags["points"]) if flags["points"] else None
         if points is not None and flags["view_independent"]:
             raise EclatError("--points: expected no --view-independent beside it")
@@ -110,6 +116,19 @@ def command(**flags: Any) -> None:
             else:
                 solution = eclat.solve(scene, options, progress=reporter.progress, **where, **common)
         keep(solution)
+
+
+def _solve_radiosity(reporter: Reporter, options: eclat.Radiosity, output: str, flags: dict[str, Any]) -> None:
+    for name in ("points", "view_independent", "camera", "size", "cache", "refine", "keep_partial"):
+        if flags[name]:
+            flag = name.replace("_", "-")
+            raise EclatError(f"--{flag}: expected a method with records, since radiosity is for the whole scene")
+    common = {name: flags[name] for name in ("max_depth", "seed", "threads")}
+    solution = eclat.solve(load_scene(flags), options, progress=reporter.progress, **common)
+    solution.save(output)
+    statistics = solution.statistics
+    text = f"{output}: {len(solution):,} patches, {statistics['links']:,.0f} links, {statistics['seconds']:.1f} s"
+    reporter.result(text, file=output, patches=len(solution), statistics=dict(statistics))
 
 
 def _say_result(reporter: Reporter, solution: eclat.Solution, output: str) -> None:

@@ -1,0 +1,121 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "radiosity/links.h"
+
+#include <doctest/doctest.h>
+
+#include <cstring>
+
+#include "rectangles.h"
+#include "room.h"
+
+using namespace eclat;
+
+namespace {
+
+constexpr std::array<float, 6> grey{0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f};
+
+std::vector<Link> linked(const World& world, const PatchTree& tree, float tolerance, int threads = 1) {
+    std::vector<float> radiosity(tree.nodes().size(), 1);
+    auto links = first_links(tree);
+    Progress progress;
+    refine_links(world, tree, radiosity, {.tolerance = tolerance, .seed = 1, .threads = threads}, links, progress);
+    return links;
+}
+
+/// Exchange between the fronts of two walls (of two triangles each).
+double between(const PatchTree& tree, const std::vector<Link>& links, uint32_t wall, uint32_t other) {
+    double sum = 0;
+    for (const Link& link : links) {
+        const PatchNode &a = tree[link.a], &b = tree[link.b];
+        REQUIRE_FALSE(a.is_cluster());
+        if (a.back || b.back) continue;
+        const uint32_t p = a.triangle / 2, q = b.triangle / 2;
+        if ((p == wall && q == other) || (p == other && q == wall)) sum += link.exchange;
+    }
+    return sum;
+}
+
+}  // namespace
+
+TEST_CASE("links between walls carry the closed form's exchange; what stands between takes its share away") {
+    const std::vector<Wall> plates{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.5f, 0},
+                                   {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}, 0.5f, 0}};
+    const Room open = build_room(plates);
+    const PatchTree tree(*open.geometry, 0.3f);
+    const double exact = parallel_rectangles(1, 1, 1);
+    CHECK(between(tree, linked(open.world(), tree, 0.003f), 0, 1) == doctest::Approx(exact).epsilon(0.003));
+
+    // A wall halfway that covers all, then half.
+    for (const float width : {1.0f, 0.5f}) {
+        auto with_wall = plates;
+        with_wall.push_back({{0, 0, 0.5f}, {width, 0, 0}, {0, 1, 0}, 0.5f, 0});
+        const Room room = build_room(with_wall);
+        const PatchTree cut(*room.geometry, 0.15f);
+        const double seen = between(cut, linked(room.world(), cut, 0.002f), 0, 1);
+        if (width == 1) CHECK(seen < 1e-3);
+        // By symmetry half of all lines between the plates cross either half of the plane halfway.
+        if (width == 0.5f) CHECK(seen == doctest::Approx(exact / 2).epsilon(0.02));
+    }
+}
+
+TEST_CASE("form factors of a closed room sum to one in every patch's mean") {
+    const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
+    const PatchTree tree(*room.geometry, 0.4f);
+    const auto links = linked(room.world(), tree, 0.002f);
+    const Exchanges exchanges(tree, links);
+    CHECK(exchanges.size() <= 2 * links.size());
+    std::vector<double> sums(tree.nodes().size(), 0);
+    double worst = 0, all = 0, area = 0;
+    for (uint32_t i = 0; i < tree.nodes().size(); ++i) {
+        for (const auto& sender : exchanges.of(i)) sums[i] += sender.form_factor;
+        if (tree[i].parent != no_node) sums[i] += sums[tree[i].parent];
+        if (!tree[i].is_leaf() || tree[i].back) continue;
+        worst = std::max(worst, std::fabs(sums[i] - 1));
+        all += sums[i] * tree[i].area;
+        area += tree[i].area;
+    }
+    CHECK(all / area == doctest::Approx(1).epsilon(0.002));
+    CHECK(worst < 0.1);
+}
+
+TEST_CASE("exchange is one number for both ways") {
+    const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
+    const PatchTree tree(*room.geometry, 0.6f);
+    const Exchanges exchanges(tree, linked(room.world(), tree, 0.01f));
+    for (uint32_t i = 0; i < tree.nodes().size(); ++i)
+        for (const auto& sender : exchanges.of(i)) {
+            double back = 0;
+            for (const auto& other : exchanges.of(sender.node))
+                if (other.node == i) back = other.form_factor;
+            CHECK(back * tree[sender.node].area == doctest::Approx(sender.form_factor * tree[i].area).epsilon(1e-5));
+        }
+}
+
+TEST_CASE("four times the patches take about four times the links, and fewer where less is asked") {
+    const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
+    const PatchTree coarse(*room.geometry, 0.2f), fine(*room.geometry, 0.1f);
+    REQUIRE(fine.leaves().size() == 4 * coarse.leaves().size());
+    const size_t few = linked(room.world(), coarse, 0.01f).size(), many = linked(room.world(), fine, 0.01f).size();
+    CHECK(many < 4.5 * few);
+    CHECK(linked(room.world(), coarse, 0.05f).size() < few / 2);
+}
+
+TEST_CASE("links are the same on one thread and on two") {
+    const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
+    const PatchTree tree(*room.geometry, 0.3f);
+    const auto one = linked(room.world(), tree, 0.01f, 1), two = linked(room.world(), tree, 0.01f, 2);
+    REQUIRE(one.size() == two.size());
+    CHECK(std::memcmp(one.data(), two.data(), one.size() * sizeof(Link)) == 0);
+}
+
+TEST_CASE("a cancelled refinement stops") {
+    const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
+    const PatchTree tree(*room.geometry, 0.3f);
+    std::vector<float> radiosity(tree.nodes().size(), 1);
+    auto links = first_links(tree);
+    Progress progress;
+    progress.cancelled = true;
+    CHECK_THROWS_AS(refine_links(room.world(), tree, radiosity, {.tolerance = 0.01f}, links, progress), Cancelled);
+}

@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Radiosity against closed forms, against `path`, and against itself on other threads."""
+
+from __future__ import annotations
+
+import functools
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    Material,
+    Mesh,
+    PointLight,
+    Scene,
+    Texture,
+    Value,
+    grey,
+    look_at,
+)
+from eclat.scenes import build
+from eclat.scenes.geometry import box, mesh
+from support.statistics import block_means
+
+SIZE = (48, 48)
+
+
+def bias(scene: Scene, reference: np.ndarray, options: eclat.Radiosity, *, samples: int = 64, depth: int = -1) -> float:
+    """RMS over blocks of 12 × 12 pixels, relative, darkness floored by a tenth of the mean."""
+    image = eclat.render(scene, options, samples=samples, size=SIZE, max_depth=depth).pixels
+    ours, theirs = block_means(image, 12), block_means(reference, 12)
+    return float(np.sqrt(np.mean((ours - theirs) ** 2 / (theirs**2 + (0.1 * theirs.mean()) ** 2))))
+
+
+@functools.cache
+def traced(name: str, samples: int, max_depth: int = -1) -> tuple[Scene, np.ndarray]:
+    """A scene and its picture by `path`."""
+    scene = court(name) if name in ("point", "sun", "sky", "textured") else build(name)
+    return scene, eclat.render(scene, eclat.Path(), samples=samples, size=SIZE, seed=1, max_depth=max_depth).pixels
+
+
+def court(light: str) -> Scene:
+    """Two boxes on a plate, in the open."""
+    white = Material("diffuse", {"reflectance": grey(0.7)}, name="white")
+    corners = np.array([(-2, 0, -2), (-2, 0, 2), (2, 0, 2), (2, 0, -2)], dtype=np.float64)
+    painted = white
+    if light == "textured":
+        # Stripes much narrower than patches, bright and dark.
+        stripes = np.repeat(np.tile([[230, 30]], (1, 40)), 2, axis=0)[..., None].repeat(3, axis=2).astype(np.uint8)
+        painted = Material("diffuse", {"reflectance": Value((1.0, 1.0, 1.0), Texture(stripes, filter="nearest"))})
+    uvs = np.array([(0, 0), (0, 1), (1, 1), (1, 0)], dtype=np.float64)
+    meshes = (
+        Mesh(corners, np.array([(0, 1, 2), (0, 2, 3)]), painted, uvs=uvs, name="plate"),
+        mesh([box((-1, 0, -1), (-0.4, 1.2, 0.6)), box((0.3, 0, -0.7), (1, 0.6, 0.1))], white, "boxes"),
+    )
+    camera = Camera(look_at((0.6, 2.6, 3.4), (0, 0.2, 0)), fov=50)
+    sky = np.ascontiguousarray(np.linspace(1, 0.2, 8 * 16 * 3).reshape(8, 16, 3))
+    lights: dict[str, tuple[PointLight | DirectionalLight, ...]] = {
+        "point": (PointLight((0.1, 1.5, 1.0), (5.0, 4.0, 3.0)),),
+        "sun": (DirectionalLight((0.5, -1.0, -0.4), (3.0, 2.5, 2.0), 2.0),),
+        "textured": (DirectionalLight((0.5, -1.0, -0.4), (3.0, 2.5, 2.0), 2.0),),
+    }
+    return Scene(meshes, lights.get(light, ()), Environment(sky) if light == "sky" else None, (camera,), name="court")
+
+
+@pytest.mark.parametrize("gather", [0, 4])
+@pytest.mark.parametrize("rho", [0.3, 0.8])
+def test_furnace(gather: int, rho: float) -> None:
+    """A closed room of albedo ρ that emits L_e: L = L_e / (1 − ρ) everywhere."""
+    scene = build("furnace", rho=rho, emission=1.0)
+    image = eclat.render(scene, eclat.Radiosity(patches=1000, gather=gather), samples=16, size=SIZE)
+    assert image.pixels.mean() == pytest.approx(1 / (1 - rho), rel=0.005)
+    assert block_means(image.pixels, 8) == pytest.approx(1 / (1 - rho), rel=0.02 if gather == 0 else 0.08)
+
+
+def test_agrees_with_path_on_the_cornell_box_after_final_gather() -> None:
+    assert bias(*traced("cornell-box", 512), eclat.Radiosity(), samples=96) < 0.01
+
+
+def test_agrees_with_path_on_the_cornell_box_straight_from_patches() -> None:
+    assert bias(*traced("cornell-box", 512), eclat.Radiosity(gather=0), samples=16) < 0.025
+
+
+def test_error_falls_with_patches_and_tolerance() -> None:
+    scene, reference = traced("cornell-box", 512)
+    coarse = bias(scene, reference, eclat.Radiosity(patches=300, tolerance=0.1, gather=0), samples=16)
+    fine = bias(scene, reference, eclat.Radiosity(patches=10_000, tolerance=0.005, gather=0), samples=16)
+    assert fine < 0.5 * coarse
+
+
+def test_shooting_agrees_with_gathering() -> None:
+    scene = build("cornell-box")
+    one, two = (eclat.solve(scene, eclat.Radiosity(patches=2000, solver=s)) for s in ("gathering", "shooting"))
+    assert len(one) == len(two)
+    assert two.irradiance == pytest.approx(one.irradiance, rel=0.01, abs=1e-3 * float(one.irradiance.mean()))
+    assert two.statistics["residual"] <= 1e-5
+
+
+@pytest.mark.parametrize("gather", [0, 4])
+@pytest.mark.parametrize("light", ["point", "sun", "sky", "textured"])
+def test_agrees_with_path_under_lights_that_are_no_patches(gather: int, light: str) -> None:
+    options = eclat.Radiosity(patches=6000, gather=gather)
+    assert bias(*traced(light, 384), options, samples=32) < (0.03 if gather else 0.04)
+
+
+def test_textures_are_averaged_for_transport_and_whole_in_the_picture() -> None:
+    scene = court("textured")
+    solution = eclat.solve(scene, eclat.Radiosity(patches=2000, gather=0))
+    plate = (solution.triangles < 2) & ~solution.is_back
+    mean = (230 + 30) / 2 / 255
+    assert np.average(solution.albedo[plate, 1], weights=solution.areas[plate]) == pytest.approx(mean, rel=0.02)
+    picture = eclat.render(scene, solution, samples=4, size=SIZE)
+    albedo = picture.layers["albedo"]
+    assert albedo.max() > 0.85 and picture.pixels[40:, :].std() > 0.1
+
+
+def test_flux_is_conserved_in_a_furnace() -> None:
+    scene = build("furnace", rho=0.5, emission=1.0, shape="box")
+    solution = eclat.solve(scene, eclat.Radiosity(patches=1000))
+    power = (solution.areas[:, None] * solution.radiosity).sum(axis=0)
+    assert power == pytest.approx(np.full(3, 24 * np.pi / 0.5), rel=0.003)
+
+
+@pytest.mark.parametrize("gather", [0, 4])
+def test_limited_depth(gather: int) -> None:
+    options = eclat.Radiosity(patches=4000, gather=gather)
+    assert bias(*traced("cornell-box", 384, 3), options, samples=32, depth=3) < 0.03
+    scene, _ = traced("cornell-box", 512)
+    direct = eclat.render(scene, eclat.Direct(), samples=64, size=SIZE).pixels
+    assert bias(scene, direct, options, samples=32, depth=2) < 0.03
+
+
+def test_gloss_is_told_and_traced() -> None:
+    scene, reference = traced("glossy-box", 256)
+    with pytest.warns(eclat.EclatWarning, match="radiosity is diffuse: .* pass light on as diffuse surfaces"):
+        assert bias(scene, reference, eclat.Radiosity(), samples=32) < 0.04
+
+
+@pytest.mark.parametrize(("gather", "leak"), [(0, 0.1), (4, 1e-3)])
+def test_dark_room_behind_a_thin_wall_stays_dark(gather: int, leak: float) -> None:
+    """Straight from patches, one that the wall parts so little that no ray notices it shows light of both of its sides."""
+    scene = build("two-rooms")
+    solution = eclat.solve(scene, eclat.Radiosity(patches=4000, gather=gather))
+    lit, dark = (eclat.render(scene, solution, samples=4, size=SIZE, camera=c).pixels for c in (0, 1))
+    assert dark.max() < leak * lit.mean()
+    assert dark.mean() < 1e-3 * lit.mean()
+
+
+def test_irradiance_at_points_agrees_with_path() -> None:
+    scene = build("cornell-box")
+    points = np.array([[0.0, 0.0, 0.0], [0.3, -0.9, 0.5], [-0.9, 0.3, 0.2]])
+    normals = np.array([[0.0, 1.0, 0.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.2]])
+    truth = eclat.irradiance(scene, points, normals, eclat.Path(), component="indirect", samples=8192)
+    ours = eclat.irradiance(scene, points, normals, eclat.Radiosity(), component="indirect", samples=2048)
+    assert ours == pytest.approx(truth, rel=0.05)
+
+
+def test_same_bits_on_any_threads_and_tile_order() -> None:
+    scene = build("cornell-box")
+    options = eclat.Radiosity(patches=2000)
+    one, two = (eclat.solve(scene, options, threads=t) for t in (1, 2))
+    assert np.array_equal(one.patches, two.patches) and np.array_equal(one.values, two.values)
+    first = eclat.render(scene, one, samples=2, size=SIZE, threads=1)
+    second = eclat.render(scene, two, samples=2, size=SIZE, threads=2, tile_order=[3, 1, 0, 2])
+    assert np.array_equal(first.pixels, second.pixels)
+    assert np.array_equal(first.pixels, eclat.render(scene, options, samples=2, size=SIZE).pixels)
