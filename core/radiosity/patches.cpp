@@ -4,6 +4,7 @@
 #include "radiosity/patches.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "base/error.h"
@@ -288,6 +289,10 @@ PatchName PatchTree::name(uint32_t leaf) const {
     }
     name.path |= uint64_t(1) << bit;
     return name;
+}
+
+size_t count_sides(const Geometry& geometry) {
+    return count_patches(geometry, infinity, std::numeric_limits<size_t>::max(), 0);
 }
 
 float patch_size_for(const Geometry& geometry, size_t count) {

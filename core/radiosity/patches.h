@@ -79,6 +79,9 @@ class PatchTree {
     std::vector<uint32_t> side_;  // node of side 2 · triangle + back
 };
 
+/// Sides that can be patches.
+size_t count_sides(const Geometry& geometry);
+
 /// How long the longest edge may be so that there are about `count` patches; infinite where each side is one already.
 float patch_size_for(const Geometry& geometry, size_t count);
 

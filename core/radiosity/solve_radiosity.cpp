@@ -68,7 +68,8 @@ class Solver {
   private:
     static float first_size(const Geometry& geometry, const RadiosityOptions& o) {
         if (o.patch_size > 0) return o.patch_size;
-        return patch_size_for(geometry, o.refinements > 0 ? o.patches / 2 : o.patches);
+        // Besides one for each side, or the large sides of a scene of many small ones would be left whole.
+        return patch_size_for(geometry, count_sides(geometry) + (o.refinements > 0 ? o.patches / 2 : o.patches));
     }
 
     void measure(const std::vector<uint32_t>& patches) {
@@ -124,7 +125,8 @@ class Solver {
     /// number of patches leaves for each of `rounds`.
     std::vector<uint32_t> choose_patches(int rounds) const {
         const auto& leaves = tree_.leaves();
-        const size_t wanted = options_.patch_size > 0 ? 2 * leaves.size() : options_.patches;
+        const size_t wanted =
+            options_.patch_size > 0 ? 2 * leaves.size() : count_sides(world_.geometry) + options_.patches;
         if (wanted <= leaves.size()) return {};
         const size_t budget = (wanted - leaves.size()) / (3 * static_cast<size_t>(rounds));
         const std::vector<float> contrast = contrasts();

@@ -18,7 +18,7 @@ enum class RadiositySolver : uint8_t { gathering, shooting };
 
 struct RadiosityOptions {
     float patch_size = 0;      // longest edge of a patch, metres; 0: such that there are about `patches`
-    size_t patches = 20000;    // after all refinements
+    size_t patches = 20000;    // after all refinements, besides one for each side
     int refinements = 2;       // times that patches are divided where light changes fast
     float tolerance = 0.003f;  // of a link's irradiance, in units of the mean radiosity
     RadiositySolver solver = RadiositySolver::gathering;

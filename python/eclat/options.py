@@ -210,7 +210,7 @@ class Radiosity:
     )
 
     patches: int = 20_000
-    """About how many patches there are in the end, of both sides of surfaces that have two."""
+    """About how many patches there are in the end besides one for each side of a triangle (two where a surface has both)."""
     patch_size: float | None = None
     """Longest edge of a patch in metres, instead; where light changes fast patches are smaller."""
     refinements: int = 2
