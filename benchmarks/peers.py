@@ -7,8 +7,7 @@ Mitsuba 3 (path tracing), the same with Open Image Denoise, Radiance (ambient ca
 of quality, in turn. A renderer that is missing, fails, or has no counterpart of what a scene holds is skipped, with the
 reason in the table. Draws docs/benchmarks/peers-SCENE.svg. Also needs: apt-get install povray libllvm19.
 
-An estimate from single pictures, not a measurement: on two cores at 512 pixels about 40 minutes, after references that
-take about half an hour and are kept; --size 256 takes a quarter of that, except of what caches cost at any size. What was
+On two cores --size 256 takes about an hour, most of it for the dearest levels of Radiance, POV-Ray and LuxCore. What was
 measured is stored after each scene; --resume goes on from there.
 """
 

@@ -18,7 +18,7 @@ from harness.entrant import Picture
 from harness.unavailable import UnavailableError
 
 TIMEOUT = 150.0
-"""Seconds after which a picture counts as not finished, so that a race ends within an hour or two."""
+"""Seconds after which a picture counts as not finished."""
 
 
 class WorkerError(Exception):

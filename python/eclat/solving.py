@@ -77,16 +77,9 @@ def solve(
     scene: Scene,
     options: PhotonMap,
     *,
-    camera: int | Camera | None = None,
-    size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
-    view_independent: bool = False,
     max_depth: int = -1,
     seed: int = 0,
     threads: int | None = None,
-    keep_partial: bool = False,
-    check: bool = True,
-    refine: bool = False,
     progress: ProgressReport | None = None,
 ) -> Photons: ...
 
@@ -96,16 +89,9 @@ def solve(
     scene: Scene,
     options: Radiosity,
     *,
-    camera: int | Camera | None = None,
-    size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
-    view_independent: bool = False,
     max_depth: int = -1,
     seed: int = 0,
     threads: int | None = None,
-    keep_partial: bool = False,
-    check: bool = True,
-    refine: bool = False,
     progress: ProgressReport | None = None,
 ) -> RadiositySolution: ...
 
