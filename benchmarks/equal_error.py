@@ -17,10 +17,9 @@ from typing import Any
 import eclat
 from eclat.image import Image
 from eclat.scene import Scene
-from eclat.svg_plot import log_log_plot
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
-from harness.curves import Point, as_rows, cost_at, from_rows, measure
+from harness.curves import Point, as_rows, cost_at, error_plots, from_rows, measure
 from harness.references import reference
 from harness.scenes import BenchmarkScene
 
@@ -79,15 +78,7 @@ def _row(scene: str, method: str, p: Point, traced: str, factor: str) -> list[st
 
 
 def plots(result: dict[str, Any]) -> dict[str, str]:
-    return {
-        f"error-{name}": log_log_plot(
-            {method: [(p.seconds, p.error) for p in from_rows(rows)] for method, rows in scene["points"].items()},
-            "seconds",
-            f"{name}: error",
-            lambda error: f"{100 * error:g} %",
-        )
-        for name, scene in result["scenes"].items()
-    }
+    return error_plots("error", result)
 
 
 BENCHMARK = Benchmark(

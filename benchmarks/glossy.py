@@ -22,10 +22,9 @@ import eclat
 from eclat.image import Image
 from eclat.options import Options
 from eclat.scene import Scene
-from eclat.svg_plot import log_log_plot
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
-from harness.curves import Levels, Point, as_rows, cost_at, from_rows, measure
+from harness.curves import Levels, Point, as_rows, cost_at, error_plots, from_rows, measure
 from harness.denoised_peer import denoise
 from harness.references import reference
 from harness.scenes import BenchmarkScene
@@ -138,15 +137,7 @@ def _level(scene: str, method: str, p: Point) -> list[str]:
 
 
 def plots(result: dict[str, Any]) -> dict[str, str]:
-    return {
-        f"glossy-{name}": log_log_plot(
-            {method: [(p.seconds, p.error) for p in from_rows(rows)] for method, rows in scene["points"].items()},
-            "seconds",
-            f"{name}: error",
-            lambda error: f"{100 * error:g} %",
-        )
-        for name, scene in result["scenes"].items()
-    }
+    return error_plots("glossy", result)
 
 
 BENCHMARK = Benchmark(

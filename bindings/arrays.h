@@ -61,4 +61,12 @@ nb::ndarray<nb::numpy, float> float_array(std::initializer_list<size_t> shape, F
     return {data, shape, owner};
 }
 
+/// (values, 3).
+inline auto color_array(const std::vector<Color>& values) {
+    return float_array({values.size(), 3}, [&](float* data) {
+        for (const Color& c : values)
+            for (int k = 0; k < 3; ++k) *data++ = c[k];
+    });
+}
+
 }  // namespace eclat

@@ -125,10 +125,7 @@ auto irradiance_at_points(const CoreScene& scene, Points positions, Points norma
         const nb::gil_scoped_release unlocked;
         values = photon_irradiance(scene.world(), points, maps, options, progress);
     }
-    return float_array({values.size(), 3}, [&](float* data) {
-        for (const Color& c : values)
-            for (int k = 0; k < 3; ++k) *data++ = c[k];
-    });
+    return color_array(values);
 }
 
 /// Irradiance of the photons of one map, without direct light: what its density says.
@@ -147,10 +144,7 @@ auto density(const CoreScene& scene, Points positions, Points normals, const Pho
                             .irradiance;
         });
     }
-    return float_array({values.size(), 3}, [&](float* data) {
-        for (const Color& c : values)
-            for (int k = 0; k < 3; ++k) *data++ = c[k];
-    });
+    return color_array(values);
 }
 
 }  // namespace

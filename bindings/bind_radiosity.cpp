@@ -107,10 +107,7 @@ auto irradiance_at_points(const CoreScene& scene, Points positions, Points norma
         const nb::gil_scoped_release unlocked;
         values = radiosity_irradiance(scene.world(), points, field, options, progress);
     }
-    return float_array({values.size(), 3}, [&](float* data) {
-        for (const Color& c : values)
-            for (int k = 0; k < 3; ++k) *data++ = c[k];
-    });
+    return color_array(values);
 }
 
 }  // namespace

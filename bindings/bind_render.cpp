@@ -49,13 +49,6 @@ PointIrradianceOptions point_options(int component, int samples, int max_depth, 
     return {static_cast<Component>(component), samples, max_depth, seed, threads};
 }
 
-auto colors(const std::vector<Color>& values) {
-    return float_array({values.size(), 3}, [&](float* data) {
-        for (size_t i = 0; i < values.size(); ++i)
-            for (int k = 0; k < 3; ++k) data[3 * i + k] = values[i][k];
-    });
-}
-
 auto irradiance_by_paths(const CoreScene& scene, Points positions, Points normals, Progress& progress, int component,
                          int samples, int max_depth, uint32_t seed, int threads) {
     const auto points = points_with_normals(positions, normals);
@@ -65,7 +58,7 @@ auto irradiance_by_paths(const CoreScene& scene, Points positions, Points normal
         out = path_irradiance(scene.world(), points, point_options(component, samples, max_depth, seed, threads),
                               progress);
     }
-    return colors(out);
+    return color_array(out);
 }
 
 auto irradiance_from_caches(const CoreScene& scene, Points positions, Points normals, const SolvedCaches& caches,
@@ -78,7 +71,7 @@ auto irradiance_from_caches(const CoreScene& scene, Points positions, Points nor
         out = cached_irradiance(scene.world(), points, caches, cache_options,
                                 point_options(component, samples, -1, seed, threads), progress);
     }
-    return std::make_tuple(colors(out.irradiance), out.served, out.gathered);
+    return std::make_tuple(color_array(out.irradiance), out.served, out.gathered);
 }
 
 template <class Get>

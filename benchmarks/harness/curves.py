@@ -8,10 +8,11 @@ import math
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import asdict, dataclass, replace
 from functools import partial
-from typing import TYPE_CHECKING, TypeVar
+from typing import TYPE_CHECKING, Any, TypeVar
 
 from eclat.image import Image
 from eclat.scene import Scene
+from eclat.svg_plot import log_log_plot
 from harness.timing import in_turn
 
 if TYPE_CHECKING:
@@ -115,3 +116,16 @@ def as_rows(points: Sequence[Point]) -> list[dict[str, object]]:
 def from_rows(rows: Sequence[Mapping[str, object]]) -> list[Point]:
     """The inverse of `as_rows`."""
     return [Point(**row) for row in rows]  # type: ignore[arg-type]
+
+
+def error_plots(prefix: str, result: Mapping[str, Any]) -> dict[str, str]:
+    """Error against time of each scene of a result whose `points` are rows of each method."""
+    return {
+        f"{prefix}-{name}": log_log_plot(
+            {method: [(p.seconds, p.error) for p in from_rows(rows)] for method, rows in scene["points"].items()},
+            "seconds",
+            f"{name}: error",
+            lambda error: f"{100 * error:g} %",
+        )
+        for name, scene in result["scenes"].items()
+    }

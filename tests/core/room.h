@@ -41,7 +41,7 @@ inline Material diffuse(float albedo, float emission) {
     return m;
 }
 
-inline Room build_room(const std::vector<Wall>& walls) {
+inline Room build_room(const std::vector<Wall>& walls, bool two_sided = true) {
     std::vector<MeshArrays> meshes;
     std::vector<Material> materials;
     for (const Wall& wall : walls) {
@@ -51,6 +51,7 @@ inline Room build_room(const std::vector<Wall>& walls) {
         mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
         mesh.material = static_cast<int>(materials.size());
         materials.push_back(diffuse(wall.albedo, wall.emission));
+        materials.back().two_sided = two_sided;
         meshes.push_back(mesh);
     }
     Room room;

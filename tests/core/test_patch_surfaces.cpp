@@ -90,21 +90,7 @@ TEST_CASE("what lies inside a solid of one-sided walls is no part of its patch")
                             {{-1, 0, -1}, {0, 0, 2}, {0, 1, 0}, 0.5f, 0},  // towards −x
                             {{-1, 0, -1}, {0, 1, 0}, {1, 0, 0}, 0.5f, 0},  // towards −z
                             {{-1, 0, 1}, {1, 0, 0}, {0, 1, 0}, 0.5f, 0}};  // towards +z
-    Room room = build_room(walls);
-    std::vector<MeshArrays> meshes;
-    std::vector<Material> materials;
-    for (const Wall& wall : walls) {
-        MeshArrays mesh;
-        mesh.positions = {wall.corner, wall.corner + wall.edge1, wall.corner + wall.edge1 + wall.edge2,
-                          wall.corner + wall.edge2};
-        mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
-        mesh.material = static_cast<int>(materials.size());
-        materials.push_back(diffuse(wall.albedo, 0));
-        materials.back().two_sided = false;
-        meshes.push_back(mesh);
-    }
-    room.geometry =
-        std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::vector<std::unique_ptr<Texture>>{});
+    Room room = build_room(walls, false);
     LightInputs sun;
     sun.directionals.emplace_back(Vec3{0, -1, 0}, Color(1), 0.0f);
     set_lights(room, std::move(sun));
