@@ -82,8 +82,15 @@ class _Builder:
             lights=tuple(self._lights),
             cameras=tuple(self._cameras),
             name=name,
-            photometric=bool(self._lights) or any(mesh.material.emission is not None for mesh in self._meshes),
+            photometric=self._photometric(),
         )
+
+    def _photometric(self) -> bool:
+        """As glTF means its numbers, unless the file is ours and says otherwise."""
+        note = self._document.own_note
+        if note is not None and note.data.get("photometric") is not None:
+            return note.flag("photometric")
+        return bool(self._lights) or any(mesh.material.emission is not None for mesh in self._meshes)
 
     def _add_mesh(self, node: Element, to_world: Matrix) -> None:
         mesh = self._document.element(node, "mesh", "meshes")
@@ -119,10 +126,13 @@ class _Builder:
             self._meshes.append(place(primitive, matrix, material, name))
 
     def _read(self, element: Element, weights: tuple[float, ...]) -> tuple[Primitive, Material] | None:
+        note = element.own_note()
+        if note is not None and note.flag("back_side"):
+            return None  # of a sheet whose front stands beside it
         attributes = element.child("attributes")
         positions = self._accessors.floats(attributes, "POSITION", ("VEC3",)) if attributes is not None else None
         self._spend(0 if positions is None else len(positions), element)
-        primitive = read_primitive(element, self._accessors, weights)
+        primitive = read_primitive(element, self._accessors, weights, self._document.second_uv_set)
         if primitive is None:
             return None
         material = self._materials.of(element, primitive.colors is not None)

@@ -40,6 +40,10 @@ class Document:
         self._elements: dict[str, list[Element]] = {}
         self._buffers: dict[int, memoryview] = {}
         _check_version(self.root)
+        asset = self.root.child("asset")
+        self.own_note = asset.own_note() if asset is not None else None
+        # A file that we baked has its light map in TEXCOORD_1.
+        self.second_uv_set = 1 if self.own_note is None or self.own_note.data.get("lightmap") is None else 2
 
     def elements(self, kind: str) -> list[Element]:
         """The top-level list `kind`: "nodes", "meshes", …"""

@@ -50,6 +50,12 @@ class Element:
         extensions = self.child("extensions")
         return extensions.child(name) if extensions else None
 
+    def own_note(self) -> Element | None:
+        """What `eclat.gltf_export` noted here, under extras.eclat; None where it did not write this."""
+        extras = self.data.get("extras")
+        note = extras.get("eclat") if isinstance(extras, dict) else None
+        return Element(note, self.at("extras.eclat")) if isinstance(note, dict) else None
+
     def number(self, name: str, default: float | None = None) -> float:
         """A finite number; it must be there unless `default` is given."""
         value = self.data.get(name)

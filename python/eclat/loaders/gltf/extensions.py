@@ -41,8 +41,8 @@ WITH_OWN_ERROR = frozenset(
 )
 """Compressions: harmless where the file has the plain data too, and an error at the element where it has not."""
 
-HARMLESS = frozenset({"KHR_xmp", "KHR_xmp_json_ld"})
-"""Say nothing about the picture."""
+HARMLESS = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
+"""Say nothing about the picture, or what we compute ourselves."""
 
 
 def warn_of_unsupported(document: Document) -> None:

@@ -52,7 +52,11 @@ class Materials:
         pbr = _metallic_roughness(element, glossy)
         factor = _base_factor(pbr)
         opacity, cutoff = self._opacity(element, pbr, factor[3])
-        both_sides = element.flag("doubleSided")
+        both_sides = emits_twice = element.flag("doubleSided")
+        note = element.own_note()
+        if note is not None and note.flag("two_sided"):
+            # Of a sheet that we wrote as two: its back is skipped.
+            both_sides, emits_twice = True, note.flag("emission_two_sided")
         material = Material(name=name, two_sided=both_sides, opacity=opacity, alpha_cutoff=cutoff)
         if element.extension("KHR_materials_unlit") is not None:
             if vertex_colors:
@@ -73,7 +77,7 @@ class Materials:
             normal_map=self._normal_map(element),
             emission=self._emission(element),
             # Back faces are shaded as fronts are with the normal reversed, so they emit as well.
-            emission_two_sided=both_sides,
+            emission_two_sided=emits_twice,
         )
 
     def _base_color(self, pbr: Element, factor: Rgba) -> Value:

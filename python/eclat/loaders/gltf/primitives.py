@@ -34,8 +34,12 @@ class Primitive:
     colors: Floats | None
 
 
-def read_primitive(element: Element, accessors: Accessors, weights: Sequence[float]) -> Primitive | None:
+def read_primitive(
+    element: Element, accessors: Accessors, weights: Sequence[float], second_uv_set: int = 1
+) -> Primitive | None:
     """The triangles of a primitive with its morph targets weighted; None, with a warning, where there are none.
+
+    `second_uv_set`: the number of the TEXCOORD that becomes `uvs2`.
 
     Raises
     ------
@@ -60,7 +64,7 @@ def read_primitive(element: Element, accessors: Accessors, weights: Sequence[flo
             # Without normals the specification wants tangents ignored.
             tangents=None if normals is None else reader.tangents(),
             uvs=reader.read("TEXCOORD_0", ("VEC2",)),
-            uvs2=reader.read("TEXCOORD_1", ("VEC2",)),
+            uvs2=reader.read(f"TEXCOORD_{second_uv_set}", ("VEC2",)),
             colors=reader.colors(),
         )
     )

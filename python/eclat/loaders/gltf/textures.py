@@ -58,7 +58,7 @@ class Textures:
             return Value(constant, square=square)
         if channels == 1:
             channel = 0
-        uv_set, matrix = _uv_mapping(info)
+        uv_set, matrix = _uv_mapping(info, self._document.second_uv_set)
         return Value(constant, found, channel, uv_set, matrix, square=square)
 
     def _find(self, info: Element | None, srgb: bool, neutral: tuple[float, float, float] | None) -> Texture | None:
@@ -156,7 +156,7 @@ def _wrap(sampler: Element, name: str) -> Wrap:
     return _WRAPS.get(code, "repeat")
 
 
-def _uv_mapping(info: Element) -> tuple[int, Affine]:
+def _uv_mapping(info: Element, second_uv_set: int) -> tuple[int, Affine]:
     """The texture coordinate set and the affine map of a textureInfo."""
     transform = info.extension("KHR_texture_transform")
     uv_set = info.integer("texCoord", 0)
@@ -169,7 +169,9 @@ def _uv_mapping(info: Element) -> tuple[int, Affine]:
         # Counter-clockwise as seen with v downwards, as every viewer has it; the GLSL in the extension's text turns
         # the other way (github.com/KhronosGroup/glTF/issues/1563), against its own words and example.
         matrix = ((cos * sx, sin * sy, dx), (-sin * sx, cos * sy, dy))
-    if uv_set > 1:
+    if uv_set == second_uv_set:
+        uv_set = 1
+    elif uv_set > 0:
         warn(f"{info.where}: TEXCOORD_{uv_set} is not supported (only 0 and 1 are); TEXCOORD_0 is used")
         uv_set = 0
     return uv_set, matrix

@@ -1,0 +1,165 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Materials as glTF's JSON [glTF 2.0, 3.9; KHR_materials_ior, _specular, _transmission, _volume, _emissive_strength]."""
+
+from __future__ import annotations
+
+from eclat.errors import warn
+from eclat.gltf_export.document import Document, Json, extras
+from eclat.gltf_export.metallic_roughness import as_metallic_roughness
+from eclat.gltf_export.textures import Textures, constant_of, texels, without_square
+from eclat.scene import DEFAULTS, Material, Value
+
+THICKNESS = 1e-3
+"""Metres. A volume's real thickness is in its mesh; any number above 0 says that glass refracts."""
+
+
+class Materials:
+    """Writes materials into a document, equal ones once."""
+
+    def __init__(self, document: Document, textures: Textures, lightmap: Json | None) -> None:
+        """`lightmap`: what MOZ_lightmap says of every material, None without a light map."""
+        self._document = document
+        self._textures = textures
+        self._lightmap = lightmap
+        self._written: dict[tuple[int, bool], int] = {}
+        self._kept: list[Material] = []
+
+    def index(self, material: Material, *, one_of_two: bool = False) -> int:
+        """The material's index; `one_of_two` for a side of a sheet whose other side is a primitive of its own."""
+        key = (id(material), one_of_two)
+        if key not in self._written:
+            self._kept.append(material)
+            self._written[key] = self._document.add("materials", self._material(material, one_of_two))
+        return self._written[key]
+
+    def _material(self, original: Material, one_of_two: bool) -> Json:
+        material = as_metallic_roughness(original)
+        factor = [min(c, 1.0) for c in constant_of(self._of(material, "base_color"))]
+        if max(constant_of(self._of(material, "base_color"))) > 1:
+            warn(f"material {material.name!r}: a base colour above 1 is written as 1")
+        json: Json = {
+            "name": material.name,
+            "pbrMetallicRoughness": {"baseColorFactor": [*factor, self._alpha(material)]} | self._surface(material),
+            "extensions": self._extensions(material),
+        }
+        json |= self._opacity(material) | self._emission(material) | self._normal(material)
+        if one_of_two:
+            emits_twice = material.emission is not None and material.emission_two_sided
+            json |= extras(two_sided=True, emission_two_sided=emits_twice)
+        elif material.two_sided:
+            json["doubleSided"] = True
+        if not json["extensions"]:
+            del json["extensions"]
+        return json
+
+    def _of(self, material: Material, name: str) -> Value:
+        return material.parameters.get(name, DEFAULTS[name])
+
+    def _alpha(self, material: Material) -> float:
+        return min(max(constant_of(material.opacity)[0], 0.0), 1.0)
+
+    def _surface(self, material: Material) -> Json:
+        color, metallic = self._of(material, "base_color"), self._of(material, "metallic")
+        roughness = without_square(self._of(material, "roughness"))
+        json: Json = {
+            "metallicFactor": min(metallic.constant[0], 1.0),
+            "roughnessFactor": min(roughness.constant[0], 1.0),
+        }
+        info = self._textures.color(color, None if _opaque(material) else material.opacity)
+        if info is not None:
+            json["baseColorTexture"] = info
+        info = self._textures.channels({1: roughness, 2: metallic})
+        if info is not None:
+            json["metallicRoughnessTexture"] = info
+        return json
+
+    def _opacity(self, material: Material) -> Json:
+        if _opaque(material):
+            return {}
+        if material.alpha_cutoff is None:
+            return {"alphaMode": "BLEND"}
+        return {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
+
+    def _emission(self, material: Material) -> Json:
+        """Emission as a factor of at most 1, times a strength."""
+        emission = material.emission
+        if emission is None or max(constant_of(emission)) <= 0:
+            return {}
+        scale = 1.0 if emission.texture is None else max(1.0, float(texels(emission).max(initial=0)))
+        r, g, b = (c * scale for c in constant_of(emission))
+        strength = max(r, g, b)
+        json: Json = {"emissiveFactor": [r / strength, g / strength, b / strength]}
+        info = self._textures.color(emission, scale=scale)
+        if info is not None:
+            json["emissiveTexture"] = info
+        return json
+
+    def _normal(self, material: Material) -> Json:
+        if material.normal_map is None:
+            return {}
+        if material.normal_map.kind == "bump":
+            warn(f"material {material.name!r}: a bump map cannot be written as glTF and is left out")
+            return {}
+        value = material.normal_map.value
+        info = self._textures.channels({i: _channel(value, i) for i in range(3)})
+        if info is None:
+            return {}
+        return {"normalTexture": info | {"scale": material.normal_map.scale}}
+
+    def _extensions(self, material: Material) -> Json:
+        json: Json = {}
+        ior = constant_of(self._of(material, "ior"))[0]
+        if ior != 1.5:
+            json[self._document.use("KHR_materials_ior")] = {"ior": max(ior, 1.0)}
+        specular = self._specular(material)
+        if specular:
+            json[self._document.use("KHR_materials_specular")] = specular
+        json |= self._transmission(material)
+        strength = 0.0
+        if material.emission is not None:
+            strength = max(constant_of(material.emission))
+            if material.emission.texture is not None:
+                strength *= max(1.0, float(texels(material.emission).max(initial=0)))
+        if strength > 0 and strength != 1:
+            json[self._document.use("KHR_materials_emissive_strength")] = {"emissiveStrength": strength}
+        if self._lightmap is not None:
+            json[self._document.use("MOZ_lightmap")] = dict(self._lightmap)
+        return json
+
+    def _specular(self, material: Material) -> Json:
+        factor, color = self._of(material, "specular"), self._of(material, "specular_color")
+        json: Json = {}
+        if factor.constant[0] != 1:
+            json["specularFactor"] = min(factor.constant[0], 1.0)
+        if constant_of(color) != (1.0, 1.0, 1.0):
+            json["specularColorFactor"] = list(constant_of(color))
+        for name, info in (
+            ("specularTexture", self._textures.channels({3: factor})),
+            ("specularColorTexture", self._textures.color(color)),
+        ):
+            if info is not None:
+                json[name] = info
+        return json
+
+    def _transmission(self, material: Material) -> Json:
+        value = self._of(material, "transmission")
+        if value.constant[0] <= 0:
+            return {}
+        json: Json = {"transmissionFactor": min(value.constant[0], 1.0)}
+        info = self._textures.channels({0: value})
+        if info is not None:
+            json["transmissionTexture"] = info
+        found: Json = {self._document.use("KHR_materials_transmission"): json}
+        if not material.thin_walled:
+            found[self._document.use("KHR_materials_volume")] = {"thicknessFactor": THICKNESS}
+        return found
+
+
+def _opaque(material: Material) -> bool:
+    return material.opacity.texture is None and constant_of(material.opacity)[0] >= 1
+
+
+def _channel(value: Value, index: int) -> Value:
+    """One channel of a colour as a value of its own; a normal map's constant is always 1."""
+    return Value((1.0, 1.0, 1.0), value.texture, index, value.uv_set, value.uv_transform)

@@ -1,0 +1,136 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Any material as glTF's one: metal and roughness. What that cannot say is approximated, with a warning."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+from eclat.errors import warn
+from eclat.gltf_export.textures import average, constant_of
+from eclat.scene import DEFAULTS, Material, Value, grey, rgb
+
+
+def as_metallic_roughness(material: Material) -> Material:
+    """`material` with `kind` "metallic_roughness"; `back` and `children` are gone."""
+    if material.kind == "metallic_roughness":
+        return material
+    if material.kind == "blend":
+        return _blended(material)
+    parameters = _CONVERSIONS[material.kind](material)
+    if material.kind not in ("diffuse", "dielectric", "thin_dielectric"):
+        warn(f"material {material.name!r}: {material.kind} is approximated by glTF's metallic-roughness")
+    return replace(
+        material,
+        kind="metallic_roughness",
+        parameters=parameters,
+        thin_walled=material.kind != "dielectric",
+        children=(),
+        back=None,
+    )
+
+
+def _of(material: Material, name: str) -> Value:
+    return material.parameters.get(name, DEFAULTS[name])
+
+
+def _diffuse(material: Material) -> dict[str, Value]:
+    return {
+        "base_color": _of(material, "reflectance"),
+        "metallic": grey(0),
+        "roughness": grey(1),
+        # Without it there would be a dielectric coat.
+        "specular": grey(0),
+    }
+
+
+def _coated(material: Material, alpha: Value) -> dict[str, Value]:
+    """A diffuse base under a lobe of GGX α. The lobe's colour is what is seen head-on, where glTF reflects 4 % times it."""
+    r, g, b = constant_of(average(_of(material, "specular_reflectance")))
+    return {
+        "base_color": _of(material, "diffuse_reflectance"),
+        "metallic": grey(0),
+        "roughness": alpha,
+        "specular_color": rgb(r / 0.04, g / 0.04, b / 0.04),
+    }
+
+
+def _phong(material: Material) -> dict[str, Value]:
+    exponent = constant_of(average(_of(material, "exponent")))[0]
+    # Equal curvature at the peak: cosⁿ ≈ exp(−n θ²/2), and GGX falls as 1 − 2 (θ/2)²/α² about the mirror direction.
+    return _coated(material, grey(min(1.0, (1 / max(exponent, 1.0)) ** 0.5)))
+
+
+def _ward(material: Material) -> dict[str, Value]:
+    return _coated(material, _of(material, "alpha_u"))
+
+
+def _plastic(material: Material) -> dict[str, Value]:
+    return {
+        "base_color": _of(material, "diffuse_reflectance"),
+        "metallic": grey(0),
+        "roughness": _of(material, "alpha_u"),
+        "ior": _of(material, "ior"),
+        "specular_color": average(_of(material, "specular_reflectance")),
+    }
+
+
+def _conductor(material: Material) -> dict[str, Value]:
+    eta, k = (constant_of(_of(material, name)) for name in ("eta", "k"))
+    # Fresnel's reflectance head-on.
+    r, g, b = (((n - 1) ** 2 + x * x) / ((n + 1) ** 2 + x * x) for n, x in zip(eta, k, strict=True))
+    specular = _of(material, "specular_reflectance")
+    scaled = (specular.constant[0] * r, specular.constant[1] * g, specular.constant[2] * b)
+    return {
+        "base_color": replace(specular, constant=scaled),
+        "metallic": grey(1),
+        "roughness": _of(material, "alpha_u"),
+    }
+
+
+def _glass(material: Material) -> dict[str, Value]:
+    return {
+        "base_color": _of(material, "specular_transmittance"),
+        "metallic": grey(0),
+        "roughness": material.parameters.get("alpha_u", grey(0)),
+        "ior": _of(material, "ior"),
+        "transmission": grey(1),
+    }
+
+
+_CONVERSIONS = {
+    "diffuse": _diffuse,
+    "phong": _phong,
+    "ward": _ward,
+    "plastic": _plastic,
+    "conductor": _conductor,
+    "dielectric": _glass,
+    "thin_dielectric": _glass,
+}
+
+
+def _blended(material: Material) -> Material:
+    """Of two materials without textures the mean of their parameters, else the one that weighs more."""
+    weight = constant_of(average(_of(material, "weight")))[0]
+    first, second = (as_metallic_roughness(child) for child in material.children)
+    chosen = second if weight > 0.5 else first
+    parameters = dict(chosen.parameters)
+    names = sorted(first.parameters.keys() | second.parameters.keys())
+    pairs = {name: (_of(first, name), _of(second, name)) for name in names}
+    if all(a.texture is None and b.texture is None for a, b in pairs.values()):
+        for name, (a, b) in pairs.items():
+            mixed = ((1 - weight) * x + weight * y for x, y in zip(constant_of(a), constant_of(b), strict=True))
+            parameters[name] = rgb(*mixed)
+        warn(f"material {material.name!r}: a blend is approximated by the mean of its parts' parameters")
+    else:
+        warn(f"material {material.name!r}: of a blend only {chosen.name!r}, which weighs more, is written")
+    return replace(
+        material,
+        kind="metallic_roughness",
+        parameters=parameters,
+        thin_walled=chosen.thin_walled,
+        normal_map=material.normal_map or chosen.normal_map,
+        emission=material.emission or chosen.emission,
+        children=(),
+        back=None,
+    )
