@@ -11,7 +11,7 @@ CORE_TESTS := $(shell find tests/core -type f)
 demo: .venv/installed ## render the built-in scenes by irradiance caching and by path tracing, side by side
 	.venv/bin/python examples/demo.py
 
-test: .venv/tested core-test ## all tests
+test: .venv/tested web/node_modules/installed core-test ## all tests
 	.venv/bin/python -m pytest tests
 
 install: .venv/installed
@@ -30,6 +30,10 @@ install: .venv/installed
 	.venv/bin/pip install --quiet '.[test]'
 	touch $@
 
+web/node_modules/installed: web/package.json web/package-lock.json
+	tools/bootstrap browser
+	if command -v npm >/dev/null; then cd web && npm ci --loglevel=error && touch node_modules/installed; fi
+
 core-test: build/core-test/tested
 
 build/core-test/tested: .venv/python CMakeLists.txt $(SOURCES) $(CORE_TESTS)
@@ -39,4 +43,4 @@ build/core-test/tested: .venv/python CMakeLists.txt $(SOURCES) $(CORE_TESTS)
 	touch $@
 
 clean:
-	rm -rf build .venv
+	rm -rf build .venv web/node_modules

@@ -1,0 +1,147 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Baked files in three.js: a server on this machine, headless Chromium, and pixels as linear radiance."""
+
+from __future__ import annotations
+
+import base64
+import functools
+import http.server
+import json
+import os
+import shutil
+import subprocess
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, NoReturn
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+WEB = Path(__file__).resolve().parents[2] / "web"
+
+BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
+
+DOES_NOT_START = 3
+"""render.mjs ends with it; a browser that tells its version may still be barred from running (snaps in containers)."""
+
+SECONDS = 120
+"""After which a browser that says nothing has failed."""
+
+
+@dataclass(frozen=True)
+class View:
+    """A picture of a file by three.js."""
+
+    pixels: NDArray[np.float32]
+    """(H, W, 3) radiance, row 0 at the top."""
+    light_maps: dict[str, dict[str, Any]]
+    """What each material's light map came out as, by the material's name."""
+
+
+def require_node() -> str:
+    """Node with the packages of web/, or a skip that says what is missing; on CI a failure."""
+    node = shutil.which("node")
+    if node is None:
+        _missing("Node.js is not installed")
+    if not (WEB / "node_modules/playwright-core").is_dir():
+        _missing("the packages of web/ are not installed: run `npm ci` there, or `make test`")
+    return str(node)
+
+
+@functools.cache
+def require_browser() -> str:
+    """A Chromium that starts, or a skip that says why there is none; on CI a failure."""
+    named = os.environ.get("ECLAT_CHROMIUM")
+    tried = []
+    for name in [named] if named else BROWSERS:
+        path = shutil.which(name)
+        if path is None:
+            continue
+        # Ubuntu's package is a stub that asks for a snap: it is there and does not start.
+        asked = subprocess.run([path, "--version"], capture_output=True, text=True, timeout=SECONDS)
+        if asked.returncode == 0 and "Chrom" in asked.stdout:
+            return path
+        tried.append(f"{path} does not start: {(asked.stderr or asked.stdout).strip()}")
+    _missing("; ".join(tried) or f"no Chromium found (looked for {', '.join([named] if named else BROWSERS)})")
+
+
+def _missing(why: str) -> NoReturn:
+    if os.environ.get("CI"):
+        pytest.fail(f"CI must run what needs a browser: {why}")
+    pytest.skip(why)
+
+
+@contextmanager
+def serve(folder: Path) -> Iterator[str]:
+    """Serve web/ at /web/ and `folder` at /files/ on this machine only; the URL, without a slash at its end."""
+
+    class Handler(http.server.SimpleHTTPRequestHandler):
+        def translate_path(self, path: str) -> str:
+            roots = {"/web/": WEB, "/files/": folder}
+            for prefix, root in roots.items():
+                if path.startswith(prefix):
+                    self.directory = str(root)
+                    return super().translate_path(path.removeprefix(prefix.rstrip("/")))
+            return str(folder / "no such file")
+
+        def log_message(self, format: str, *arguments: Any) -> None:
+            pass
+
+    server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Handler)
+    thread = threading.Thread(target=server.serve_forever, daemon=True)
+    thread.start()
+    try:
+        yield f"http://127.0.0.1:{server.server_address[1]}"
+    finally:
+        server.shutdown()
+        server.server_close()
+        thread.join()
+
+
+def render_in_three(folder: Path, jobs: Sequence[dict[str, Any]]) -> tuple[list[View | str], list[str]]:
+    """Render files below `folder` with the cameras they hold, in one browser.
+
+    Parameters
+    ----------
+    jobs : "file" below the folder, "width", "height"; "plugin", the options of EclatLightmap (none);
+        "supersampling", samples of a pixel along each side (1).
+
+    Returns
+    -------
+    A `View` of each job, or why it could not be rendered; what the page said on its console.
+    """
+    node, chromium = require_node(), require_browser()
+    with serve(folder) as url:
+        wanted = [{"plugin": {}, "supersampling": 1, **job, "url": f"{url}/files/{job['file']}"} for job in jobs]
+        request = json.dumps({"page": f"{url}/web/tests/page.html", "jobs": wanted})
+        answer = _node([node, str(WEB / "tests/render.mjs"), chromium], request)
+    return [_view(job, result) for job, result in zip(jobs, answer["results"], strict=True)], answer["messages"]
+
+
+def _view(job: dict[str, Any], result: dict[str, Any]) -> View | str:
+    if "error" in result:
+        return str(result["error"])
+    pixels = np.frombuffer(base64.b64decode(result["pixels"]), dtype="<f4").reshape(job["height"], job["width"], 3)
+    return View(pixels, {light_map["material"]: light_map for light_map in result["lightMaps"]})
+
+
+def gltf_issues(*files: Path) -> dict[str, list[dict[str, Any]]]:
+    """What Khronos' glTF validator says of each file, by severity: "errors", "warnings", "infos", "hints"."""
+    answer = _node([require_node(), str(WEB / "tests/validate.mjs"), *map(str, files)], "")
+    kinds = ("errors", "warnings", "infos", "hints")
+    issues = [{"file": file, **issue} for file, found in answer.items() for issue in found]
+    return {kind: [issue for issue in issues if issue["severity"] == i] for i, kind in enumerate(kinds)}
+
+
+def _node(command: list[str], request: str) -> Any:
+    done = subprocess.run(command, input=request, capture_output=True, text=True, timeout=SECONDS)
+    if done.returncode == DOES_NOT_START:
+        _missing(f"{command[-1]} does not start: {done.stderr.strip()}")
+    if done.returncode != 0:
+        raise AssertionError(f"{' '.join(command)} ended with code {done.returncode}:\n{done.stderr}")
+    return json.loads(done.stdout)
