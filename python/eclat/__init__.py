@@ -10,8 +10,10 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
+    from eclat.baking import bake
     from eclat.errors import EclatError, EclatWarning
     from eclat.image import Image
+    from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
     from eclat.material_overrides import override_materials
     from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache, Radiosity
@@ -31,6 +33,8 @@ _HOMES = {
     "refine": "eclat.solving",
     "render": "eclat.rendering",
     "irradiance": "eclat.point_irradiance",
+    "bake": "eclat.baking",
+    "Lightmap": "eclat.lightmap.lightmap",
     "Solution": "eclat.solution",
     "merge": "eclat.solution",
     "Direct": "eclat.options",
@@ -57,6 +61,7 @@ __all__ = [
     "EclatWarning",
     "Image",
     "IrradianceCache",
+    "Lightmap",
     "Path",
     "PhotonMap",
     "Photons",
@@ -65,6 +70,7 @@ __all__ = [
     "RadiositySolution",
     "Scene",
     "Solution",
+    "bake",
     "irradiance",
     "load",
     "load_dict",

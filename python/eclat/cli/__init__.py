@@ -23,6 +23,7 @@ COMMANDS: dict[str, str] = {
     "render": "eclat.cli.render",
     "solve": "eclat.cli.solve",
     "irradiance": "eclat.cli.irradiance",
+    "bake": "eclat.cli.bake",
     "compare": "eclat.cli.compare",
     "info": "eclat.cli.info",
     "scenes": "eclat.cli.scenes",

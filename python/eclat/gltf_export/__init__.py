@@ -22,7 +22,11 @@ from eclat.gltf_export.nodes import camera_node, light_node
 from eclat.gltf_export.textures import Textures
 from eclat.scene import Material, Mesh, Scene
 
-__all__ = ["LightmapTexture", "Part", "encode_glb", "parts_of"]
+__all__ = ["LIGHTMAP_TEXTURE", "LightmapTexture", "Part", "encode_glb", "parts_of"]
+
+
+LIGHTMAP_TEXTURE = 0
+"""The light map's index among the textures of a file that has one."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,6 +108,7 @@ def _sides_differ(material: Material) -> bool:
 def _moz_lightmap(document: Document, textures: Textures, lightmap: LightmapTexture) -> Json:
     image = document.add("images", {"bufferView": document.view(lightmap.png), "mimeType": "image/png"})
     index = textures.texture(image, ("clamp", "clamp"), mipmaps=False)
+    assert index == LIGHTMAP_TEXTURE, "it is written before the scene's own"
     found: Json = {"index": index, "texCoord": 1, "intensity": lightmap.intensity}
     return found | ({"extras": lightmap.extras} if lightmap.extras else {})
 

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""`eclat bake`: light maps for viewers that compute no light."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import click
+
+import eclat
+from eclat.atomic_file import check_writable
+from eclat.cli.command import Command, option
+from eclat.cli.method_options import method_notes, method_option, options_of, set_option
+from eclat.cli.parameters import Name, Number
+from eclat.cli.quality_options import (
+    QUALITY,
+    cache_option,
+    check_cache_alone,
+    max_depth_option,
+    max_error_option,
+    output_option,
+    samples_option,
+)
+from eclat.cli.reporting import Reporter, reporting_options
+from eclat.cli.scene_options import (
+    light_options,
+    load_scene,
+    material_option,
+    scene_argument,
+    scene_stem,
+    work_options,
+)
+
+MAP = "Map"
+
+EXAMPLES = {
+    "eclat bake room.glb": "Writes room_lit.glb, room_lit.lightmap.exr and room_lit.lightmap.json:",
+    "eclat bake room.glb -o lit.glb --texel-size 0.01": "One texel a centimetre:",
+    "eclat bake room.glb --method radiosity": "By another method:",
+    "eclat bake room.glb --cache room.npz": "From what `eclat solve --view-independent` wrote:",
+    "eclat bake room.glb --component indirect": "Indirect light only; the file keeps its lights for the viewer:",
+}
+
+
+@click.command(
+    "bake",
+    cls=Command,
+    short_help="Light maps: the light on all surfaces, in a file for the browser.",
+    examples=EXAMPLES,
+    notes=method_notes,
+    help="""Compute the irradiance of all surfaces of SCENE and write it as a light map.
+
+    The .glb holds the scene and, on a second set of texture coordinates, its light map in 8 bits (MOZ_lightmap). The
+    .exr beside it holds the same irradiance unclipped, in W/m² (lux in a photometric scene), the .json what both mean.
+    Sources are left out of the file, since their light is in the map; surfaces that shine go on shining.""",
+)
+@scene_argument
+@output_option("A name that ends in .glb [SCENE_lit.glb].")
+@option(
+    "--texel-size",
+    type=Number(float, 0, 1e6, above=True, unit="of metres"),
+    section=MAP,
+    help="Metres a texel [such that there are about 260,000].",
+)
+@option(
+    "--component",
+    type=Name("NAME", "total", "direct", "indirect"),
+    default="total",
+    section=MAP,
+    help="total, direct or indirect light [total].",
+)
+@option(
+    "--gutter",
+    type=Number(int, 2, 64),
+    default=2,
+    section=MAP,
+    help="Texels between charts; 2 to the n for viewers that read n levels of a mip map [2].",
+)
+@option("--max-size", type=Number(int, 16, 16384), default=4096, section=MAP, help="Largest width and height [4096].")
+@samples_option("Of the lights, and paths of `path`, per texel", default=256)
+@max_error_option("Of a cached method: relative error of indirect light")
+@max_depth_option()
+@option(
+    "--charts-timeout",
+    type=Number(float, 0, 1e6),
+    default=60.0,
+    section=QUALITY,
+    help="Seconds after which flat pieces of surfaces become charts instead of xatlas' larger ones [60].",
+)
+@cache_option()
+@method_option
+@set_option
+@light_options
+@material_option
+@work_options
+@reporting_options
+@click.pass_context
+def command(context: click.Context, /, **flags: Any) -> None:
+    """Load, bake, save."""
+    from eclat.lightmap.lightmap import output_names
+
+    with Reporter(flags["quiet"], flags["as_json"]) as reporter:
+        names = output_names(flags["output"] or f"{scene_stem(flags['scene'])}_lit.glb")
+        for name in names:
+            check_writable(name)
+        check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)
+        what: Any = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        scene = load_scene(flags)
+        if flags["cache"]:
+            what = eclat.load_solved(flags["cache"], scene)
+        keys = ("component", "texel_size", "samples", "max_error", "max_depth", "gutter", "max_size", "charts_timeout")
+        keywords = {name: flags[name] for name in (*keys, "seed", "threads")}
+        lightmap = eclat.bake(scene, what, progress=reporter.progress, **keywords)
+        lightmap.save(names[0])
+        _say_result(reporter, lightmap, str(names[0]))
+
+
+def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str) -> None:
+    height, width = lightmap.irradiance.shape[:2]
+    statistics = lightmap.statistics
+    text = (
+        f"{output}: {width} x {height} texels of {lightmap.texel_size:g} m, {statistics['charts']:,.0f} charts, "
+        f"{statistics['seconds']:.1f} s"
+    )
+    clipped = lightmap.clipped_share()
+    if clipped > 0:
+        limit = f"{lightmap.intensity():.4g} {lightmap.unit}"
+        text += f"; {clipped:.2%} of the texels are above {limit}, where the embedded map is clipped"
+    reporter.result(
+        text,
+        file=output,
+        width=width,
+        height=height,
+        texel_size=lightmap.texel_size,
+        clipped_share=clipped,
+        statistics=dict(statistics),
+    )

@@ -1,0 +1,217 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where each triangle lies in the light map: charts without overlap, cut by xatlas or, where it fails, by ourselves."""
+
+from __future__ import annotations
+
+import io
+import math
+import subprocess
+import sys
+import time
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+from eclat.lightmap.planar_charts import unwrap_planar
+from eclat.running import ProgressReport
+from eclat.scene import FloatArray, Mesh
+
+PROGRAM = Path(__file__).with_name("xatlas_process.py")
+"""What unwraps, in a process of its own."""
+
+TYPICAL_TEXELS = 1 << 18
+"""Texels on surfaces where nobody chose their size: a map of about 700 × 700."""
+
+TYPICAL_FILL = 0.5
+"""Of an atlas, the share that charts cover."""
+
+LEAST_DIGITS = 2
+"""Digits to which the default texel size is rounded, so that it can be said."""
+
+
+@dataclass(frozen=True, eq=False)
+class Unwrapped:
+    """A mesh in the atlas.
+
+    `vertices` (V,): which of the mesh's vertices each is a copy of, for a vertex on a cut has one for each side.
+    `triangles` (T, 3) refer to these, in the mesh's order. `uvs` (V, 2) in texels: (0, 0) is the image's top left
+    corner, (0.5, 0.5) the centre of its first texel. `charts` (V,): the chart of each, −1 for triangles without area.
+    """
+
+    vertices: NDArray[np.int64]
+    triangles: NDArray[np.int64]
+    uvs: FloatArray
+    charts: NDArray[np.int64]
+
+
+@dataclass(frozen=True, eq=False)
+class Atlas:
+    """All charts in one image of `width` × `height` texels. `method`: "xatlas" or "planar"."""
+
+    width: int
+    height: int
+    meshes: tuple[Unwrapped, ...]
+    method: str
+
+
+def areas(mesh: Mesh) -> FloatArray:
+    """(T,) areas of the triangles, m²."""
+    a, b, c = (np.asarray(mesh.positions, np.float64)[np.asarray(mesh.triangles)[:, i]] for i in range(3))
+    doubled: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return doubled / 2
+
+
+def default_texel_size(area: float) -> float:
+    """Metres, such that surfaces of `area` m² take about `TYPICAL_TEXELS`."""
+    if area <= 0:
+        return 1.0
+    size = math.sqrt(area / TYPICAL_TEXELS)
+    digits = LEAST_DIGITS - 1 - math.floor(math.log10(size))
+    return float(round(size, digits))
+
+
+def check_texel_count(area: float, texel_size: float, max_size: int) -> None:
+    """Raise EclatError, before any work, where charts of `area` m² cannot fit into an image of `max_size` squared."""
+    if not (math.isfinite(texel_size) and texel_size > 0):
+        raise EclatError(f"texel_size must be a finite number of metres above 0, got {texel_size}")
+    room = max_size * max_size * TYPICAL_FILL
+    if area / texel_size**2 > room:
+        enough = math.sqrt(area / room)
+        raise EclatError(
+            f"a texel size of {texel_size:g} m takes {area / texel_size**2:,.0f} texels for {area:,.4g} m² of surfaces, "
+            f"more than a light map of {max_size} x {max_size} holds; {enough * 1.05:.2g} m fits"
+        )
+
+
+def unwrap(
+    meshes: Sequence[Mesh],
+    texel_size: float,
+    *,
+    gutter: int = 2,
+    max_size: int = 4096,
+    timeout: float = 60.0,
+    progress: ProgressReport | None = None,
+) -> Atlas:
+    """An atlas of the meshes, which must have normals, at `texel_size` metres a texel.
+
+    Parameters
+    ----------
+    gutter : texels between what bilinear filtering reads of two charts.
+    max_size : largest width and height.
+    timeout : seconds after which xatlas is given up; 0 does not try it.
+
+    Raises
+    ------
+    EclatError : the charts do not fit.
+    """
+    found = None
+    if timeout > 0 and any(len(mesh.triangles) for mesh in meshes):
+        found = _by_xatlas(meshes, texel_size, gutter, max_size, timeout, progress)
+    if found is None:
+        width, height, unwrapped = unwrap_planar(meshes, texel_size, gutter)
+        found = Atlas(width, height, tuple(Unwrapped(*u) for u in unwrapped), "planar")
+    if max(found.width, found.height) > max_size:
+        factor = max(found.width, found.height) / max_size
+        raise EclatError(
+            f"the light map would be {found.width} x {found.height} texels, more than {max_size} x {max_size}; "
+            f"a texel size of {texel_size * factor * 1.05:.2g} m fits"
+        )
+    return found
+
+
+def _by_xatlas(
+    meshes: Sequence[Mesh],
+    texel_size: float,
+    gutter: int,
+    max_size: int,
+    timeout: float,
+    progress: ProgressReport | None,
+) -> Atlas | None:
+    """None, with a warning, where xatlas fails, takes too long or leaves triangles out."""
+    arrays: dict[str, np.ndarray] = {
+        "count": np.array(len(meshes)),
+        "texels_per_unit": np.array(1 / texel_size),
+        # Bilinear filtering reads one texel around each chart, for which the library makes room by itself.
+        "padding": np.array(gutter),
+        "max_chart_size": np.array(max_size - 2 * gutter - 2),
+    }
+    center = np.mean([np.asarray(m.positions, np.float64).mean(axis=0) for m in meshes if len(m.positions)], axis=0)
+    for i, mesh in enumerate(meshes):
+        assert mesh.normals is not None
+        arrays[f"positions{i}"] = np.ascontiguousarray(np.asarray(mesh.positions, np.float64) - center, np.float32)
+        arrays[f"normals{i}"] = np.ascontiguousarray(mesh.normals, np.float32)
+        arrays[f"triangles{i}"] = np.ascontiguousarray(mesh.triangles, np.uint32)
+    output, problem = _run_child(arrays, timeout, progress)
+    if output is None:
+        warn(f"xatlas {problem}; every flat piece of a surface becomes a chart of its own, which takes more texels")
+        return None
+    width, height = (int(n) for n in output["size"])
+    unwrapped = tuple(
+        Unwrapped(
+            output[f"vertices{i}"].astype(np.int64),
+            output[f"triangles{i}"].astype(np.int64).reshape(-1, 3),
+            output[f"uvs{i}"].astype(np.float64).reshape(-1, 2) * (width, height),
+            output[f"charts{i}"].astype(np.int64),
+        )
+        for i in range(len(meshes))
+    )
+    lost = _area_without_chart(meshes, unwrapped)
+    if lost > 0:
+        warn(f"xatlas left out {lost:.3g} m² of surfaces; every flat piece of a surface becomes a chart of its own")
+        return None
+    return Atlas(width, height, unwrapped, "xatlas")
+
+
+def _run_child(
+    arrays: dict[str, np.ndarray], timeout: float, progress: ProgressReport | None
+) -> tuple[dict[str, np.ndarray] | None, str]:
+    """The child's arrays, or None and what it did instead."""
+    data = io.BytesIO()
+    np.savez(data, **arrays)  # type: ignore[arg-type]
+    command = [sys.executable, str(PROGRAM)]
+    pipe = subprocess.PIPE
+    started = time.monotonic()
+    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe) as child:
+        given: bytes | None = data.getvalue()
+        try:
+            while True:
+                try:
+                    out, errors = child.communicate(given, timeout=0.2)
+                    break
+                except subprocess.TimeoutExpired:
+                    given = None
+                seconds = time.monotonic() - started
+                if seconds > timeout:
+                    child.kill()
+                    child.communicate()
+                    return None, f"took longer than {timeout:g} s"
+                if progress is not None:
+                    progress("charts", 0.0, {"rays": 0.0, "seconds": seconds})
+        except BaseException:
+            child.kill()
+            raise
+    if child.returncode:
+        last = errors.decode(errors="replace").strip().rpartition("\n")[2]
+        return None, f"failed ({last or f'exit code {child.returncode}'})"
+    try:
+        with np.load(io.BytesIO(out), allow_pickle=False) as found:
+            return dict(found), ""
+    except (ValueError, OSError, EOFError) as error:
+        return None, f"gave no charts ({error})"
+
+
+def _area_without_chart(meshes: Sequence[Mesh], unwrapped: Sequence[Unwrapped]) -> float:
+    """m² of triangles that have area in the world and none in the atlas, though rounding is none."""
+    lost = 0.0
+    for mesh, charts in zip(meshes, unwrapped, strict=True):
+        if len(charts.triangles) != len(mesh.triangles) or not np.isfinite(charts.uvs).all():
+            return float(areas(mesh).sum())
+        world = areas(mesh)
+        missing = (charts.charts[charts.triangles] < 0).any(axis=1)
+        lost += float(world[missing & (world > 1e-12 * world.max(initial=0))].sum())
+    return lost

@@ -1,0 +1,138 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""A light map as a value, and as files: a glTF scene, an EXR image and what they mean in JSON."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+from urllib.parse import quote
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PillowImage
+
+import eclat
+from eclat.atomic_file import check_writable, write_file
+from eclat.errors import EclatError
+from eclat.exr import encode_exr
+from eclat.gltf_export import LIGHTMAP_TEXTURE, LightmapTexture, Part, encode_glb
+from eclat.scene import Scene
+from eclat.tone import srgb_encode
+
+VERSION = 1
+"""Of the JSON side-car."""
+
+CLIPPED = 0.002
+"""Share of the map's texels that may be clipped in the embedded 8-bit image, so that the others get finer steps."""
+
+
+@dataclass(frozen=True, eq=False)
+class Lightmap:
+    """Irradiance on all surfaces of `scene`.
+
+    `irradiance` (H, W, 3) float32 in W·m⁻², lux where the scene is photometric; row 0 is v = 0, and (0, 0) to (1, 1) is
+    the whole image. `parts`: the scene's meshes as they lie in it, vertices split at the charts' borders, with
+    `lightmap_uvs`. `texel_size` in metres. `statistics`: texels, rays, seconds, area in m², charts.
+    """
+
+    scene: Scene
+    parts: tuple[Part, ...]
+    irradiance: NDArray[np.float32]
+    texel_size: float
+    component: str
+    method: str
+    gutter: int
+    statistics: dict[str, float] = field(default_factory=dict)
+    settings: dict[str, Any] = field(default_factory=dict)
+
+    @property
+    def unit(self) -> str:
+        """ "W/m2" or "lux"."""
+        return "lux" if self.scene.photometric else "W/m2"
+
+    def intensity(self) -> float:
+        """What 1 in the embedded 8-bit image stands for: the largest value, or less where few texels are far above."""
+        largest = np.max(self.irradiance, axis=2)
+        lit = largest[largest > 0]
+        if not len(lit):
+            return 1.0
+        most = float(lit.max())
+        usual = float(np.quantile(lit, 1 - CLIPPED))
+        return most if most < 1.5 * usual else usual
+
+    def clipped_share(self) -> float:
+        """Share of the lit texels whose irradiance is above `intensity()` in a channel."""
+        largest = np.max(self.irradiance, axis=2)
+        lit = largest > 0
+        return float((largest[lit] > self.intensity()).mean()) if lit.any() else 0.0
+
+    def save(self, path: str | os.PathLike[str]) -> list[Path]:
+        """Write `room_lit.glb`, and `room_lit.lightmap.exr` and `room_lit.lightmap.json` beside it; their paths.
+
+        The scene in the .glb has its light map as MOZ_lightmap in 8 bits a channel; the EXR is the same in single
+        precision. Each file is whole or not there, the .glb comes last.
+
+        Raises
+        ------
+        EclatError : a name that does not end in .glb, or a file that cannot be written.
+        """
+        target = Path(path)
+        names = output_names(target)
+        for name in names:
+            check_writable(name)
+        glb, exr, side_car = names
+        intensity, generator = self.intensity(), f"eclat {eclat.__version__}"
+        note = quote(side_car.name)
+        data = encode_glb(
+            self.scene,
+            self.parts,
+            lightmap=LightmapTexture(self.png(intensity), intensity, {"eclat": {"lightmap": note}}),
+            lights=self.component == "indirect",
+            generator=generator,
+            notes={"lightmap": note},
+        )
+        page = {
+            "exr": exr.name,
+            "width": int(self.irradiance.shape[1]),
+            "height": int(self.irradiance.shape[0]),
+            "gltf_texture": LIGHTMAP_TEXTURE,
+            "intensity": intensity,
+        }
+        description = {
+            "version": VERSION,
+            "generator": generator,
+            "glb": glb.name,
+            "method": self.method,
+            "component": self.component,
+            "unit": self.unit,
+            "texel_size": self.texel_size,
+            "gutter": self.gutter,
+            "pages": [page],
+            "exposure": None,
+            "statistics": self.statistics | {"clipped_share": self.clipped_share()},
+            "settings": self.settings,
+        }
+        write_file(exr, encode_exr(self.irradiance, {}, {"unit": self.unit, "component": self.component}, {}))
+        write_file(side_car, json.dumps(description, ensure_ascii=False, indent=2).encode() + b"\n")
+        write_file(glb, data)
+        return list(names)
+
+    def png(self, intensity: float) -> bytes:
+        """The map in 8 bits a channel, sRGB-encoded, 1 being `intensity`."""
+        scaled = srgb_encode(self.irradiance.astype(np.float64) / intensity)
+        file = io.BytesIO()
+        PillowImage.fromarray(np.rint(scaled * 255).astype(np.uint8)).save(file, format="PNG")
+        return file.getvalue()
+
+
+def output_names(path: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
+    """The .glb, the .exr and the .json. Raises EclatError for a name that does not end in .glb."""
+    target = Path(path)
+    if target.suffix.lower() != ".glb":
+        raise EclatError(f"{os.fspath(path)}: expected a name that ends in .glb")
+    return target, target.with_suffix(".lightmap.exr"), target.with_suffix(".lightmap.json")

@@ -1,0 +1,130 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Charts without a library: flat pieces of surfaces, laid flat as they are and packed in rows.
+
+Triangles that share an edge and a plane are one chart, so that it cannot overlap itself unless the surface does. Curved
+surfaces fall into single triangles: correct, with many seams. It is what is left where xatlas fails.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.gltf_export.geometry import face_normals
+from eclat.scene import FloatArray, Mesh
+
+Ints = NDArray[np.int64]
+Arrays = tuple[Ints, Ints, FloatArray, Ints]
+
+SAME_PLANE = 1e-4
+"""Sine of the angle between two triangles up to which they share a plane."""
+
+
+def unwrap_planar(meshes: Sequence[Mesh], texel_size: float, gutter: int) -> tuple[int, int, list[Arrays]]:
+    """Width and height in texels, and for each mesh `vertices`, `triangles`, `uvs` in texels and `charts`."""
+    flat = [_charts_of(mesh, texel_size) for mesh in meshes]
+    sizes: list[FloatArray] = []
+    for _, _, uvs, charts in flat:
+        sizes += [_extent(uvs, charts)]
+    extents = np.concatenate(sizes) if sizes else np.zeros((0, 2))
+    # Charts begin and end on texel centres or beyond, and bilinear filtering reads one texel around.
+    boxes = np.ceil(extents).astype(np.int64) + 2 + gutter
+    places, width, height = _pack(boxes)
+    first, results = 0, []
+    for vertices, triangles, uvs, charts in flat:
+        count = int(charts.max(initial=-1)) + 1
+        offset = places[first : first + count] + 1.5
+        results.append((vertices, triangles, uvs + offset[charts] if count else uvs, charts))
+        first += count
+    return width, height, results
+
+
+def _charts_of(mesh: Mesh, texel_size: float) -> Arrays:
+    """The mesh cut into charts, each with its lowest coordinates at 0, in texels."""
+    positions, triangles = np.asarray(mesh.positions, np.float64), np.asarray(mesh.triangles, np.int64)
+    if not len(triangles):
+        empty = np.zeros(0, np.int64)
+        return empty, np.zeros((0, 3), np.int64), np.zeros((0, 2)), empty
+    normals = face_normals(mesh)
+    labels = _connected(positions, triangles, normals)
+    # A vertex for each chart that it belongs to.
+    keys = np.column_stack((np.repeat(labels, 3), triangles.ravel()))
+    unique, inverse = np.unique(keys, axis=0, return_inverse=True)
+    charts, vertices = unique[:, 0], unique[:, 1]
+    leaders = np.zeros(int(labels.max()) + 1, np.int64)
+    leaders[labels[::-1]] = np.arange(len(labels))[::-1]
+    u, v = _axes(positions, triangles, normals, leaders)
+    uvs = np.column_stack([(positions[vertices] * axis[charts]).sum(axis=1) for axis in (u, v)]) / texel_size
+    low = np.full((len(leaders), 2), np.inf)
+    np.minimum.at(low, charts, uvs)
+    return vertices, inverse.reshape(-1, 3), uvs - low[charts], charts
+
+
+def _axes(positions: FloatArray, triangles: Ints, normals: FloatArray, leaders: Ints) -> tuple[FloatArray, FloatArray]:
+    """Two axes of each chart's plane: along the longest edge of its first triangle, and across, so that u × v = −n
+    (v grows downwards)."""
+    corners = positions[triangles[leaders]]
+    edges = np.roll(corners, -1, axis=1) - corners
+    longest = np.argmax((edges**2).sum(axis=2), axis=1)
+    along = edges[np.arange(len(leaders)), longest]
+    n = normals[leaders]
+    along = along - n * (along * n).sum(axis=1, keepdims=True)
+    lengths = np.linalg.norm(along, axis=1, keepdims=True)
+    fallback = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
+    u = np.where(lengths > 0, along / np.where(lengths > 0, lengths, 1), fallback)
+    return u, -np.cross(n, u)
+
+
+def _connected(positions: FloatArray, triangles: Ints, normals: FloatArray) -> Ints:
+    """(T,) numbers of charts: triangles are joined over edges (of equal positions) where their planes agree."""
+    places = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1)
+    corners = places[triangles]
+    edges = np.sort(np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
+    owners = np.repeat(np.arange(len(triangles)), 3)
+    order = np.lexsort((owners, edges[:, 1], edges[:, 0]))
+    edges, owners = edges[order], owners[order]
+    shared = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
+    a, b = owners[shared], owners[shared + 1]
+    agree = (np.linalg.norm(normals[a] - normals[b], axis=1) < SAME_PLANE) & (a != b)
+    labels = _components(len(triangles), a[agree], b[agree])
+    return np.unique(labels, return_inverse=True)[1].reshape(-1)
+
+
+def _components(count: int, a: Ints, b: Ints) -> Ints:
+    """The smallest member of each one's component, by pointers that jump until nothing changes."""
+    labels = np.arange(count)
+    while True:
+        before = labels.copy()
+        low = np.minimum(labels[a], labels[b])
+        np.minimum.at(labels, labels[a], low)
+        np.minimum.at(labels, labels[b], low)
+        labels = labels[labels]
+        if (labels == before).all():
+            return labels
+
+
+def _extent(uvs: FloatArray, charts: Ints) -> FloatArray:
+    high = np.zeros((int(charts.max(initial=-1)) + 1, 2))
+    np.maximum.at(high, charts, uvs)
+    return high
+
+
+def _pack(boxes: Ints) -> tuple[Ints, int, int]:
+    """Places of boxes, tallest first, in rows from left to right; the image's width and height."""
+    places = np.zeros_like(boxes)
+    if not len(boxes):
+        return places, 1, 1
+    total = float((boxes[:, 0] * boxes[:, 1]).sum())
+    width = max(int(boxes[:, 0].max()), math.ceil(math.sqrt(total * 1.1)))
+    x = y = row = 0
+    for i in np.lexsort((np.arange(len(boxes)), -boxes[:, 0], -boxes[:, 1])):
+        w, h = (int(n) for n in boxes[i])
+        if x + w > width:
+            x, y, row = 0, y + row, 0
+        places[i] = x, y
+        x, row = x + w, max(row, h)
+    return places, width, y + row

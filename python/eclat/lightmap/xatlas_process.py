@@ -1,0 +1,56 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The program that unwraps meshes by xatlas: arrays come on standard input, charts leave on standard output.
+
+It runs as a process of its own, because the library can take for ever, or crash, on meshes that are broken in some way,
+and knows no way to be stopped. It imports nothing of ours, so that it starts at once.
+"""
+
+from __future__ import annotations
+
+import io
+import sys
+
+import numpy as np
+import xatlas
+
+
+def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
+    """Charts of the meshes `positions0`, `normals0`, `triangles0`, `positions1`, …, packed into one image.
+
+    Returns `size` (width, height), and for each mesh `vertices` (which vertex each is a copy of), `triangles`, `uvs` in
+    0..1 of the image and `charts`, the chart of each vertex, −1 for those that xatlas left out.
+    """
+    atlas = xatlas.Atlas()
+    count = int(arrays["count"])
+    for i in range(count):
+        atlas.add_mesh(arrays[f"positions{i}"], arrays[f"triangles{i}"], arrays[f"normals{i}"])
+    charts, packing = xatlas.ChartOptions(), xatlas.PackOptions()
+    packing.texels_per_unit = float(arrays["texels_per_unit"])
+    packing.padding = int(arrays["padding"])
+    packing.max_chart_size = int(arrays["max_chart_size"])
+    packing.resolution = 0
+    packing.bilinear = True
+    packing.rotate_charts_to_axis = True
+    packing.bruteForce = False
+    atlas.generate(charts, packing)
+    found = {"size": np.array([atlas.width, atlas.height])}
+    for i in range(count):
+        vertices, triangles, uvs = atlas.get_mesh(i)
+        _, chart = atlas.get_mesh_vertex_assignment(i)
+        found |= {f"vertices{i}": vertices, f"triangles{i}": triangles, f"uvs{i}": uvs}
+        found[f"charts{i}"] = chart.view(np.int32)
+    return found
+
+
+def main() -> None:
+    """Read, unwrap, write."""
+    with np.load(io.BytesIO(sys.stdin.buffer.read()), allow_pickle=False) as arrays:
+        found = unwrap(dict(arrays))
+    out = io.BytesIO()
+    np.savez(out, **found)  # type: ignore[arg-type]
+    sys.stdout.buffer.write(out.getvalue())
+
+
+if __name__ == "__main__":
+    main()

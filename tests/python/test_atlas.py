@@ -1,0 +1,134 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Charts: without overlap, apart, to scale, by xatlas and without it."""
+
+from __future__ import annotations
+
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.errors import EclatError, EclatWarning
+from eclat.gltf_export.geometry import with_flat_normals
+from eclat.lightmap import atlas as atlas_module
+from eclat.lightmap.atlas import Atlas, areas, default_texel_size, unwrap
+from eclat.lightmap.texels import corners_of, rasterize
+from eclat.scene import Material, Mesh
+from eclat.scenes import build
+
+BOTH = pytest.mark.parametrize("timeout", [60.0, 0.0], ids=["xatlas", "planar"])
+
+
+def meshes_of(name: str) -> list[Mesh]:
+    return [with_flat_normals(mesh) for mesh in eclat.load(name).meshes]
+
+
+def check(meshes: list[Mesh], atlas: Atlas, texel_size: float, scale: float = 0.1) -> None:
+    """Charts lie apart, inside the image, and are about as large as the texel size says: xatlas stretches them to whole
+    texels."""
+    corners = corners_of(meshes, atlas)
+    texels = rasterize(corners, atlas.width, atlas.height)
+    assert texels.shared == 0, "no texel is read from two charts"
+    assert corners.uvs.min() >= 0
+    assert (corners.uvs.max(axis=(0, 1)) <= (atlas.width, atlas.height)).all()
+    # Inside a chart nothing overlaps: a texel's centre lies in one triangle at most, or on an edge of several.
+    a, b, c = (corners.uvs[:, i] for i in range(3))
+    doubled = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
+    inside = np.abs(doubled).sum() / 2
+    world = sum(areas(mesh).sum() for mesh in meshes) / texel_size**2
+    assert inside == pytest.approx(world, rel=scale)
+    rng = np.random.default_rng(0)
+    points = rng.uniform(0, (atlas.width, atlas.height), (4000, 2))
+    hits = np.zeros(len(points), int)
+    for triangle, area in zip(corners.uvs, doubled, strict=True):
+        if area == 0:
+            continue
+        edges, offsets = np.roll(triangle, -1, axis=0) - triangle, points - triangle[:, None]
+        sides = [e[0] * o[:, 1] - e[1] * o[:, 0] for e, o in zip(edges, offsets, strict=True)]
+        hits += (np.stack(sides) * np.sign(area) > 1e-9).all(axis=0)
+    assert hits.max() <= 1
+    for mesh, unwrapped in zip(meshes, atlas.meshes, strict=True):
+        np.testing.assert_array_equal(unwrapped.vertices[unwrapped.triangles], mesh.triangles)
+
+
+@BOTH
+@pytest.mark.parametrize("gutter", [2, 6])
+def test_cornell_box(timeout: float, gutter: int) -> None:
+    meshes = meshes_of("cornell-box")
+    atlas = unwrap(meshes, 0.05, gutter=gutter, timeout=timeout)
+    check(meshes, atlas, 0.05)
+    assert atlas.method == ("xatlas" if timeout else "planar")
+    charts = [len(np.unique(m.charts)) for m in atlas.meshes]
+    assert charts == [1] * 6 + [6] * 2
+
+
+@BOTH
+def test_curved_meshes(timeout: float) -> None:
+    meshes = [with_flat_normals(mesh) for mesh in build("furnace").meshes]
+    atlas = unwrap(meshes, 0.1, timeout=timeout)
+    check(meshes, atlas, 0.1, scale=0.3 if timeout else 1e-6)
+
+
+@BOTH
+def test_uvs_of_the_scene_do_not_matter(timeout: float) -> None:
+    """Overlapping, repeated, missing: the light map has its own."""
+    (wall, *_), n = meshes_of("cornell-box"), 0.05
+    stacked = replace(wall, uvs=np.zeros((len(wall.positions), 2)))
+    beyond = replace(wall, uvs=np.full((len(wall.positions), 2), 1e6))
+    found = [unwrap([wall, mesh], n, timeout=timeout).meshes[1].uvs for mesh in (wall, stacked, beyond)]
+    np.testing.assert_array_equal(found[0], found[1])
+    np.testing.assert_array_equal(found[0], found[2])
+
+
+@BOTH
+def test_instances_and_mirror_images_have_charts_of_their_own(timeout: float) -> None:
+    box = meshes_of("cornell-box")[-1]
+    mirror = np.array([-1.0, 1, 1])
+    mirrored = replace(
+        box, positions=box.positions * mirror, normals=box.normals * mirror, triangles=box.triangles[:, ::-1]
+    )
+    meshes = [box, replace(box, positions=box.positions + np.array([5, 0, 0])), mirrored, box]
+    check(meshes, unwrap(meshes, 0.05, timeout=timeout), 0.05)
+
+
+@BOTH
+def test_triangles_without_area_go_along(timeout: float) -> None:
+    wall = meshes_of("cornell-box")[1]
+    thin = replace(wall, triangles=np.concatenate((wall.triangles, [[0, 0, 1], [2, 2, 2]])))
+    atlas = unwrap([thin], 0.1, timeout=timeout)
+    assert np.isfinite(atlas.meshes[0].uvs).all()
+    assert len(atlas.meshes[0].triangles) == len(thin.triangles)
+    assert len(rasterize(corners_of([thin], atlas), atlas.width, atlas.height)) >= 21 * 21
+
+
+def test_too_slow_or_broken_unwrapping_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A child that sleeps is killed, one that fails is told; charts come in any case."""
+    meshes = meshes_of("cornell-box")
+    monkeypatch.setattr(atlas_module, "PROGRAM", tmp_path / "child.py")
+    for program, problem in (
+        ("import time; time.sleep(100)", "took longer than 0.5 s"),
+        ("raise MemoryError('no room')", "failed .MemoryError: no room."),
+        ("print('nonsense')", "gave no charts"),
+    ):
+        (tmp_path / "child.py").write_text(program)
+        started = time.monotonic()
+        with pytest.warns(EclatWarning, match=problem):
+            atlas = unwrap(meshes, 0.05, timeout=0.5 if "sleep" in program else 20)
+        assert atlas.method == "planar" and time.monotonic() - started < 50
+        check(meshes, atlas, 0.05)
+
+
+def test_an_atlas_that_is_too_large_is_refused() -> None:
+    long = Mesh(np.array([[0.0, 0, 0], [100, 0, 0], [0, 0.1, 0]]), np.array([[0, 1, 2]]), Material())
+    with pytest.raises(EclatError, match=r"more than 256 x 256; a texel size of .* m fits"):
+        unwrap([with_flat_normals(long)], 0.1, max_size=256, timeout=0)
+
+
+def test_default_texel_size() -> None:
+    assert default_texel_size(26.0) == 0.01
+    assert default_texel_size(26.0e6) == pytest.approx(10, rel=0.05)
+    assert default_texel_size(0) == 1
