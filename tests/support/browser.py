@@ -108,7 +108,8 @@ def render_in_three(folder: Path, jobs: Sequence[dict[str, Any]]) -> tuple[list[
 
     Parameters
     ----------
-    jobs : "file" below the folder, "width", "height"; "plugin", the options of EclatLightmap (none);
+    jobs : "file" below the folder, "width", "height"; "camera", which of the file's (0); "plugin", the options of
+        EclatLightmap (none);
         "supersampling", samples of a pixel along each side (1).
 
     Returns
@@ -117,7 +118,9 @@ def render_in_three(folder: Path, jobs: Sequence[dict[str, Any]]) -> tuple[list[
     """
     node, chromium = require_node(), require_browser()
     with serve(folder) as url:
-        wanted = [{"plugin": {}, "supersampling": 1, **job, "url": f"{url}/files/{job['file']}"} for job in jobs]
+        wanted = [
+            {"camera": 0, "plugin": {}, "supersampling": 1, **job, "url": f"{url}/files/{job['file']}"} for job in jobs
+        ]
         request = json.dumps({"page": f"{url}/web/tests/page.html", "jobs": wanted})
         answer = _node([node, str(WEB / "tests/render.mjs"), chromium], request)
     return [_view(job, result) for job, result in zip(jobs, answer["results"], strict=True)], answer["messages"]
