@@ -120,7 +120,7 @@ void TableLobe::eval(Vec3 wo, Vec3 wi, double* out) const {
 BrdfTable::BrdfTable(std::vector<TableLobe> lobes, const BrdfTableOptions& options, Progress& progress)
     : lobes_(std::move(lobes)), options_(options), isotropic_(!lobes_.empty() && lobes_.front().isotropic()) {
     check();
-    const size_t count = lobes_.size() * directions();
+    const size_t count = lobes_.size() * grid_.directions();
     nodes_.orders.resize(count);
     nodes_.errors.resize(count);
     nodes_.coefficients.resize(count * size_t(terms() * count_per_term()));
@@ -138,7 +138,7 @@ BrdfTable::BrdfTable(std::vector<TableLobe> lobes, const BrdfTableOptions& optio
       isotropic_(!lobes_.empty() && lobes_.front().isotropic()),
       nodes_(std::move(nodes)) {
     check();
-    const size_t count = lobes_.size() * directions();
+    const size_t count = lobes_.size() * grid_.directions();
     require(nodes_.orders.size() == count && nodes_.errors.size() == count &&
                 nodes_.coefficients.size() == count * size_t(terms() * count_per_term()),
             "a BRDF table of another lobe, order or resolution");
@@ -154,12 +154,10 @@ void BrdfTable::check() {
         require(lobes_[i].kind == lobes_[0].kind && lobes_[i].isotropic() && lobes_[0].isotropic() &&
                     lobes_[i].u > lobes_[i - 1].u,
                 "the lobes of a table must be isotropic, of one kind and rising in roughness");
+    std::vector<float> alphas;
+    for (const TableLobe& lobe : lobes_) alphas.push_back(lobe.u);
+    grid_ = TableGrid(options_.resolution, isotropic_, alphas);
     if (options_.basis == Basis::spherical) fit_ = std::make_shared<const HemisphereFit>(options_.order);
-}
-
-size_t BrdfTable::directions() const {
-    const size_t n = size_t(options_.resolution);
-    return isotropic_ ? n : n * n;
 }
 
 /// wo of a node: back from the paraboloid map; outside its disc, where only the corners of cells at the rim lie, the
@@ -175,8 +173,8 @@ Vec3 BrdfTable::direction(size_t i) const {
 }
 
 void BrdfTable::make_node(size_t i) {
-    const TableLobe& lobe = lobes_[i / directions()];
-    const Vec3 wo = direction(i % directions());
+    const TableLobe& lobe = lobes_[i / grid_.directions()];
+    const Vec3 wo = direction(i % grid_.directions());
     const int order = options_.order;
     const size_t count = size_t(coefficient_count(order));
 
@@ -209,42 +207,6 @@ void BrdfTable::make_node(size_t i) {
     }
 }
 
-std::vector<BrdfTable::Corner> BrdfTable::corners(Vec3 wo, float alpha) const {
-    const size_t n = size_t(options_.resolution);
-    struct Position {
-        size_t index;
-        float fraction;
-    };
-    const auto position = [&](float x) {
-        const float scaled = clamp(x, 0, 1) * float(n - 1);
-        const size_t index = std::min(size_t(scaled), n - 2);
-        return Position{index, scaled - float(index)};
-    };
-    std::vector<Corner> out;
-    const float x = wo.x / (1 + wo.z), y = wo.y / (1 + wo.z);
-    if (isotropic_) {
-        const Position r = position(std::sqrt(x * x + y * y));
-        out = {{r.index, 1 - r.fraction}, {r.index + 1, r.fraction}};
-    } else {
-        const Position a = position(std::abs(x)), b = position(std::abs(y));
-        out = {{b.index * n + a.index, (1 - a.fraction) * (1 - b.fraction)},
-               {b.index * n + a.index + 1, a.fraction * (1 - b.fraction)},
-               {(b.index + 1) * n + a.index, (1 - a.fraction) * b.fraction},
-               {(b.index + 1) * n + a.index + 1, a.fraction * b.fraction}};
-    }
-    if (lobes_.size() == 1) return out;
-    if (!(alpha >= lobes_.front().u)) return {};
-    size_t i = 0;
-    while (i + 2 < lobes_.size() && alpha > lobes_[i + 1].u) ++i;
-    const float t = clamp((alpha - lobes_[i].u) / (lobes_[i + 1].u - lobes_[i].u), 0, 1);
-    const size_t count = out.size();
-    for (size_t k = 0; k < count; ++k) {
-        out.push_back({(i + 1) * directions() + out[k].node, t * out[k].weight});
-        out[k] = {i * directions() + out[k].node, (1 - t) * out[k].weight};
-    }
-    return out;
-}
-
 /// From the table's azimuth or quadrant to that of `wo`.
 void BrdfTable::turn_to(Vec3 wo, std::span<double> coefficients) const {
     if (isotropic_) return rotate_about_z(options_.order, std::atan2(double(wo.y), double(wo.x)), coefficients);
@@ -258,17 +220,17 @@ void BrdfTable::turn_to(Vec3 wo, std::span<double> coefficients) const {
 }
 
 float BrdfTable::error(Vec3 wo, float alpha) const {
-    const std::vector<Corner> around = corners(wo, alpha);
+    const TableCorners around = grid_.around(wo, alpha);
     float sum = 0;
-    for (const Corner& corner : around) sum += corner.weight * nodes_.errors[corner.node];
+    for (const TableCorner& corner : around) sum += corner.weight * nodes_.errors[corner.node];
     return around.empty() ? 1 : sum;
 }
 
 int BrdfTable::lookup(Vec3 wo, float alpha, std::span<float> out) const {
     if (!(wo.z > 0)) return 0;
-    const std::vector<Corner> around = corners(wo, alpha);
+    const TableCorners around = grid_.around(wo, alpha);
     int order = 0;
-    for (const Corner& corner : around) {
+    for (const TableCorner& corner : around) {
         if (corner.weight == 0) continue;
         if (nodes_.orders[corner.node] == 0) return 0;
         order = std::max(order, int(nodes_.orders[corner.node]));
@@ -277,7 +239,7 @@ int BrdfTable::lookup(Vec3 wo, float alpha, std::span<float> out) const {
     std::vector<double> c(size_t(coefficient_count(options_.order)));
     for (int t = 0; t < terms(); ++t) {
         std::fill(c.begin(), c.end(), 0.0);
-        for (const Corner& corner : around) {
+        for (const TableCorner& corner : around) {
             const float* node =
                 nodes_.coefficients.data() + (corner.node * size_t(terms()) + size_t(t)) * size_t(stored);
             for (int l = 0; l < order; ++l)

@@ -23,6 +23,7 @@
 #include "base/progress.h"
 #include "bsdf/lobe.h"
 #include "cache/split_fresnel.h"
+#include "cache/table_grid.h"
 #include "harmonics/projection.h"
 #include "harmonics/rotation.h"
 
@@ -74,8 +75,7 @@ class BrdfTable {
     const std::vector<TableLobe>& lobes() const { return lobes_; }
     const BrdfTableOptions& options() const { return options_; }
     bool isotropic() const { return isotropic_; }
-    /// View directions of each lobe: over |p|, or the quadrant's rows.
-    size_t directions() const;
+    const TableGrid& grid() const { return grid_; }
     /// Coefficients of one term in a node: (l, m ≥ 0) in the order of polar_index where isotropic, else all.
     int count_per_term() const { return isotropic_ ? polar_count(options_.order) : coefficient_count(options_.order); }
     const Nodes& nodes() const { return nodes_; }
@@ -92,20 +92,15 @@ class BrdfTable {
     static constexpr double quadrature_tolerance = 1e-4;
 
   private:
-    struct Corner {
-        size_t node;
-        float weight;
-    };
-
     Vec3 direction(size_t i) const;
     void make_node(size_t i);
-    std::vector<Corner> corners(Vec3 wo, float alpha) const;
     void turn_to(Vec3 wo, std::span<double> coefficients) const;
     void check();
 
     std::vector<TableLobe> lobes_;
     BrdfTableOptions options_;
     bool isotropic_;
+    TableGrid grid_;
     std::shared_ptr<const HemisphereFit> fit_;  // spherical tables only
     Nodes nodes_;
 };

@@ -74,11 +74,9 @@ void for_each_lobe(const std::vector<Material>& materials, const F& f) {
 
 LobeTable::LobeTable(const BrdfTable& table, const HemisphereFit& fit)
     : lobes_(table.lobes()),
+      grid_(table.grid()),
       order_(table.order()),
       terms_(table.terms()),
-      resolution_(table.options().resolution),
-      isotropic_(table.isotropic()),
-      directions_(table.directions()),
       count_(size_t(table.count_per_term())),
       orders_(table.nodes().orders),
       coefficients_(table.nodes().coefficients) {
@@ -92,17 +90,18 @@ LobeTable::LobeTable(const BrdfTable& table, const HemisphereFit& fit)
             uniform[size_t(coefficient_index(l, 0))] += 2 * pi_double * node.weight * P[size_t(polar_index(l, 0))];
     }
     fit.orthonormalize(order_, uniform);
+    const bool isotropic = grid_.isotropic();
     for (size_t i = 0; i < orders_.size(); ++i) {
         double energy = 0, albedo = 0;
         for (size_t t = 0; t < size_t(terms_); ++t) {
             float* node = coefficients_.data() + (i * size_t(terms_) + t) * count_;
-            const auto place = [&](int l, int m) { return isotropic_ ? polar_index(l, m) : coefficient_index(l, m); };
+            const auto place = [&](int l, int m) { return isotropic ? polar_index(l, m) : coefficient_index(l, m); };
             for (int l = 0; l < order_; ++l)
                 for (int m = -l; m <= l; ++m)
-                    c[size_t(coefficient_index(l, m))] = isotropic_ && m < 0 ? 0 : double(node[size_t(place(l, m))]);
+                    c[size_t(coefficient_index(l, m))] = isotropic && m < 0 ? 0 : double(node[size_t(place(l, m))]);
             fit.orthonormalize(order_, c);
             for (int l = 0; l < order_; ++l)
-                for (int m = isotropic_ ? 0 : -l; m <= l; ++m)
+                for (int m = isotropic ? 0 : -l; m <= l; ++m)
                     node[size_t(place(l, m))] = float(c[size_t(coefficient_index(l, m))]);
             // The dip of metals changes little of a lobe's width.
             if (t > 1) continue;
@@ -116,70 +115,33 @@ LobeTable::LobeTable(const BrdfTable& table, const HemisphereFit& fit)
     }
 }
 
-int LobeTable::corners(Vec3 wo, float alpha, std::array<Corner, 8>& out) const {
-    const auto n = size_t(resolution_);
-    struct Position {
-        size_t index;
-        float fraction;
-    };
-    const auto position = [&](float x) {
-        const float scaled = clamp(x, 0, 1) * float(n - 1);
-        const size_t index = std::min(size_t(scaled), n - 2);
-        return Position{index, scaled - float(index)};
-    };
-    const float x = wo.x / (1 + wo.z), y = wo.y / (1 + wo.z);
-    size_t count = 0;
-    if (isotropic_) {
-        const Position r = position(std::sqrt(x * x + y * y));
-        out[count++] = {r.index, 1 - r.fraction};
-        out[count++] = {r.index + 1, r.fraction};
-    } else {
-        const Position a = position(std::abs(x)), b = position(std::abs(y));
-        out[count++] = {b.index * n + a.index, (1 - a.fraction) * (1 - b.fraction)};
-        out[count++] = {b.index * n + a.index + 1, a.fraction * (1 - b.fraction)};
-        out[count++] = {(b.index + 1) * n + a.index, (1 - a.fraction) * b.fraction};
-        out[count++] = {(b.index + 1) * n + a.index + 1, a.fraction * b.fraction};
-    }
-    if (lobes_.size() == 1) return int(count);
-    if (!(alpha >= lobes_.front().u)) return 0;
-    size_t i = 0;
-    while (i + 2 < lobes_.size() && alpha > lobes_[i + 1].u) ++i;
-    const float t = clamp((alpha - lobes_[i].u) / (lobes_[i + 1].u - lobes_[i].u), 0, 1);
-    for (size_t k = 0; k < count; ++k) {
-        out[count + k] = {(i + 1) * directions_ + out[k].node, t * out[k].weight};
-        out[k] = {i * directions_ + out[k].node, (1 - t) * out[k].weight};
-    }
-    return int(2 * count);
-}
-
 bool LobeTable::add(Vec3 wo, float alpha, const Color* colors, ReflectedFactors& out) const {
-    std::array<Corner, 8> around;
-    const int count = corners(wo, alpha, around);
+    const TableCorners around = grid_.around(wo, alpha);
     // The order that would do says whether to cache; all that there is says what is reflected.
     const int order = order_;
     float width = 0;
-    for (int k = 0; k < count; ++k) {
-        if (around[size_t(k)].weight == 0) continue;
-        const size_t node = around[size_t(k)].node;
-        if (orders_[node] == 0) return false;
-        width += around[size_t(k)].weight * widths_[node];
+    for (const TableCorner& corner : around) {
+        if (corner.weight == 0) continue;
+        if (orders_[corner.node] == 0) return false;
+        width += corner.weight * widths_[corner.node];
     }
-    if (count == 0) return false;
-    const auto needed = size_t(isotropic_ ? polar_count(order) : coefficient_count(order));
+    if (around.empty()) return false;
+    const bool isotropic = grid_.isotropic();
+    const auto needed = size_t(isotropic ? polar_count(order) : coefficient_count(order));
     const auto all = size_t(coefficient_count(order));
     for (size_t channel = 0; channel < (out.grey ? 1 : 3); ++channel) {
         std::array<float, max_radiance_coefficients> c{};
         for (size_t t = 0; t < size_t(terms_); ++t) {
             const float color = colors[t][int(channel)];
             if (color == 0) continue;
-            for (size_t k = 0; k < size_t(count); ++k) {
-                const float scale = color * around[k].weight;
-                const float* node = coefficients_.data() + (around[k].node * size_t(terms_) + t) * count_;
+            for (const TableCorner& corner : around) {
+                const float scale = color * corner.weight;
+                const float* node = coefficients_.data() + (corner.node * size_t(terms_) + t) * count_;
                 for (size_t i = 0; i < needed; ++i) c[i] += scale * node[i];
             }
         }
         std::array<float, max_radiance_coefficients> turned;
-        if (isotropic_) {
+        if (isotropic) {
             // From azimuth 0 to that of wo, by multiples of its angle.
             const float length = std::sqrt(wo.x * wo.x + wo.y * wo.y);
             const float re = length > 0 ? wo.x / length : 1, im = length > 0 ? wo.y / length : 0;

@@ -52,16 +52,10 @@ class LobeTable {
     bool add(Vec3 wo, float alpha, const Color* colors, ReflectedFactors& out) const;
 
   private:
-    struct Corner {
-        size_t node;
-        float weight;
-    };
-    int corners(Vec3 wo, float alpha, std::array<Corner, 8>& out) const;
-
     std::vector<TableLobe> lobes_;
-    int order_, terms_, resolution_;
-    bool isotropic_;
-    size_t directions_, count_;  // nodes of a lobe, floats of a term
+    TableGrid grid_;
+    int order_, terms_;
+    size_t count_;  // floats of a term
     std::vector<uint8_t> orders_;
     std::vector<float> widths_, coefficients_;
 };
