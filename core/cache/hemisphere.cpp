@@ -193,8 +193,14 @@ float minimum_distance(const HemisphereSamples& samples) {
 }
 
 int clearance_sector(const Frame& frame, Vec3 d) {
-    const float turns = std::atan2(dot(d, frame.v), dot(d, frame.u)) * (0.5f * inv_pi) + 0.5f;
-    return std::min(static_cast<int>(turns * 12), 11);
+    // Three sectors a quadrant, counted from −u; by comparisons, since every lookup asks for it.
+    const float u = dot(d, frame.u), v = dot(d, frame.v);
+    const auto third = [](float along, float across) {
+        constexpr float tan_30 = 0.57735027f;
+        return across < tan_30 * along ? 0 : tan_30 * across < along ? 1 : 2;
+    };
+    if (v < 0) return u < 0 ? third(-u, -v) : 3 + third(-v, u);
+    return u > 0 ? 6 + third(u, v) : 9 + third(v, -u);
 }
 
 std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {

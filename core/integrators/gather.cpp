@@ -17,49 +17,110 @@ constexpr float usual_rows = 14;  // of the gather whose noise records keep
 
 // What stands low beside the point, or hangs close under the ceiling that it is part of, fills so little of the hemisphere
 // that a gather meets it by luck; yet light ends behind it. Rays along the horizon look for it in every direction.
-void look_along_horizon(const World& world, const Candidate& candidate, IrradianceRecord& record, bool limits,
-                        Progress& progress) {
-    constexpr float degree = pi / 180;
-    constexpr size_t turns = 24;
-    const Frame frame = Frame::around(candidate.normal);
-    std::vector<Ray> rays;
-    for (float elevation : {1.5f * degree, 5 * degree})
-        for (size_t k = 0; k < turns; ++k) {
-            const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / turns;
-            rays.push_back(candidate.ray(frame.u * (std::cos(elevation) * std::cos(phi)) +
-                                         frame.v * (std::cos(elevation) * std::sin(phi)) +
-                                         frame.n * std::sin(elevation)));
-        }
-    std::vector<Hit> hits(rays.size());
-    world.geometry.rays().intersect(rays, hits);
-    progress.count_rays(rays.size());
-    for (size_t i = 0; i < rays.size(); ++i) {
-        if (hits[i].missed()) continue;
-        const Vec3 there = world.geometry.surface_point(hits[i], -rays[i].direction).frame.n;
-        if (!stands_apart(candidate.shading_normal, rays[i].direction, there)) continue;
-        // A wall goes on between two rays, and is nearest at one side of a sector: its neighbours' sectors hear of it too.
-        const size_t ring = i / turns * turns, k = i % turns;
-        for (size_t heard : {k, (k + 1) % turns, (k + turns - 1) % turns}) {
-            float& clearance = record.clearance[clearance_sector(frame, rays[ring + heard].direction)];
-            clearance = std::min(clearance, hits[i].t);
-        }
-        if (limits) record.distance = std::min(record.distance, hits[i].t);
-    }
-}
+class HorizonLook {
+  public:
+    HorizonLook(const World& world, const Candidate& candidate, Progress& progress)
+        : world_(world), candidate_(candidate), frame_(Frame::around(candidate.normal)), progress_(progress) {}
 
-PathOptions gather_paths(const RecordCache& far, const IrradianceCacheOptions& options) {
+    /// Lowers the record's clearances and, with `limits`, its distance.
+    void look(IrradianceRecord& record, bool limits) const {
+        std::vector<Look> looks;
+        for (float elevation : {lowest, highest})
+            for (int turn = 0; turn < turns; ++turn) looks.push_back({elevation, turn});
+        const auto found = trace(looks);
+        // What faces the surface, as the back of a panel does, begins nearer than where a low ray meets it: between the
+        // highest ray that meets it and the lowest that passes below.
+        std::vector<Edge> edges;
+        for (int turn = 0; turn < turns; ++turn) {
+            const Met &low = found[size_t(turn)], &high = found[size_t(turn + turns)];
+            if (high.faces)
+                edges.push_back({turn, highest, above_highest});
+            else if (low.faces)
+                edges.push_back({turn, lowest, highest});
+        }
+        tell(looks, found, record, limits);
+        for (int halving = 0; halving < halvings && !edges.empty(); ++halving) {
+            looks.clear();
+            for (const Edge& e : edges) looks.push_back({std::sqrt(e.met * e.passed), e.turn});
+            const auto closer = trace(looks);
+            for (size_t i = 0; i < edges.size(); ++i)
+                (closer[i].faces ? edges[i].met : edges[i].passed) = looks[i].elevation;
+            tell(looks, closer, record, limits);
+        }
+    }
+
+  private:
+    static constexpr float degree = pi / 180;
+    static constexpr float lowest = 1.5f * degree, highest = 5 * degree, above_highest = 45 * degree;
+    static constexpr int turns = 24;
+    static constexpr int halvings = 4;  // an edge within a sixth of its distance
+
+    struct Look {
+        float elevation;
+        int turn;
+    };
+    struct Met {
+        float distance = infinity;  // to what stands apart
+        bool faces = false;         // the surface
+    };
+    struct Edge {
+        int turn;
+        float met, passed;  // elevations
+    };
+
+    Vec3 direction(const Look& look) const {
+        const float phi = 2 * pi * (static_cast<float>(look.turn) + 0.5f) / turns;
+        return frame_.u * (std::cos(look.elevation) * std::cos(phi)) +
+               frame_.v * (std::cos(look.elevation) * std::sin(phi)) + frame_.n * std::sin(look.elevation);
+    }
+
+    std::vector<Met> trace(std::span<const Look> looks) const {
+        std::vector<Ray> rays;
+        for (const Look& look : looks) rays.push_back(candidate_.ray(direction(look)));
+        std::vector<Hit> hits(rays.size());
+        world_.geometry.rays().intersect(rays, hits);
+        progress_.count_rays(rays.size());
+        std::vector<Met> out(rays.size());
+        for (size_t i = 0; i < rays.size(); ++i) {
+            if (hits[i].missed()) continue;
+            const Vec3 there = world_.geometry.surface_point(hits[i], -rays[i].direction).frame.n;
+            if (stands_apart(candidate_.shading_normal, rays[i].direction, there))
+                out[i] = {hits[i].t, dot(there, frame_.n) < -0.7f};
+        }
+        return out;
+    }
+
+    void tell(std::span<const Look> looks, std::span<const Met> found, IrradianceRecord& record, bool limits) const {
+        for (size_t i = 0; i < looks.size(); ++i) {
+            // A wall goes on between two rays, and is nearest at one side of a sector: its neighbours' sectors hear too.
+            for (int heard : {looks[i].turn, looks[i].turn + 1, looks[i].turn - 1}) {
+                float& clearance = record.clearance[clearance_sector(frame_, direction({looks[i].elevation, heard}))];
+                clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation));
+            }
+            if (limits) record.distance = std::min(record.distance, found[i].distance);
+        }
+    }
+
+    const World& world_;
+    const Candidate& candidate_;
+    Frame frame_;
+    Progress& progress_;
+};
+
+PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& options) {
     PathOptions paths;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
     paths.roulette_depth = 2;
     paths.light_set = LightSet::without_environment_image;
     paths.emission_at_first_hit = false;
-    if (options.max_depth < 0 && !far.records().empty()) paths.cache = read_far(far);
+    paths.cache = far.irradiance;
+    paths.reflection = far.reflection;
     return paths;
 }
 
 /// Radiance and distance in each cell of a hemisphere of `rows` rows around a candidate. `enclosed`: most rays met the
 /// back of surfaces that have none.
-HemisphereSamples sample_hemisphere(const World& world, const Candidate& candidate, const RecordCache& far,
+HemisphereSamples sample_hemisphere(const World& world, const Candidate& candidate, const FarEnd& far,
                                     const IrradianceCacheOptions& options, uint32_t stream, int rows, Rows kind,
                                     Progress& progress, bool& enclosed) {
     HemisphereSamples samples;
@@ -107,7 +168,7 @@ struct Excess {
 // By two techniques: the cells of the grid, and rays aimed at bright places, weighted by the balance heuristic [Veach97].
 // Earlier gathers found those places; had this one's own rays chosen where to look closer, what they missed would be lost.
 Excess gather_excess(const World& world, const Candidate& candidate, const HemisphereSamples& samples, float limit,
-                     const RecordCache& far, const BrightPlaces& bright, const IrradianceCacheOptions& options,
+                     const FarEnd& far, const BrightPlaces& bright, const IrradianceCacheOptions& options,
                      uint32_t stream, Progress& progress, std::vector<Sighting>& sightings) {
     constexpr size_t aimed_share = 4;  // of the grid's rays so many have one aimed ray
     const AimedCones cones = bright.seen_from(candidate.position, candidate.normal);
@@ -170,7 +231,7 @@ float noise_when_read(const HemisphereSamples& samples, float excess_noise, floa
 
 }  // namespace
 
-Gathered gather(const World& world, const Candidate& candidate, const RecordCache& far, const BrightPlaces& bright,
+Gathered gather(const World& world, const Candidate& candidate, const FarEnd& far, const BrightPlaces& bright,
                 const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress, Rows kind,
                 const std::function<void(const HemisphereSamples&)>& keep) {
     Gathered out;
@@ -207,7 +268,7 @@ Gathered gather(const World& world, const Candidate& candidate, const RecordCach
     if (const auto curvature = curvature_of(options.metric))
         bend(samples, *curvature, 20 * world.geometry.radius(), record);
     const bool limits = options.metric == Metric::minimum || (curvature_of(options.metric) && options.obstacle_limit);
-    look_along_horizon(world, candidate, record, limits, progress);
+    HorizonLook(world, candidate, progress).look(record, limits);
     return out;
 }
 

@@ -18,9 +18,9 @@ struct Gathered {
     std::vector<Sighting> sightings;  // of what was too bright for single rays
 };
 
-/// Gather rays end in the `far` cache; with cosine rows some are aimed at `bright` places. `keep` is handed the samples,
-/// without excess and too small distances.
-Gathered gather(const World& world, const Candidate& candidate, const RecordCache& far, const BrightPlaces& bright,
+/// Gather rays end where `far` knows what comes next; with cosine rows some are aimed at `bright` places. `keep` is handed the
+/// samples, without excess and too small distances.
+Gathered gather(const World& world, const Candidate& candidate, const FarEnd& far, const BrightPlaces& bright,
                 const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress,
                 Rows kind = Rows::cosine, const std::function<void(const HemisphereSamples&)>& keep = {});
 

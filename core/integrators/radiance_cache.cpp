@@ -24,11 +24,6 @@ namespace {
 constexpr uint32_t chain_stream = 5;
 constexpr uint32_t glossy_pass = 1u << 21;  // of points everywhere, beside those of diffuse ones
 
-void set_cached(Bsdf& bsdf, uint32_t lobes) {
-    for (int lobe = 0; lobe < bsdf.count(); ++lobe)
-        if (lobes >> lobe & 1) bsdf.set_cached(lobe);
-}
-
 /// Where a radiance record could be wanted.
 struct GlossyCandidate {
     Candidate at;
@@ -61,7 +56,7 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
             tables.reflect(point.bsdf, vertex.wo, factors);
             if (factors.order > 0 && within_tilt(point)) {
                 found.push_back(candidate_for(vertex.candidate(), point, vertex.wo, factors, cache));
-                set_cached(point.bsdf, factors.lobes);
+                point.bsdf.set_cached_bits(factors.lobes);
             }
             point.bsdf.set_cached(LobeSet::diffuse);
             return LobeSet::uncached;
@@ -127,7 +122,7 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
     spaced.spacing = options.spacing;
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
                           [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
-    const auto records = gather_records(world, places, caches.far, spaced, plan, progress);
+    const auto records = gather_records(world, places, far_end(caches, spaced), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
         // Where a lower bound widened the radius, the gradients go with it, as those of irradiance did.
@@ -152,6 +147,7 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
     const auto before_near = [&] {
         const RadianceProjection projection(options.order, Rows::balanced, options.rows);
         caches.radiance = RadianceCache(options.irradiance.cache, options.order);
+        caches.tables = &tables;
         for_each_lattice(camera, options.irradiance, [&](std::span<const Vec2> pixels) {
             add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
                          projection, options, caches, progress);
@@ -161,9 +157,10 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
         if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
         ReflectedFactors factors;
         tables.reflect(point.bsdf, wo, factors);
-        set_cached(point.bsdf, factors.lobes);
+        point.bsdf.set_cached_bits(factors.lobes);
     };
     solve_irradiance_cache(world, camera, options.irradiance, caches, progress, before_near, mark);
+    caches.tables = nullptr;
 }
 
 void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
@@ -171,23 +168,13 @@ void solve_radiance_everywhere(const World& world, const RadianceTables& tables,
     solve_everywhere(world, options.irradiance, caches, progress, [&](const SurfacePoints& surface) {
         const RadianceProjection projection(options.order, Rows::balanced, options.rows);
         caches.radiance = RadianceCache(options.irradiance.cache, options.order);
+        caches.tables = &tables;
         double_places([&](uint32_t pass, size_t count) {
             const auto found = glossy_candidates(world, surface, count, pass, tables, caches.radiance, options);
             return PassCounts{found.size(), add_radiance(world, found, projection, options, caches, progress)};
         });
     });
-}
-
-CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables) {
-    return [&cache, &tables](SurfacePoint& point, Vec3 wo) -> Color {
-        ReflectedFactors factors;
-        tables.reflect(point.bsdf, wo, factors);
-        if (factors.order == 0) return {};
-        const auto reflected = cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors);
-        if (!reflected) return {};
-        set_cached(point.bsdf, factors.lobes);
-        return *reflected;
-    };
+    caches.tables = nullptr;
 }
 
 }  // namespace eclat

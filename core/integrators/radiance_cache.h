@@ -28,7 +28,4 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
 void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
                                SolvedCaches& caches, Progress& progress);
 
-/// How paths read the radiance cache.
-CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables);
-
 }  // namespace eclat

@@ -22,7 +22,7 @@ constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since
 
 /// `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
 template <class Rows>
-std::vector<Gathered> gather_each(const World& world, std::span<const Candidate> candidates, const RecordCache& far,
+std::vector<Gathered> gather_each(const World& world, std::span<const Candidate> candidates, const FarEnd& far,
                                   const BrightPlaces& bright, const IrradianceCacheOptions& options, uint32_t stream,
                                   const Rows& rows, float mean, Progress& progress) {
     return parallel_map<Gathered>(candidates.size(), options.threads, [&](size_t i) {
@@ -85,14 +85,14 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 }
 
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const RecordCache& far, const IrradianceCacheOptions& options,
-                                             uint32_t stream, int rows, Progress& progress) {
+                                             const FarEnd& far, const IrradianceCacheOptions& options, uint32_t stream,
+                                             int rows, Progress& progress) {
     return records_of(
         gather_each(world, candidates, far, {}, options, stream, [&](const Candidate&) { return rows; }, 0, progress));
 }
 
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const RecordCache& far, const IrradianceCacheOptions& options,
+                                             const FarEnd& far, const IrradianceCacheOptions& options,
                                              const GatherPlan& plan, Progress& progress) {
     return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
         progress.check();
@@ -121,8 +121,29 @@ CachedIrradiance read_far(const RecordCache& far) {
     };
 }
 
+CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables) {
+    return [&cache, &tables](SurfacePoint& point, Vec3 wo) -> Color {
+        ReflectedFactors factors;
+        tables.reflect(point.bsdf, wo, factors);
+        if (factors.order == 0) return {};
+        const auto reflected = cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors);
+        if (!reflected) return {};
+        point.bsdf.set_cached_bits(factors.lobes);
+        return *reflected;
+    };
+}
+
+FarEnd far_end(const SolvedCaches& caches, const IrradianceCacheOptions& options) {
+    FarEnd out;
+    if (options.max_depth >= 0) return out;
+    if (!caches.far.records().empty()) out.irradiance = read_far(caches.far);
+    if (caches.tables && !caches.radiance.records().empty())
+        out.reflection = read_radiance(caches.radiance, *caches.tables);
+    return out;
+}
+
 SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
-    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}, {}, {}, {}};
+    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}, {}, {}, {}, nullptr};
 }
 
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
@@ -131,13 +152,12 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     // scene, unless finer spacing is asked for.
     const float unit = options.far_spacing / usual_far_spacing * world.geometry.radius();
     const float least = 0.01f * unit, largest = 0.2f * unit;
-    const RecordCache none;
     IrradianceCacheOptions coarse = options;
     if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // they are no wider than that anyway
     const auto wanted = thinned(unserved(caches.far, candidates, options.threads), 2 * least);
     auto records = remembered(world,
                               gather_each(
-                                  world, wanted, none, caches.bright, coarse, far_stream,
+                                  world, wanted, {}, caches.bright, coarse, far_stream,
                                   [&](const Candidate&) { return options.far_rows; }, 0, progress),
                               caches.bright);
     for (IrradianceRecord& r : records) {
@@ -192,7 +212,7 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto wanted = caches.direct.worth_records(candidates, missed);
     const auto records = remembered(world,
                                     gather_each(
-                                        world, wanted, caches.far, caches.bright, options, near_stream,
+                                        world, wanted, far_end(caches, options), caches.bright, options, near_stream,
                                         [&](const Candidate& c) { return rows_for(c, caches.near, options); },
                                         caches.near.mean_luminance(), progress),
                                     caches.bright);

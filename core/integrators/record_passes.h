@@ -50,6 +50,13 @@ struct SolvedCaches {
     // While records are made:
     BrightPlaces bright;
     DirectRegions direct, glossy_direct;
+    const RadianceTables* tables = nullptr;  // of lobes, under radiance caching
+};
+
+/// What gather rays read where they end, instead of going on.
+struct FarEnd {
+    CachedIrradiance irradiance;
+    CachedReflection reflection;
 };
 
 /// Where a record could be wanted.
@@ -79,10 +86,10 @@ struct Candidate {
 /// Those that `cache` does not serve.
 std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candidate> candidates, int threads);
 
-/// Gathers indirect irradiance at points, ending gather rays in the far cache.
+/// Gathers indirect irradiance at points.
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const RecordCache& far, const IrradianceCacheOptions& options,
-                                             uint32_t stream, int rows, Progress& progress);
+                                             const FarEnd& far, const IrradianceCacheOptions& options, uint32_t stream,
+                                             int rows, Progress& progress);
 
 /// Gathers of one shape, of which more is made than irradiance.
 struct GatherPlan {
@@ -93,7 +100,7 @@ struct GatherPlan {
     std::function<void(size_t, const HemisphereSamples&)> keep;
 };
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const RecordCache& far, const IrradianceCacheOptions& options,
+                                             const FarEnd& far, const IrradianceCacheOptions& options,
                                              const GatherPlan& plan, Progress& progress);
 
 /// Empty caches, each with how it is read.
@@ -104,6 +111,10 @@ CacheOptions far_reading(const CacheOptions& near);
 /// How gather rays read far records where they end; nothing closer than a record's own radius, where its neighbours' error
 /// would be seen from corners.
 CachedIrradiance read_far(const RecordCache& far);
+/// How paths read radiance records.
+CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables);
+/// Both, as the caches stand; nothing where paths have a greatest length, since records know of none.
+FarEnd far_end(const SolvedCaches& caches, const IrradianceCacheOptions& options);
 
 /// A pass of the far cache: coarse records at the candidates that are not served. Rays find candidates by chance, so
 /// those that lie close to each other are thinned, in order.

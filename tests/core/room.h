@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Small scenes of diffuse rectangles, built from arrays.
+// Small scenes of rectangles, diffuse unless a material is given, built from arrays.
 
 #pragma once
 
@@ -41,17 +41,15 @@ inline Material diffuse(float albedo, float emission) {
     return m;
 }
 
-inline Room build_room(const std::vector<Wall>& walls, bool two_sided = true) {
+/// A material for each wall, in place of its own.
+inline Room build_room(const std::vector<Wall>& walls, std::vector<Material> materials) {
     std::vector<MeshArrays> meshes;
-    std::vector<Material> materials;
     for (const Wall& wall : walls) {
         MeshArrays mesh;
         mesh.positions = {wall.corner, wall.corner + wall.edge1, wall.corner + wall.edge1 + wall.edge2,
                           wall.corner + wall.edge2};
         mesh.triangles = {{{0, 1, 2}}, {{0, 2, 3}}};
-        mesh.material = static_cast<int>(materials.size());
-        materials.push_back(diffuse(wall.albedo, wall.emission));
-        materials.back().two_sided = two_sided;
+        mesh.material = static_cast<int>(meshes.size());
         meshes.push_back(mesh);
     }
     Room room;
@@ -77,14 +75,31 @@ inline Room build_room(const std::vector<Wall>& walls, bool two_sided = true) {
     return room;
 }
 
+inline std::vector<Material> own_materials(const std::vector<Wall>& walls, bool two_sided = true) {
+    std::vector<Material> out;
+    for (const Wall& wall : walls) {
+        out.push_back(diffuse(wall.albedo, wall.emission));
+        out.back().two_sided = two_sided;
+    }
+    return out;
+}
+
+inline Room build_room(const std::vector<Wall>& walls, bool two_sided = true) {
+    return build_room(walls, own_materials(walls, two_sided));
+}
+
 /// 2 × 2 × 2 around the origin, seen from inside.
+inline std::vector<Wall> closed_walls(const std::array<float, 6>& albedo, const std::array<float, 6>& emission) {
+    return {{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, albedo[0], emission[0]},  // floor
+            {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, albedo[1], emission[1]},   // ceiling
+            {{-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, albedo[2], emission[2]},  // left
+            {{1, -1, -1}, {0, 0, 2}, {0, 2, 0}, albedo[3], emission[3]},   // right
+            {{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, albedo[4], emission[4]},  // back
+            {{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, albedo[5], emission[5]}};  // front
+}
+
 inline Room closed_room(const std::array<float, 6>& albedo, const std::array<float, 6>& emission) {
-    return build_room({{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, albedo[0], emission[0]},   // floor
-                       {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, albedo[1], emission[1]},    // ceiling
-                       {{-1, -1, -1}, {0, 2, 0}, {0, 0, 2}, albedo[2], emission[2]},   // left
-                       {{1, -1, -1}, {0, 0, 2}, {0, 2, 0}, albedo[3], emission[3]},    // right
-                       {{-1, -1, -1}, {2, 0, 0}, {0, 2, 0}, albedo[4], emission[4]},   // back
-                       {{-1, -1, 1}, {0, 2, 0}, {2, 0, 0}, albedo[5], emission[5]}});  // front
+    return build_room(closed_walls(albedo, emission));
 }
 
 }  // namespace eclat
