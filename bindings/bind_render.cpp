@@ -30,6 +30,7 @@ PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* 
         if (max_depth < 0 && !caches->far.records().empty()) options.far_cache = read_far(caches->far);
         options.light_samples = cached_light_samples;
         options.miss_paths = cached_miss_paths;
+        options.gloss_paths = cached_gloss_paths;
     }
     return options;
 }

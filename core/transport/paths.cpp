@@ -20,7 +20,7 @@ struct State {
     Color throughput{1};
     Sampler sampler;
     uint32_t index;
-    float pdf = 0;   // of the ray's direction
+    float pdf = 0;   // of the ray's direction, summed over the paths that share its last vertex
     float eta2 = 1;  // radiance scaling by refraction, which roulette must not mistake for absorption
     Arrival arrival;
     Vec3 from;
@@ -130,9 +130,17 @@ class Tracer {
             }
         }
         if (options_.reflection && point.bsdf.has(LobeSet::glossy)) reflect(s, point, wo_local);
-        sample_lights(s, point, wo_local);
-        if (options_.miss_paths > 1 && edges_ == 1 && out_[s.index].cache_missed) return split_path(s, point, wo_local);
+        const int parts = paths_from(s, point);
+        sample_lights(s, point, wo_local, parts);
+        if (parts > 1) return split_path(s, point, wo_local, parts);
         return continue_path(s, ray, point, wo_local);
+    }
+
+    /// How many paths go on from the vertex that was met.
+    int paths_from(const State& s, const SurfacePoint& point) const {
+        if (edges_ > 1) return 1;
+        if (out_[s.index].cache_missed) return options_.miss_paths;
+        return point.bsdf.has_uncached_rough_gloss() ? options_.gloss_paths : 1;
     }
 
     /// Takes what a cache knows of lobes that are not diffuse.
@@ -145,14 +153,14 @@ class Tracer {
     }
 
     /// Goes on from the first vertex in many directions, stratified together.
-    bool split_path(const State& s, const SurfacePoint& point, Vec3 wo) {
-        const auto parts = static_cast<uint32_t>(options_.miss_paths);
-        for (uint32_t part = 0; part < parts; ++part) {
+    bool split_path(const State& s, const SurfacePoint& point, Vec3 wo, int parts) {
+        for (int part = 0; part < parts; ++part) {
             State state = s;
             Ray ray;
-            state.sampler = s.sampler.split(parts, part);
+            state.sampler = s.sampler.split(static_cast<uint32_t>(parts), static_cast<uint32_t>(part));
             state.throughput *= 1 / static_cast<float>(parts);
             if (!continue_path(state, ray, point, wo)) continue;
+            state.pdf *= static_cast<float>(parts);
             split_states_.push_back(state);
             split_rays_.push_back(ray);
         }
@@ -187,15 +195,17 @@ class Tracer {
     /// Light samples that the vertex at the end of that many edges takes.
     int light_samples(int edges) const { return edges == 1 ? options_.light_samples : 1; }
 
-    void sample_lights(State& s, const SurfacePoint& point, Vec3 wo) {
+    /// `parts`: of the paths that go on, which find lights as well.
+    void sample_lights(State& s, const SurfacePoint& point, Vec3 wo, int parts) {
         const int count = light_samples(edges_);
         if (point.bsdf.has_non_delta())
             for (int i = 0; i < count; ++i)
-                sample_light(s, s.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), point, wo);
+                sample_light(s, s.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), point, wo,
+                             parts);
         s.sampler.skip(2);
     }
 
-    void sample_light(const State& s, Sampler sampler, const SurfacePoint& point, Vec3 wo) {
+    void sample_light(const State& s, Sampler sampler, const SurfacePoint& point, Vec3 wo, int parts) {
         const float u = sampler.next_1d();
         const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d(), options_.light_set);
         if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
@@ -206,7 +216,7 @@ class Tracer {
         Color f;
         if (point.bsdf.has(LobeSet::cached)) f = point.bsdf.eval(wo, wi, LobeSet::cached).f;
         const EvalPdf e = point.bsdf.eval(wo, wi, LobeSet::uncached);
-        f += e.f * (light.delta ? 1 : power_heuristic(density, e.pdf_solid_angle));
+        f += e.f * (light.delta ? 1 : power_heuristic(density, static_cast<float>(parts) * e.pdf_solid_angle));
         if (is_black(f)) return;
         const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / density);
         shadow_rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
