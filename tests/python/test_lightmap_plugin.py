@@ -14,7 +14,7 @@ import pytest
 from numpy.typing import NDArray
 
 from eclat.tone import srgb_decode
-from support.browser import View, gltf_issues, render_in_three
+from support.browser import View, gltf_issues, open_example, render_in_three
 from support.lit_quads import expected_radiance, save_lit_quad
 
 SIZE = 32
@@ -148,3 +148,16 @@ def test_a_texture_that_is_not_there_is_an_error(views: Views) -> None:
 def test_hand_made_files_are_valid(tmp_path: Path) -> None:
     issues = gltf_issues(save_lit_quad(tmp_path, "quad", IRRADIANCE, ENCODED, INTENSITY))
     assert issues["errors"] == issues["warnings"] == []
+
+
+def test_the_example_shows_a_file_with_and_without_its_light_map(tmp_path: Path) -> None:
+    save_lit_quad(tmp_path, "quad", IRRADIANCE, ENCODED, INTENSITY)
+    shown, said = open_example(tmp_path, "quad.glb")
+    assert said == []
+    assert [message for message, _ in shown.values()] == ["", "", ""]
+    # Above the controls: two maps of noise that differ, and one colour where there is none.
+    pages = {light: page[20:260, 160:480].astype(float) for light, (_, page) in shown.items()}
+    assert min(pages["exr"].std(axis=(0, 1)).max(), pages["embedded"].std(axis=(0, 1)).max()) > 10
+    assert np.abs(pages["exr"] - pages["embedded"]).mean() > 10
+    assert pages["none"].mean() > 20
+    assert pages["none"].std(axis=(0, 1)).max() < 5

@@ -7,6 +7,7 @@ from __future__ import annotations
 import base64
 import functools
 import http.server
+import io
 import json
 import os
 import shutil
@@ -21,13 +22,14 @@ from typing import Any, NoReturn
 import numpy as np
 import pytest
 from numpy.typing import NDArray
+from PIL import Image
 
 WEB = Path(__file__).resolve().parents[2] / "web"
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
 
 DOES_NOT_START = 3
-"""render.mjs ends with it; a browser that tells its version may still be barred from running (snaps in containers)."""
+"""web/tests/browser.mjs ends with it; a browser that tells its version may still be barred from running (snaps in containers)."""
 
 SECONDS = 120
 """After which a browser that says nothing has failed."""
@@ -126,6 +128,25 @@ def render_in_three(folder: Path, jobs: Sequence[dict[str, Any]]) -> tuple[list[
     return [_view(job, result) for job, result in zip(jobs, answer["results"], strict=True)], answer["messages"]
 
 
+def open_example(folder: Path, file: str) -> tuple[dict[str, tuple[str, NDArray[np.uint8]]], list[str]]:
+    """Open web/example.html with a file below `folder`.
+
+    Returns
+    -------
+    For "exr", "embedded" and "none": what the page tells instead of showing the file ("" where it does), and the (H, W, 3)
+    page. Then what it said on its console.
+    """
+    node, chromium = require_node(), require_browser()
+    with serve(folder) as url:
+        page = f"{url}/web/example.html?file=/files/{file}"
+        answer = _node([node, str(WEB / "tests/example.mjs"), chromium, page], "")
+    shown = {
+        light: (seen["message"], np.array(Image.open(io.BytesIO(base64.b64decode(seen["png"]))).convert("RGB")))
+        for light, seen in answer["shown"].items()
+    }
+    return shown, answer["messages"]
+
+
 def _view(job: dict[str, Any], result: dict[str, Any]) -> View | str:
     if "error" in result:
         return str(result["error"])
@@ -144,7 +165,7 @@ def gltf_issues(*files: Path) -> dict[str, list[dict[str, Any]]]:
 def _node(command: list[str], request: str) -> Any:
     done = subprocess.run(command, input=request, capture_output=True, text=True, timeout=SECONDS)
     if done.returncode == DOES_NOT_START:
-        _missing(f"{command[-1]} does not start: {done.stderr.strip()}")
+        _missing(f"{command[2]} does not start: {done.stderr.strip()}")
     if done.returncode != 0:
         raise AssertionError(f"{' '.join(command)} ended with code {done.returncode}:\n{done.stderr}")
     return json.loads(done.stdout)
