@@ -4,9 +4,10 @@
 
 The cache is solved for five views along the way and merged. A frame takes four samples a pixel, each frame with a seed of its
 own. Flicker is that of indirect light alone: the points that the pixels of a frame see are looked up in the frames before and
-after, away from edges; "change" is the RMS difference to the next frame in units of the RMS light, which holds what moving
-past gloss rightly changes; "flicker" is what is left of a steady change, the second difference over √6, as large as the noise
-of a frame would be. Misses are diffuse vertices, and pixels whose gloss, which could be cached, was traced.
+after, away from edges, of lamps as well, where a pixel of four samples is never the same; "change" is the RMS difference to the
+next frame in units of the RMS light, which holds what moving past gloss rightly changes; "flicker" is what is left of a steady
+change, the second difference over √6, as large as the noise of a frame would be. Misses are diffuse vertices, and pixels whose
+gloss, which could be cached, was traced.
 """
 
 from __future__ import annotations
@@ -67,15 +68,19 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     solving = clock.perf_counter() - started
     cameras = [along(first, name, t, size) for t in np.linspace(0, 1, frames)]
     images: list[Image] = []
+    calm: list[NDArray[np.bool_]] = []
     seconds: list[float] = []
     for i, camera in enumerate(cameras):
         before = clock.perf_counter()
         images.append(eclat.render(scene, solution, camera=camera, samples=SAMPLES, seed=i, adaptive=False, **common))
         seconds.append(clock.perf_counter() - before)
+        calm.append(
+            calm_pixels(images[-1], eclat.render(scene, eclat.Path(), camera=camera, samples=4, max_depth=1, **common))
+        )
     return {
         "frames": frames, "size": size, "solve_seconds": solving, "records": len(solution),
         "radiance_records": len(solution.radiance or ()), "frame_seconds": float(np.median(seconds)),
-        "misses": _misses(images), "traced": _traced(images), **flicker(images, cameras),
+        "misses": _misses(images), "traced": _traced(images), **flicker(images, cameras, calm),
     }  # fmt: skip
 
 
@@ -91,14 +96,24 @@ def _traced(images: list[Image]) -> float:
     return traced / (cached + traced) if cached + traced > 0 else 0.0
 
 
-def flicker(images: list[Image], cameras: list[Camera]) -> dict[str, float]:
-    """Change and flicker of static points, everywhere and where gloss is cached."""
+def calm_pixels(image: Image, emitted: Image) -> NDArray[np.bool_]:
+    """(H, W) pixels away from edges, those between what shines and what does not included."""
+    apart = np.pad(emitted.pixels.max(axis=-1), 2, mode="edge")
+    around = np.lib.stride_tricks.sliding_window_view(apart, (5, 5))
+    same = around.max(axis=(-1, -2)) <= 1.01 * around.min(axis=(-1, -2))
+    away = away_from_edges(image.layers["depth"], image.layers["normal"])
+    return np.asarray(same & away.reshape(same.shape))
+
+
+def flicker(images: list[Image], cameras: list[Camera], calm: list[NDArray[np.bool_]]) -> dict[str, float]:
+    """Change and flicker of static points in `calm` pixels, everywhere and where gloss is cached."""
     sums = dict.fromkeys(("change", "flicker", "light", "points", "gloss_change", "gloss_flicker", "gloss_light"), 0.0)
     for k in range(1, len(images) - 1):
         points, seen = seen_points(images[k], cameras[k])
+        seen &= calm[k]
         here = images[k].layers["indirect"].mean(axis=-1)
-        earlier, was = _looked_up(images[k - 1], cameras[k - 1], points)
-        later, will = _looked_up(images[k + 1], cameras[k + 1], points)
+        earlier, was = _looked_up(images[k - 1], cameras[k - 1], calm[k - 1], points)
+        later, will = _looked_up(images[k + 1], cameras[k + 1], calm[k + 1], points)
         static = seen & was & will
         gloss = static & (images[k].layers["gloss_cached"].reshape(static.shape) > 0.99)
         for prefix, where in (("", static), ("gloss_", gloss)):
@@ -115,7 +130,7 @@ def flicker(images: list[Image], cameras: list[Camera]) -> dict[str, float]:
 
 
 def seen_points(image: Image, camera: Camera) -> FLAT:
-    """(H, W, 3) places that the middles of pixels see, and which lie away from edges."""
+    """(H, W, 3) places that the middles of pixels see, and where there are any."""
     height, width = image.height, image.width
     half_width, half_height = camera.half_extent(width / height)
     x = (2 * (np.arange(width) + 0.5) / width - 1) * half_width
@@ -126,11 +141,10 @@ def seen_points(image: Image, camera: Camera) -> FLAT:
     directions /= np.linalg.norm(directions, axis=-1, keepdims=True)
     depth = image.layers["depth"].reshape(height, width).astype(np.float64)
     met = np.isfinite(depth) & (depth > 0)
-    away = away_from_edges(image.layers["depth"], image.layers["normal"]).reshape(height, width)
-    return matrix[:3, 3] + np.where(met, depth, 1.0)[..., None] * directions, away & met
+    return matrix[:3, 3] + np.where(met, depth, 1.0)[..., None] * directions, met
 
 
-def _looked_up(image: Image, camera: Camera, points: NDArray[np.float64]) -> FLAT:
+def _looked_up(image: Image, camera: Camera, calm: NDArray[np.bool_], points: NDArray[np.float64]) -> FLAT:
     """Mean of the channels of indirect light where `points` stand in a frame, between pixels, and where they are seen there."""
     height, width = image.height, image.width
     matrix = np.asarray(camera.to_world, np.float64)
@@ -145,14 +159,13 @@ def _looked_up(image: Image, camera: Camera, points: NDArray[np.float64]) -> FLA
     u, v = x - column, y - row
     light = image.layers["indirect"].mean(axis=-1)
     depth = image.layers["depth"].reshape(height, width)
-    away = away_from_edges(image.layers["depth"], image.layers["normal"]).reshape(height, width)
     found, seen = np.zeros(inside.shape), inside.copy()
     distance = np.linalg.norm(relative, axis=-1)
     for dy in (0, 1):
         for dx in (0, 1):
             weight = np.where(dx, u, 1 - u) * np.where(dy, v, 1 - v)
             found += weight * light[row + dy, column + dx]
-            seen &= away[row + dy, column + dx]
+            seen &= calm[row + dy, column + dx]
             with np.errstate(invalid="ignore"):
                 seen &= np.abs(depth[row + dy, column + dx] - distance) < 0.03 * distance
     return found, seen

@@ -12,7 +12,7 @@ import pytest
 from eclat.image import Image
 from eclat.metrics import relative_rmse
 from eclat.scene import Camera, look_at
-from fly_through import along, flicker, seen_points
+from fly_through import along, calm_pixels, flicker, seen_points
 from harness import document
 from harness.curves import Cost, Point, cost_at
 from harness.flame_graph import Node, stacks, svg
@@ -168,9 +168,16 @@ def test_points_that_stand_still_are_found_again_from_another_place() -> None:
         return Image(image.pixels, layers)
 
     cameras = [along(base, "glossy-box-0.6", t, (80, 60)) for t in (0.3, 0.33, 0.36)]
-    still = flicker([frame(camera, 0) for camera in cameras], cameras)
+    frames, everywhere = [frame(camera, 0) for camera in cameras], [np.ones((60, 80), bool)] * 3
+    still = flicker(frames, cameras, everywhere)
     assert still["points"] > 0.8
     assert max(still["change"], still["flicker"], still["gloss_flicker"]) < 5e-4
-    jumps = flicker([frame(c, j) for c, j in zip(cameras, (0, 0.1, 0), strict=True)], cameras)
+    jumps = flicker([frame(c, j) for c, j in zip(cameras, (0, 0.1, 0), strict=True)], cameras, everywhere)
     assert jumps["change"] == pytest.approx(0.1 / 1.1, rel=0.1)
     assert jumps["flicker"] == pytest.approx(0.2 / 6**0.5 / 1.1, rel=0.1)
+
+    lamp = Image(np.zeros((60, 80, 3), np.float32))
+    lamp.pixels[20:30, 40:60] = 5
+    calm = calm_pixels(frames[0], lamp)
+    assert calm[25, 50] and not calm[25, 59] and not calm[25, 61] and calm[25, 62]
+    assert not flicker(frames, cameras, [calm & False] * 3)["points"]
