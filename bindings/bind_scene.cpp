@@ -8,6 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
+#include "base/parallel.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -170,5 +171,27 @@ void bind_scene(nb::module_& m) {
                 for (uint8_t h : hit) free += !h;
                 return free;
             },
-            "Number of rays that meet nothing.");
+            "Number of rays that meet nothing.")
+        .def(
+            "first_hits",
+            [](const CoreScene& s, Points origins, Points directions, int threads) {
+                const auto o = vec3s(origins), d = vec3s(directions);
+                if (o.size() != d.size()) throw std::invalid_argument("expected as many directions as origins");
+                auto* triangles = new int32_t[o.size()];
+                nb::capsule owner(triangles, [](void* p) noexcept { delete[] static_cast<int32_t*>(p); });
+                {
+                    nb::gil_scoped_release unlocked;
+                    parallel_blocks(o.size(), 1024, threads, [&](size_t begin, size_t end) {
+                        std::vector<Ray> rays;
+                        for (size_t i = begin; i < end; ++i) rays.push_back({o[i], 0, d[i], infinity});
+                        std::vector<Hit> hits(rays.size());
+                        s.geometry->rays().intersect(rays, hits);
+                        for (size_t i = begin; i < end; ++i)
+                            triangles[i] = static_cast<int32_t>(hits[i - begin].triangle);  // -1 for no_triangle
+                    });
+                }
+                return nb::ndarray<nb::numpy, int32_t>(triangles, {o.size()}, owner);
+            },
+            "origins"_a, "directions"_a, "threads"_a,
+            "The triangle that each ray meets first, counted over all meshes, and -1 for none.");
 }

@@ -11,16 +11,21 @@ from typing import Any, get_args
 import numpy as np
 
 from eclat.arguments import checked_max_depth, checked_samples, checked_seed, thread_count
-from eclat.errors import EclatError, did_you_mean
-from eclat.gltf_export import Part, parts_of
-from eclat.gltf_export.geometry import select_vertices, with_flat_normals
+from eclat.errors import EclatError, did_you_mean, warn
+from eclat.gltf_export import Part
+from eclat.gltf_export.geometry import select_vertices
 from eclat.lightmap.atlas import Atlas, areas, check_texel_count, default_texel_size, unwrap
+from eclat.lightmap.fit import bilinear, differences, fit
+from eclat.lightmap.gathering import Gathered, Settings, gather, in_the_open, sample_points
 from eclat.lightmap.gutters import dilate
 from eclat.lightmap.lightmap import Lightmap
-from eclat.lightmap.texels import Texels, corners_of, rasterize
+from eclat.lightmap.seams import seam_samples
+from eclat.lightmap.sides import Side, SidesChoice, lit_sides
+from eclat.lightmap.solids import solid_triangles
+from eclat.lightmap.texels import Corners, Texels, corners_of, rasterize
 from eclat.options import METHODS, IrradianceCache, Options
 from eclat.photons import Photons
-from eclat.point_irradiance import Component, irradiance
+from eclat.point_irradiance import Component
 from eclat.radiosity import RadiositySolution
 from eclat.running import ProgressReport
 from eclat.scene import FloatArray, Scene
@@ -34,6 +39,9 @@ MAX_SIZE = 4096
 
 LARGEST_SIZE = 16384
 
+BLACK_ROWS = 3
+"""Below the charts, for what is dark."""
+
 
 def bake(
     scene: Scene,
@@ -41,7 +49,9 @@ def bake(
     *,
     component: Component = "total",
     texel_size: float | None = None,
+    sides: SidesChoice = "auto",
     samples: int = SAMPLES,
+    supersampling: int = 2,
     max_error: float = 0.01,
     max_depth: int = -1,
     gutter: int = 2,
@@ -59,7 +69,10 @@ def bake(
     component : "total", or "direct" or "indirect" light alone. With "indirect" the saved file keeps its lights, and a
         viewer adds their light itself.
     texel_size : metres a texel; where None such that the map has about a quarter of a million texels.
-    samples : of the lights, and paths of `Path`, per texel.
+    sides : "auto" gives both sides of two-sided sheets their own texels, but not the inside of solids; "front" shows the
+        front's light on both sides; "both" gives two to all that is two-sided.
+    samples : of the lights, and paths of `Path`, per texel, shared by its points.
+    supersampling : points along a texel's side: 2 means four a texel, whose mean it holds.
     max_error : relative error of indirect light that None aims at.
     gutter : texels between charts beyond those that bilinear filtering reads: 2, or 2ⁿ for viewers that read n levels
         of a mip map.
@@ -83,83 +96,90 @@ def bake(
             f"component must be one of {', '.join(known)}, got {component!r}{did_you_mean(str(component), known)}"
         )
     checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
+    if sides not in get_args(SidesChoice):
+        known = get_args(SidesChoice)
+        raise EclatError(f"sides must be one of {', '.join(known)}, got {sides!r}{did_you_mean(str(sides), known)}")
+    if not 1 <= supersampling <= 8:
+        raise EclatError(f"supersampling must be between 1 and 8, got {supersampling}")
     if not 2 <= gutter <= 64:
         raise EclatError(f"gutter must be between 2 and 64 texels, got {gutter}")
     if not 16 <= max_size <= LARGEST_SIZE:
         raise EclatError(f"max_size must be between 16 and {LARGEST_SIZE} texels, got {max_size}")
     started = clock.perf_counter()
-    parts = _parts(scene)
-    area = float(sum(areas(part.mesh).sum() for part in parts))
-    if not area > 0:
+    solid = solid_triangles(scene, scene.meshes)
+    lit = lit_sides(scene, sides, solid, threads)
+    area = float(sum(areas(side.part.mesh)[side.lit].sum() for side in lit))
+    if not sum(areas(side.part.mesh).sum() for side in lit) > 0:
         raise EclatError(f"{scene.name or 'the scene'}: has no surfaces to bake light on")
+    if any(mesh.material.normal_map is not None for mesh in scene.meshes):
+        warn("normal maps are not in the light map, whose irradiance is for the surfaces without them")
     size = default_texel_size(area) if texel_size is None else texel_size
     check_texel_count(area, size, max_size)
-    meshes = [part.mesh for part in parts]
+    meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in lit]
     atlas = unwrap(meshes, size, gutter=gutter, max_size=max_size, timeout=charts_timeout, progress=progress)
     corners = corners_of(meshes, atlas)
     texels = rasterize(corners, atlas.width, atlas.height)
     method = IrradianceCache(max_error=max_error) if what is None else what
-    statistics: dict[str, float] = {}
-    values = irradiance(
-        scene,
-        texels.positions,
-        texels.normals,
-        method,
-        component=component,
-        max_error=max_error,
-        samples=samples,
-        max_depth=max_depth,
-        seed=seed,
-        threads=threads,
-        progress=progress,
-        statistics=statistics,
-    )
-    image, _ = dilate(*_image(texels, values, atlas), rings=gutter + 1)
-    statistics = {
-        "texels": float(len(texels)),
-        "rays": statistics["rays"],
-        "seconds": clock.perf_counter() - started,
-        "area": area,
-        "charts": float(len(np.unique(corners.charts[corners.charts >= 0]))),
-    }
+    settings = Settings(component, samples, max_depth, seed, threads, progress)
+    points = sample_points(corners, texels, supersampling)
+    gathered = gather(scene, method, points, in_the_open(scene, solid, points, settings), settings)
+    image = _image(texels, corners, atlas, gathered, gutter)
+    # One texel, and what filtering reads around it, stays black for all that is dark.
+    image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
     return Lightmap(
         scene=scene,
-        parts=_split(parts, atlas),
+        parts=_parts(lit, atlas, (atlas.width, atlas.height + BLACK_ROWS)),
         irradiance=image.astype(np.float32),
         texel_size=size,
         component=component,
         method=_name_of(method),
         gutter=gutter,
-        statistics=statistics,
+        statistics={
+            "texels": float(len(texels)),
+            "buried": float((~gathered.seen).sum()),
+            "rays": gathered.rays,
+            "seconds": clock.perf_counter() - started,
+            "area": area,
+            "charts": float(len(np.unique(corners.charts[corners.charts >= 0]))),
+        },
         settings=_settings_of(method)
-        | {"samples": samples, "max_depth": max_depth, "seed": seed, "charts": atlas.method},
+        | {"samples": samples, "supersampling": supersampling, "max_depth": max_depth, "seed": seed}
+        | {"charts": atlas.method, "sides": sides},
     )
 
 
-def _parts(scene: Scene) -> list[Part]:
-    """The sides of meshes that get texels, with normals at all vertices."""
-    return [replace(part, mesh=with_flat_normals(part.mesh)) for part in parts_of(scene)]
+def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: Gathered, gutter: int) -> FloatArray:
+    """(H, W, 3): what was gathered, fitted; texels that nobody sees take the mean of their neighbours."""
+    seen = gathered.seen
+    numbers = np.full((atlas.height, atlas.width), -1, np.int64)
+    numbers[texels.rows[seen], texels.columns[seen]] = np.arange(int(seen.sum()))
+    a, b = (bilinear(numbers, ends) for ends in seam_samples(corners))
+    fitted = fit(gathered.values[seen], bilinear(numbers, gathered.places[seen]), differences(a, b))
+    image: FloatArray = np.zeros((atlas.height, atlas.width, 3))
+    image[texels.rows[seen], texels.columns[seen]] = fitted
+    known = numbers >= 0
+    hidden = np.zeros_like(known)
+    hidden[texels.rows[~seen], texels.columns[~seen]] = True
+    image, known = dilate(image, known, gutter + 1, hidden)
+    image, _ = dilate(image, known | hidden, gutter + 1)
+    return image
 
 
-def _image(texels: Texels, values: FloatArray, atlas: Atlas) -> tuple[FloatArray, np.ndarray]:
-    image = np.zeros((atlas.height, atlas.width, 3))
-    known = np.zeros((atlas.height, atlas.width), bool)
-    image[texels.rows, texels.columns] = values
-    known[texels.rows, texels.columns] = True
-    return image, known
-
-
-def _split(parts: list[Part], atlas: Atlas) -> tuple[Part, ...]:
+def _parts(sides: list[Side], atlas: Atlas, size: tuple[int, int]) -> tuple[Part, ...]:
     """The parts with a vertex for each chart it belongs to, and its place in the map, (0, 0) to (1, 1)."""
-    size = np.array([atlas.width, atlas.height], np.float64)
-    return tuple(
-        replace(
-            part,
-            mesh=select_vertices(part.mesh, unwrapped.vertices, unwrapped.triangles),
-            lightmap_uvs=unwrapped.uvs / size,
-        )
-        for part, unwrapped in zip(parts, atlas.meshes, strict=True)
-    )
+    black = np.array([1.5, size[1] - BLACK_ROWS / 2])
+    found = []
+    for side, unwrapped in zip(sides, atlas.meshes, strict=True):
+        mesh = side.part.mesh
+        dark = np.asarray(mesh.triangles)[~side.lit]
+        corners, renumbered = np.unique(dark, return_inverse=True)
+        triangles = np.empty((len(side.lit), 3), np.int64)
+        triangles[side.lit] = unwrapped.triangles
+        triangles[~side.lit] = renumbered.reshape(-1, 3) + len(unwrapped.vertices)
+        uvs = np.concatenate((unwrapped.uvs, np.broadcast_to(black, (len(corners), 2)))) / size
+        split = select_vertices(mesh, np.concatenate((unwrapped.vertices, corners)), triangles)
+        found.append(replace(side.part, mesh=split, lightmap_uvs=uvs))
+    return tuple(found)
 
 
 def _name_of(method: object) -> str:

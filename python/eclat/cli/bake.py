@@ -77,6 +77,14 @@ EXAMPLES = {
     section=MAP,
     help="Texels between charts; 2 to the n for viewers that read n levels of a mip map [2].",
 )
+@option(
+    "--sides",
+    type=Name("NAME", "auto", "front", "both"),
+    default="auto",
+    section=MAP,
+    help="auto: both sides of two-sided sheets, each with its own light, but not the inside of solids; front: the front's "
+    "light on both sides; both: two for all that is two-sided [auto].",
+)
 @option("--max-size", type=Number(int, 16, 16384), default=4096, section=MAP, help="Largest width and height [4096].")
 @samples_option("Of the lights, and paths of `path`, per texel", default=256)
 @max_error_option("Of a cached method: relative error of indirect light")
@@ -109,7 +117,17 @@ def command(context: click.Context, /, **flags: Any) -> None:
         scene = load_scene(flags)
         if flags["cache"]:
             what = eclat.load_solved(flags["cache"], scene)
-        keys = ("component", "texel_size", "samples", "max_error", "max_depth", "gutter", "max_size", "charts_timeout")
+        keys = (
+            "component",
+            "texel_size",
+            "samples",
+            "max_error",
+            "max_depth",
+            "gutter",
+            "sides",
+            "max_size",
+            "charts_timeout",
+        )
         keywords = {name: flags[name] for name in (*keys, "seed", "threads")}
         lightmap = eclat.bake(scene, what, progress=reporter.progress, **keywords)
         lightmap.save(names[0])

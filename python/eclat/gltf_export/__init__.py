@@ -22,7 +22,7 @@ from eclat.gltf_export.nodes import camera_node, light_node
 from eclat.gltf_export.textures import Textures
 from eclat.scene import Material, Mesh, Scene
 
-__all__ = ["LIGHTMAP_TEXTURE", "LightmapTexture", "Part", "encode_glb", "parts_of"]
+__all__ = ["LIGHTMAP_TEXTURE", "LightmapTexture", "Part", "back_of", "encode_glb", "parts_of", "sides_differ"]
 
 
 LIGHTMAP_TEXTURE = 0
@@ -83,23 +83,25 @@ def parts_of(scene: Scene) -> list[Part]:
     parts: list[Part] = []
     for mesh in scene.meshes:
         if len(mesh.triangles):
-            parts += sides_of(mesh) if _sides_differ(mesh.material) else [Part(mesh)]
+            parts += sides_of(mesh) if sides_differ(mesh.material) else [Part(mesh)]
     return parts
 
 
 def sides_of(mesh: Mesh) -> list[Part]:
     """Front and back of a two-sided mesh as parts of their own."""
-    return [Part(mesh, one_of_two=True), Part(_back_of(mesh), one_of_two=True, back=True)]
+    return [Part(mesh, one_of_two=True), Part(back_of(mesh), one_of_two=True, back=True)]
 
 
-def _back_of(mesh: Mesh) -> Mesh:
+def back_of(mesh: Mesh) -> Mesh:
+    """A two-sided mesh as its back is: turned over, with what the material says of that side."""
     material = mesh.material.back or mesh.material
     if mesh.material.back is None and not mesh.material.emission_two_sided:
         material = replace(material, emission=None)
     return replace(reversed_sides(mesh), material=material)
 
 
-def _sides_differ(material: Material) -> bool:
+def sides_differ(material: Material) -> bool:
+    """Whether a two-sided material is another one behind, which glTF's `doubleSided` cannot say."""
     if not material.two_sided:
         return False
     return material.back is not None or (material.emission is not None and not material.emission_two_sided)

@@ -4,10 +4,12 @@
 
 from __future__ import annotations
 
+import contextlib
 import io
 import math
 import subprocess
 import sys
+import tempfile
 import time
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -171,20 +173,19 @@ def _run_child(
     arrays: dict[str, np.ndarray], timeout: float, progress: ProgressReport | None
 ) -> tuple[dict[str, np.ndarray] | None, str]:
     """The child's arrays, or None and what it did instead."""
-    data = io.BytesIO()
-    np.savez(data, **arrays)  # type: ignore[arg-type]
     command = [sys.executable, str(PROGRAM)]
-    pipe = subprocess.PIPE
     started = time.monotonic()
-    with subprocess.Popen(command, stdin=pipe, stdout=pipe, stderr=pipe) as child:
-        given: bytes | None = data.getvalue()
+    with tempfile.TemporaryFile() as data:
+        # Not a pipe: `communicate` forgets what is left to be written when its time-out ends it (CPython 3.11).
+        np.savez(data, **arrays)  # type: ignore[arg-type]
+        data.seek(0)
+        child = subprocess.Popen(command, stdin=data, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    with child:
         try:
             while True:
-                try:
-                    out, errors = child.communicate(given, timeout=0.2)
+                with contextlib.suppress(subprocess.TimeoutExpired):
+                    out, errors = child.communicate(timeout=0.2)
                     break
-                except subprocess.TimeoutExpired:
-                    given = None
                 seconds = time.monotonic() - started
                 if seconds > timeout:
                     child.kill()

@@ -15,6 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.gltf_export.geometry import face_normals
+from eclat.lightmap.components import connected, edges_of
 from eclat.scene import FloatArray, Mesh
 
 Ints = NDArray[np.int64]
@@ -82,29 +83,12 @@ def _axes(positions: FloatArray, triangles: Ints, normals: FloatArray, leaders: 
 def _connected(positions: FloatArray, triangles: Ints, normals: FloatArray) -> Ints:
     """(T,) numbers of charts: triangles are joined over edges (of equal positions) where their planes agree."""
     places = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1)
-    corners = places[triangles]
-    edges = np.sort(np.stack((corners, np.roll(corners, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
-    owners = np.repeat(np.arange(len(triangles)), 3)
-    order = np.lexsort((owners, edges[:, 1], edges[:, 0]))
-    edges, owners = edges[order], owners[order]
+    edges, owners = edges_of(places[triangles])
     shared = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
     a, b = owners[shared], owners[shared + 1]
     agree = (np.linalg.norm(normals[a] - normals[b], axis=1) < SAME_PLANE) & (a != b)
-    labels = _components(len(triangles), a[agree], b[agree])
+    labels = connected(len(triangles), a[agree], b[agree])
     return np.unique(labels, return_inverse=True)[1].reshape(-1)
-
-
-def _components(count: int, a: Ints, b: Ints) -> Ints:
-    """The smallest member of each one's component, by pointers that jump until nothing changes."""
-    labels = np.arange(count)
-    while True:
-        before = labels.copy()
-        low = np.minimum(labels[a], labels[b])
-        np.minimum.at(labels, labels[a], low)
-        np.minimum.at(labels, labels[b], low)
-        labels = labels[labels]
-        if (labels == before).all():
-            return labels
 
 
 def _extent(uvs: FloatArray, charts: Ints) -> FloatArray:

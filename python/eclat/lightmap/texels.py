@@ -112,11 +112,10 @@ def rasterize(corners: Corners, width: int, height: int) -> Texels:
     return _sampled(corners, used // width, used % width, owner[used], weights[used], int(contested.sum()))
 
 
-def at_texel_points(corners: Corners, texels: Texels, uvs: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Positions and unit shading normals of other points of the texels, (N, 2) in texels, moved into their triangles."""
+def at_texel_points(corners: Corners, texels: Texels, uvs: FloatArray) -> Texels:
+    """The same texels with other points, those of their triangles that are nearest to `uvs` (N, 2) in texels."""
     weights, _ = nearest_in_triangle(corners.uvs[texels.triangles], uvs)
-    moved = _sampled(corners, texels.rows, texels.columns, texels.triangles, weights, 0)
-    return moved.positions, moved.normals
+    return _sampled(corners, texels.rows, texels.columns, texels.triangles, weights, texels.shared)
 
 
 def nearest_in_triangle(uvs: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:

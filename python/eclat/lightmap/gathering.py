@@ -1,0 +1,171 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The light of each texel: of points spread over it that a viewer may see, by any method."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eclat.lightmap.probes import buried_or_behind
+from eclat.lightmap.solids import Mask
+from eclat.lightmap.texels import Corners, Texels, at_texel_points
+from eclat.options import Direct, IrradianceCache, Options, Path
+from eclat.photons import Photons
+from eclat.point_irradiance import Component, irradiance
+from eclat.radiosity import RadiositySolution
+from eclat.running import ProgressReport
+from eclat.scene import FloatArray, Scene
+from eclat.solution import Solution
+from eclat.solving import solve
+
+Method = Solution | Photons | RadiositySolution | Options
+
+DARK = 0.05
+"""Of the usual irradiance: less is dark behind surfaces."""
+
+DOUBTFUL_PATHS = 16
+"""For a point that may be dark behind a surface."""
+
+USUAL_POINTS = 1000
+"""Points that tell what is usual in the scene."""
+
+
+@dataclass(frozen=True)
+class Settings:
+    """What `eclat.irradiance` takes beside points and method; `samples` are a texel's."""
+
+    component: Component
+    samples: int
+    max_depth: int
+    seed: int
+    threads: int | None
+    progress: ProgressReport | None
+
+    def keywords(self, component: Component | None = None, samples: int | None = None) -> dict[str, Any]:
+        """As arguments, of which some may be replaced."""
+        return {
+            "component": self.component if component is None else component,
+            "samples": self.samples if samples is None else max(1, samples),
+            "max_depth": self.max_depth,
+            "seed": self.seed,
+            "threads": self.threads,
+            "progress": self.progress,
+        }
+
+
+@dataclass(frozen=True, eq=False)
+class Points:
+    """Sample points (N, n, 3) of N texels, the first at its centre, the others in a grid: positions, unit normals of
+    shading and of triangles; places in the map (N, n, 2)."""
+
+    positions: FloatArray
+    normals: FloatArray
+    face_normals: FloatArray
+    uvs: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Gathered:
+    """`values` (N, 3) of texels and the `places` (N, 2) in the map that they are for; `seen` (N,): texels of which a
+    viewer may see anything, the others being 0."""
+
+    values: FloatArray
+    places: FloatArray
+    seen: Mask
+    rays: float
+
+
+def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Points:
+    """`supersampling`² points of each texel beside its centre, all moved into its triangle."""
+    steps = (np.arange(supersampling) + 0.5) / supersampling
+    offsets = [(0.5, 0.5), *((u, v) for v in steps for u in steps)]
+    found = [
+        at_texel_points(corners, texels, np.column_stack((texels.columns + u, texels.rows + v))) for u, v in offsets
+    ]
+
+    def joined(name: str) -> FloatArray:
+        return np.stack([getattr(at, name) for at in found], axis=1)
+
+    return Points(joined("positions"), joined("normals"), joined("face_normals"), joined("uvs"))
+
+
+def in_the_open(scene: Scene, solid: Sequence[Mask], points: Points, settings: Settings) -> Mask:
+    """(N, n) which points a viewer may see: not those in solids, nor those that are dark behind one-sided surfaces, like
+    the foot of a wall that passes through the floor."""
+    shape = points.positions.shape[:2]
+    places, normals = points.positions.reshape(-1, 3), points.normals.reshape(-1, 3)
+    buried, behind = buried_or_behind(scene, solid, places, points.face_normals.reshape(-1, 3), settings.threads)
+    doubtful = np.flatnonzero(behind & ~buried)
+    others = np.flatnonzero(~behind & ~buried)
+    free = ~buried
+    if len(doubtful) and len(others):
+        # What records tell of a point behind a wall may come from before it: paths do not err.
+        asked = np.concatenate((doubtful, others[:: max(1, len(others) // USUAL_POINTS)]))
+        keywords = settings.keywords("total", DOUBTFUL_PATHS)
+        brightness = irradiance(scene, places[asked], normals[asked], Path(), **keywords).mean(axis=1)
+        usual = float(brightness[len(doubtful) :].mean())
+        free[doubtful] = brightness[: len(doubtful)] >= DARK * usual
+    return free.reshape(shape)
+
+
+def gather(scene: Scene, method: Method, points: Points, free: Mask, settings: Settings) -> Gathered:
+    """The mean irradiance over the points of each texel that are `free`.
+
+    What is read from records varies slowly, so that one point a texel suffices for it, and the others serve light from
+    sources, whose shadows have edges.
+    """
+    spread = free[:, 1:]
+    seen = np.asarray(spread.any(axis=1))
+    share = spread / np.maximum(spread.sum(axis=1, keepdims=True), 1)
+    places = (points.uvs[:, 1:] * share[..., None]).sum(axis=1)
+    chosen = np.argmax(free, axis=1)  # the centre, or the first point that is free
+    rays = 0.0
+    deep = settings.max_depth < 0 or settings.max_depth > 2
+    cached = deep and settings.component != "direct"
+    if cached and isinstance(method, IrradianceCache):
+        at = np.flatnonzero(seen), chosen[seen]
+        solved = solve(
+            scene,
+            method,
+            points=(points.positions[at], points.normals[at]),
+            max_depth=settings.max_depth,
+            seed=settings.seed,
+            threads=settings.threads,
+            check=False,
+            progress=settings.progress,
+        )
+        rays += solved.statistics["rays"]
+        method = solved
+
+    def of_points(which: tuple[np.ndarray, np.ndarray], by: Method, **keywords: Any) -> FloatArray:
+        nonlocal rays
+        counts: dict[str, float] = {}
+        found = irradiance(scene, points.positions[which], points.normals[which], by, statistics=counts, **keywords)
+        rays += counts["rays"]
+        return found.astype(np.float64)
+
+    def mean_of(by: Method, component: Component) -> FloatArray:
+        where = np.nonzero(spread)
+        total = np.zeros((*spread.shape, 3))
+        samples = math.ceil(settings.samples / spread.shape[1])
+        total[where] = of_points((where[0], where[1] + 1), by, **settings.keywords(component, samples))
+        summed: FloatArray = (total * share[..., None]).sum(axis=1)
+        return summed
+
+    values: FloatArray = np.zeros((len(free), 3))
+    if cached and isinstance(method, Solution):
+        # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
+        apart = settings.component == "total" and scene.environment is None
+        component: Component = "indirect" if apart else settings.component
+        at = np.flatnonzero(seen), chosen[seen]
+        values[seen] = of_points(at, method, **settings.keywords(component))
+        if apart:
+            values += mean_of(Direct(), "direct")
+    else:
+        values = mean_of(method, settings.component)
+    return Gathered(values, places, seen, rays)

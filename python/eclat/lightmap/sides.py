@@ -1,0 +1,116 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Which sides of which triangles get texels.
+
+A thin wall has two sides with different light. Where a viewer can see both, its back becomes a sheet of its own, and both
+materials one-sided. The inside of a solid needs no texels, nor does what is dark for certain, such as the outer side of a
+room in empty space: all that shares one black texel.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Literal
+
+import numpy as np
+
+from eclat.gltf_export import Part, back_of, sides_differ
+from eclat.gltf_export.geometry import face_normals, with_flat_normals
+from eclat.gltf_export.textures import constant_of
+from eclat.lightmap.probes import sees_nothing
+from eclat.lightmap.solids import Mask
+from eclat.scene import DEFAULTS, FloatArray, Material, Mesh, Scene
+
+SidesChoice = Literal["auto", "front", "both"]
+
+CORNERWARDS = 0.9
+"""Of the way from a triangle's middle to its corners, where it is asked what it sees."""
+
+
+@dataclass(frozen=True, eq=False)
+class Side:
+    """A part with normals at all vertices, and which of its triangles (T,) get texels."""
+
+    part: Part
+    lit: Mask
+
+
+def lit_sides(
+    scene: Scene,
+    choice: SidesChoice,
+    solid: Sequence[Mask],
+    threads: int | None = None,
+) -> list[Side]:
+    """The sides of all meshes of `scene`; `solid` says which triangles bound solids.
+
+    `choice`: "auto" gives the backs of two-sided sheets texels of their own, "front" lights both sides as the front,
+    "both" gives every two-sided triangle two.
+    """
+    sides: list[Side] = []
+    for mesh, hull in zip(scene.meshes, solid, strict=True):
+        if not len(mesh.triangles):
+            continue
+        material = mesh.material
+        behind = np.zeros(len(hull), bool)
+        if material.two_sided and (choice != "front" or sides_differ(material)):
+            behind = np.ones(len(hull), bool) if choice == "both" else ~hull
+        sides.append(_side(Part(mesh, one_of_two=bool(behind.any()))))
+        if behind.any():
+            back = back_of(replace(mesh, triangles=np.asarray(mesh.triangles)[behind]))
+            sides.append(_side(Part(back, one_of_two=True, back=True)))
+    return _without_dark(scene, sides, threads)
+
+
+def reflects_diffusely(material: Material) -> bool:
+    """Whether irradiance means anything for what the material shines."""
+
+    def largest(name: str) -> float:
+        return max(constant_of(material.parameters.get(name, DEFAULTS[name])))
+
+    def full(name: str) -> bool:
+        value = material.parameters.get(name, DEFAULTS[name])
+        return value.texture is None and value.constant[0] >= 1
+
+    if material.kind == "blend":
+        return any(reflects_diffusely(child) for child in material.children)
+    if material.kind == "diffuse":
+        return largest("reflectance") > 0
+    if material.kind in ("phong", "ward", "plastic"):
+        return largest("diffuse_reflectance") > 0
+    if material.kind == "metallic_roughness":
+        return largest("base_color") > 0 and not full("metallic") and not full("transmission")
+    return False
+
+
+def _side(part: Part) -> Side:
+    mesh = with_flat_normals(part.mesh)
+    return Side(replace(part, mesh=mesh), np.full(len(mesh.triangles), reflects_diffusely(mesh.material)))
+
+
+def _without_dark(scene: Scene, sides: list[Side], threads: int | None) -> list[Side]:
+    """Without the triangles that see nothing from their middle nor from near their corners."""
+    points, normals = [], []
+    for side in sides:
+        places, faces = _asking_points(side.part.mesh)
+        points.append(places[side.lit].reshape(-1, 3))
+        normals.append(np.repeat(faces[side.lit], places.shape[1], axis=0))
+    if not sum(map(len, points)):
+        return sides
+    dark = sees_nothing(scene, np.concatenate(points), np.concatenate(normals), threads)
+    dark = np.asarray(dark.reshape(-1, 4).all(axis=1))
+    found, first = [], 0
+    for side in sides:
+        count = int(side.lit.sum())
+        lit = side.lit.copy()
+        lit[side.lit] = ~dark[first : first + count]
+        found.append(replace(side, lit=lit))
+        first += count
+    return found
+
+
+def _asking_points(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """(T, 4, 3) points and (T, 3) normals."""
+    corners = np.asarray(mesh.positions, np.float64)[np.asarray(mesh.triangles)]
+    middle = corners.mean(axis=1, keepdims=True)
+    return np.concatenate((middle, middle + CORNERWARDS * (corners - middle)), axis=1), face_normals(mesh)
