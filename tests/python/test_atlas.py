@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import time
+import warnings
 from dataclasses import replace
 from pathlib import Path
 
@@ -103,6 +104,17 @@ def test_triangles_without_area_go_along(timeout: float) -> None:
     assert np.isfinite(atlas.meshes[0].uvs).all()
     assert len(atlas.meshes[0].triangles) == len(thin.triangles)
     assert len(rasterize(corners_of([thin], atlas), atlas.width, atlas.height)) >= 21 * 21
+
+
+@BOTH
+def test_meshes_without_triangles_go_along(timeout: float) -> None:
+    wall, *_ = meshes_of("cornell-box")
+    empty = replace(wall, triangles=np.zeros((0, 3), np.int64))
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        atlas = unwrap([empty, wall, empty], 0.1, timeout=timeout)
+    assert [len(m.triangles) for m in atlas.meshes] == [0, 2, 0]
+    check([empty, wall, empty], atlas, 0.1, scale=0.2)
 
 
 def test_too_slow_or_broken_unwrapping_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:

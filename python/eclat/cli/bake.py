@@ -17,6 +17,7 @@ from eclat.cli.quality_options import (
     QUALITY,
     cache_option,
     check_cache_alone,
+    exposure_option,
     max_depth_option,
     max_error_option,
     output_option,
@@ -31,6 +32,7 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
+from eclat.errors import EclatError
 
 MAP = "Map"
 
@@ -39,6 +41,7 @@ EXAMPLES = {
     "eclat bake room.glb -o lit.glb --texel-size 0.01": "One texel a centimetre:",
     "eclat bake room.glb --method radiosity": "By another method:",
     "eclat bake room.glb --cache room.npz": "From what `eclat solve --view-independent` wrote:",
+    "eclat bake room.glb --flatten": "Writes room_flat.glb, which any viewer shows as it is:",
     "eclat bake room.glb --component indirect": "Indirect light only; the file keeps its lights for the viewer:",
 }
 
@@ -57,6 +60,13 @@ EXAMPLES = {
 )
 @scene_argument
 @output_option("A name that ends in .glb [SCENE_lit.glb].")
+@option(
+    "--flatten",
+    is_flag=True,
+    section="Output",
+    help="One .glb for viewers that know no light maps: all light in the colours of unlit materials [SCENE_flat.glb].",
+)
+@exposure_option("Of --flatten, in stops [such that few texels are white].", None)
 @option(
     "--texel-size",
     type=Number(float, 0, 1e6, above=True, unit="of metres"),
@@ -109,8 +119,11 @@ def command(context: click.Context, /, **flags: Any) -> None:
     from eclat.lightmap.lightmap import output_names
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
-        names = output_names(flags["output"] or f"{scene_stem(flags['scene'])}_lit.glb")
-        for name in names:
+        flat = flags["flatten"]
+        if flags["exposure"] is not None and not flat:
+            raise EclatError("--exposure: expected --flatten beside it, since light maps hold irradiance")
+        names = output_names(flags["output"] or f"{scene_stem(flags['scene'])}_{'flat' if flat else 'lit'}.glb")
+        for name in names[:1] if flat else names:
             check_writable(name)
         check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)
         what: Any = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
@@ -130,18 +143,21 @@ def command(context: click.Context, /, **flags: Any) -> None:
         )
         keywords = {name: flags[name] for name in (*keys, "seed", "threads")}
         lightmap = eclat.bake(scene, what, progress=reporter.progress, **keywords)
-        lightmap.save(names[0])
-        _say_result(reporter, lightmap, str(names[0]))
+        if flat:
+            lightmap.save_flat(names[0], flags["exposure"])
+        else:
+            lightmap.save(names[0])
+        _say_result(reporter, lightmap, str(names[0]), flat)
 
 
-def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str) -> None:
+def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat: bool) -> None:
     height, width = lightmap.irradiance.shape[:2]
     statistics = lightmap.statistics
     text = (
         f"{output}: {width} x {height} texels of {lightmap.texel_size:g} m, {statistics['charts']:,.0f} charts, "
         f"{statistics['seconds']:.1f} s"
     )
-    clipped = lightmap.clipped_share()
+    clipped = 0.0 if flat else lightmap.clipped_share()
     if clipped > 0:
         limit = f"{lightmap.intensity():.4g} {lightmap.unit}"
         text += f"; {clipped:.2%} of the texels are above {limit}, where the embedded map is clipped"

@@ -12,7 +12,7 @@ import sys
 import tempfile
 import time
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 import numpy as np
@@ -59,6 +59,10 @@ class Atlas:
     height: int
     meshes: tuple[Unwrapped, ...]
     method: str
+
+
+NOTHING = Unwrapped(np.zeros(0, np.int64), np.zeros((0, 3), np.int64), np.zeros((0, 2)), np.zeros(0, np.int64))
+"""Of a mesh without triangles."""
 
 
 def areas(mesh: Mesh) -> FloatArray:
@@ -113,7 +117,11 @@ def unwrap(
     """
     found = None
     if timeout > 0 and any(len(mesh.triangles) for mesh in meshes):
-        found = _by_xatlas(meshes, texel_size, gutter, max_size, timeout, progress)
+        found = _by_xatlas([m for m in meshes if len(m.triangles)], texel_size, gutter, max_size, timeout, progress)
+    if found is not None:
+        # The library refuses meshes without triangles.
+        cut = iter(found.meshes)
+        found = replace(found, meshes=tuple(next(cut) if len(m.triangles) else NOTHING for m in meshes))
     if found is None:
         width, height, unwrapped = unwrap_planar(meshes, texel_size, gutter)
         found = Atlas(width, height, tuple(Unwrapped(*u) for u in unwrapped), "planar")

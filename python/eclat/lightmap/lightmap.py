@@ -21,6 +21,7 @@ from eclat.atomic_file import check_writable, write_file
 from eclat.errors import EclatError
 from eclat.exr import encode_exr
 from eclat.gltf_export import LIGHTMAP_TEXTURE, LightmapTexture, Part, encode_glb
+from eclat.lightmap.flat import encode_flat
 from eclat.scene import Scene
 from eclat.tone import srgb_encode
 
@@ -121,6 +122,24 @@ class Lightmap:
         write_file(side_car, json.dumps(description, ensure_ascii=False, indent=2).encode() + b"\n")
         write_file(glb, data)
         return list(names)
+
+    def save_flat(
+        self, path: str | os.PathLike[str], exposure: float | None = None, tone_mapping: str = "none"
+    ) -> Path:
+        """Write one .glb for viewers that know no light maps: what the surfaces shine, in unlit materials.
+
+        Parameters
+        ----------
+        exposure : stops; radiance is multiplied by 2^exposure, and 1 is then white. None: few texels are white.
+        tone_mapping : "none" or "filmic", as for pictures.
+
+        Raises
+        ------
+        EclatError : a name that does not end in .glb, a file that cannot be written, an exposure out of range.
+        """
+        target = output_names(path)[0]
+        write_file(target, encode_flat(self, exposure, tone_mapping, f"eclat {eclat.__version__}"))
+        return target
 
     def png(self, intensity: float) -> bytes:
         """The map in 8 bits a channel, sRGB-encoded, 1 being `intensity`."""

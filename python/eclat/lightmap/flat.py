@@ -1,0 +1,174 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""A lit scene for viewers that know no light maps: what every surface shines, in one texture of unlit materials.
+
+A texel holds ρ/π · E + Lₑ, scaled to what a screen shows. Unlit materials [KHR_materials_unlit] show their colour as it
+is, in any viewer. Textures of the scene come at the resolution of the map, and gloss is shown as if it were diffuse.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from dataclasses import replace
+from typing import TYPE_CHECKING
+
+import numpy as np
+from PIL import Image as PillowImage
+
+from eclat.gltf_export import Part
+from eclat.gltf_export.document import Document, Json
+from eclat.gltf_export.geometry import primitive
+from eclat.gltf_export.metallic_roughness import as_metallic_roughness
+from eclat.gltf_export.nodes import camera_node
+from eclat.gltf_export.textures import Textures, constant_of, texels
+from eclat.lightmap.atlas import Atlas, Unwrapped
+from eclat.lightmap.gutters import dilate
+from eclat.lightmap.sides import reflects_diffusely
+from eclat.lightmap.texels import Ints, Texels, corners_of, rasterize
+from eclat.scene import DEFAULTS, FloatArray, Value
+from eclat.tone import TONE_MAPPINGS, check_display, srgb_encode
+
+if TYPE_CHECKING:
+    from eclat.lightmap.lightmap import Lightmap
+
+WHITE = 0.95
+"""Share of the texels that are darker than white where nobody chose an exposure."""
+
+
+def encode_flat(lightmap: Lightmap, exposure: float | None, tone_mapping: str, generator: str) -> bytes:
+    """A binary glTF file with unlit materials.
+
+    `exposure` in stops, None such that few texels are white; `tone_mapping` a key of `TONE_MAPPINGS`.
+    Raises EclatError for either out of range.
+    """
+    check_display(0.0 if exposure is None else exposure, tone_mapping)
+    radiance, opacity = _shine(lightmap)
+    scale = _scale(radiance) if exposure is None else 2.0**exposure
+
+    def shown(linear: FloatArray) -> FloatArray:
+        return np.clip(TONE_MAPPINGS[tone_mapping](linear * scale), 0, 1)
+
+    pixels = np.concatenate((srgb_encode(shown(radiance)), opacity[..., None]), axis=2)
+    if (opacity == 1).all():
+        pixels = pixels[..., :3]
+    document = Document(generator)
+    file = io.BytesIO()
+    PillowImage.fromarray(np.rint(pixels * 255).astype(np.uint8)).save(file, format="PNG")
+    image = document.add("images", {"bufferView": document.view(file.getvalue()), "mimeType": "image/png"})
+    texture = Textures(document, {0: 0, 1: 0}).texture(image, ("clamp", "clamp"), mipmaps=False)
+    nodes, known = [], {}
+    for part in lightmap.parts:
+        material = part.mesh.material
+        key = id(material), part.one_of_two
+        if key not in known:
+            known[key] = document.add("materials", _unlit(document, part, texture, shown))
+        bare = replace(part.mesh, uvs=part.lightmap_uvs, uvs2=None, colors=None, tangents=None)
+        mesh = {"name": bare.name, "primitives": [primitive(document, Part(bare), known[key])]}
+        nodes.append(document.add("nodes", {"name": bare.name, "mesh": document.add("meshes", mesh)}))
+    nodes += [camera_node(document, camera) for camera in lightmap.scene.cameras]
+    document.root |= {"scene": 0, "scenes": [{"name": lightmap.scene.name, "nodes": nodes}]}
+    return document.encode()
+
+
+def _unlit(document: Document, part: Part, texture: int, shown: Callable[[FloatArray], FloatArray]) -> Json:
+    material = part.mesh.material
+    json: Json = {"name": material.name, "extensions": {document.use("KHR_materials_unlit"): {}}}
+    surface: Json = {"metallicFactor": 0.0, "baseColorTexture": {"index": texture}}
+    if material.emission is not None and not reflects_diffusely(material):
+        # Such surfaces have no texels of their own.
+        glow = np.array([constant_of(material.emission)])
+        if material.emission.texture is not None:
+            glow = glow * texels(material.emission).mean(axis=(0, 1))
+        surface = {"metallicFactor": 0.0, "baseColorFactor": [*shown(glow)[0].tolist(), 1.0]}
+    if material.two_sided and not part.one_of_two:
+        json["doubleSided"] = True
+    if material.opacity.texture is not None or constant_of(material.opacity)[0] < 1:
+        cutoff = material.alpha_cutoff
+        json |= {"alphaMode": "BLEND"} if cutoff is None else {"alphaMode": "MASK", "alphaCutoff": cutoff}
+    return json | {"pbrMetallicRoughness": surface}
+
+
+def _shine(lightmap: Lightmap) -> tuple[FloatArray, FloatArray]:
+    """Radiance (H, W, 3) and opacity (H, W) of all texels, gutters included."""
+    height, width = lightmap.irradiance.shape[:2]
+    size = np.array([width, height])
+    unwrapped = tuple(
+        Unwrapped(np.arange(len(uvs)), np.asarray(part.mesh.triangles), uvs * size, np.zeros(len(uvs), np.int64))
+        for part in lightmap.parts
+        if (uvs := part.lightmap_uvs) is not None
+    )
+    corners = corners_of([part.mesh for part in lightmap.parts], Atlas(width, height, unwrapped, ""))
+    found = rasterize(corners, width, height)
+    radiance, opacity = np.zeros((height, width, 3)), np.ones((height, width))
+    known = np.zeros((height, width), bool)
+    first = 0
+    for part in lightmap.parts:
+        count = len(part.mesh.triangles)
+        mine = np.flatnonzero((found.triangles >= first) & (found.triangles < first + count))
+        at = found.rows[mine], found.columns[mine]
+        shine, cover = _surface(part, found, mine, first, lightmap.irradiance[at])
+        radiance[at], opacity[at], known[at] = shine, cover, True
+        first += count
+    both, _ = dilate(np.concatenate((radiance, opacity[..., None]), axis=2), known, lightmap.gutter + 1)
+    return both[..., :3], np.where(known, opacity, 1.0)
+
+
+def _surface(
+    part: Part, found: Texels, mine: np.ndarray, first: int, irradiance: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Radiance (N, 3) and opacity (N,) of some texels of one part."""
+    mesh, material = part.mesh, as_metallic_roughness(part.mesh.material)
+    corners = np.asarray(mesh.triangles)[found.triangles[mine] - first]
+
+    def at_texels(values: FloatArray | None, width: int) -> FloatArray:
+        if values is None:
+            return np.zeros((len(mine), width))
+        blended: FloatArray = np.einsum("ni,nij->nj", found.weights[mine], np.asarray(values, np.float64)[corners])
+        return blended
+
+    uvs = [at_texels(values, 2) for values in (mesh.uvs, mesh.uvs2)]
+    albedo = evaluate(material.parameters.get("base_color", DEFAULTS["base_color"]), uvs)
+    cover = evaluate(material.opacity, uvs)[:, 0]
+    if material.vertex_colors and mesh.colors is not None:
+        colors = at_texels(mesh.colors, 4)
+        albedo, cover = albedo * colors[:, :3], cover * colors[:, 3]
+    shine = albedo / np.pi * irradiance
+    return (shine if material.emission is None else shine + evaluate(material.emission, uvs)), np.clip(cover, 0, 1)
+
+
+def evaluate(value: Value, uvs: list[FloatArray]) -> FloatArray:
+    """(N, 3): a parameter at texture coordinates, of which `uvs` holds both sets, (N, 2) each."""
+    constant = np.broadcast_to(np.array(constant_of(value)), (len(uvs[0]), 3))
+    if value.texture is None:
+        return constant
+    matrix = np.array(value.uv_transform)
+    places = uvs[value.uv_set] @ matrix[:, :2].T + matrix[:, 2]
+    image = texels(value)
+    height, width = image.shape[:2]
+    x, y = places[:, 0] * width - 0.5, places[:, 1] * height - 0.5
+    if value.texture.filter == "nearest":
+        x, y = np.rint(x), np.rint(y)
+    i, j = np.floor(x).astype(np.int64), np.floor(y).astype(np.int64)
+    total = np.zeros((len(places), image.shape[2]))
+    for dx, dy in ((0, 0), (1, 0), (0, 1), (1, 1)):
+        weight = np.where(dx, x - i, 1 - (x - i)) * np.where(dy, y - j, 1 - (y - j))
+        column = _wrapped(i + dx, width, value.texture.wrap_u)
+        row = _wrapped(j + dy, height, value.texture.wrap_v)
+        total += weight[:, None] * image[row, column]
+    return constant * total
+
+
+def _wrapped(index: Ints, size: int, how: str) -> Ints:
+    if how == "clamp":
+        return np.clip(index, 0, size - 1)
+    if how == "mirror":
+        back = index % (2 * size)
+        return np.minimum(back, 2 * size - 1 - back)
+    return index % size
+
+
+def _scale(radiance: FloatArray) -> float:
+    largest = radiance.max(axis=2)
+    lit = largest[largest > 0]
+    return 1 / float(np.quantile(lit, WHITE)) if len(lit) else 1.0
