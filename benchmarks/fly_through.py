@@ -92,8 +92,10 @@ def _misses(images: list[Image]) -> float:
 
 def _traced(images: list[Image]) -> float:
     """Of what pixels see of gloss, the part that was traced."""
-    cached, traced = (sum(float(i.layers[n].mean()) for i in images) for n in ("gloss_cached", "gloss_traced"))
-    return traced / (cached + traced) if cached + traced > 0 else 0.0
+    names = "gloss_cached", "gloss_traced"
+    traced = sum(float(i.layers["gloss_traced"].mean()) for i in images)
+    glossy = sum(float(np.maximum(*(i.layers[n] for n in names)).mean()) for i in images)
+    return traced / glossy if glossy > 0 else 0.0
 
 
 def calm_pixels(image: Image, emitted: Image) -> NDArray[np.bool_]:

@@ -99,10 +99,11 @@ def _of_peer(peer: Worker, level: int, scene: Scene) -> Image:
 
 
 def _part_cached(scene: Scene, shared: dict[str, Any]) -> float:
-    """Of the pixels that see gloss, as far as their gloss is read from records."""
+    """Of the pixels that see gloss, as far as some of their gloss is read from records."""
     layers = _picture(eclat.RadianceCache(), 1, shared, scene).layers
-    cached, traced = (float(layers[name].mean()) for name in ("gloss_cached", "gloss_traced"))
-    return cached / (cached + traced) if cached + traced > 0 else 0.0
+    cached, traced = (layers[name] for name in ("gloss_cached", "gloss_traced"))
+    glossy = float(np.maximum(cached, traced).mean())
+    return float(cached.mean()) / glossy if glossy > 0 else 0.0
 
 
 def tables(result: dict[str, Any]) -> str:

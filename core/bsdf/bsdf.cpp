@@ -43,6 +43,16 @@ void Bsdf::add(const Lobe& lobe, Color weight) {
     is_lambertian_ = count_ == 1 && lambertian;
 }
 
+void Bsdf::set_cached(int i, float share) {
+    if (!(share > 0)) return;
+    Entry& entry = entries_[size_t(i)];
+    if (share < 1) {
+        add(entry.lobe, entry.weight * (1 - share));
+        entry.weight *= share;
+    }
+    cached_ |= Mask(1) << i;
+}
+
 void Bsdf::append(const Bsdf& other, float weight) {
     for (int i = 0; i < other.count_; ++i)
         add(other.entries_[size_t(i)].lobe, other.entries_[size_t(i)].weight * weight);

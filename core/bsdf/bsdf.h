@@ -46,9 +46,10 @@ class Bsdf {
     int count() const { return count_; }
     const Lobe& lobe(int i) const { return entries_[size_t(i)].lobe; }
     Color weight(int i) const { return entries_[size_t(i)].weight; }
-    /// Marks all of a set as given by a cache, or the lobes i whose bits are set.
+    /// Marks all of a set as given by a cache.
     void set_cached(LobeSet set) { cached_ |= members(set); }
-    void set_cached_bits(uint32_t lobes) { cached_ |= static_cast<Mask>(lobes); }
+    /// … a part of lobe i, of 0..1; what is left becomes another lobe.
+    void set_cached(int i, float share);
     bool has(LobeSet set) const { return members(set) != 0; }
     bool has_uncached_gloss() const { return (members(LobeSet::glossy) & ~cached_) != 0; }
     bool has_uncached_rough_gloss() const { return (members(LobeSet::glossy) & ~cached_ & ~delta_) != 0; }

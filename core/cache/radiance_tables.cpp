@@ -113,26 +113,50 @@ LobeTable::LobeTable(const BrdfTable& table, const HemisphereFit& fit)
         const double lambertian = 1.5 * pi_double;
         widths_.push_back(float(energy > 0 ? std::sqrt(albedo * albedo / energy / lambertian) : 0));
     }
+    shares_ = shares_of_nodes();
 }
 
-bool LobeTable::add(Vec3 wo, float alpha, const Color* colors, ReflectedFactors& out) const {
+// The part grows with the number of nodes to the nearest that is not cached.
+std::vector<float> LobeTable::shares_of_nodes() const {
+    constexpr int ramp = 4;
+    const auto directions = static_cast<int>(grid_.directions());
+    const int rows = grid_.isotropic() ? 1 : static_cast<int>(std::lround(std::sqrt(float(directions))));
+    const int columns = directions / rows;
+    std::vector<float> out(orders_.size());
+    for (size_t i = 0; i < out.size(); ++i) {
+        const int lobe = static_cast<int>(i) / directions, at = static_cast<int>(i) % directions;
+        int nearest = ramp;
+        for (int dy = -ramp; dy <= ramp; ++dy)
+            for (int dx = -ramp; dx <= ramp; ++dx) {
+                const int y = at / columns + dy, x = at % columns + dx;
+                if (y < 0 || y >= rows || x < 0 || x >= columns) continue;
+                if (orders_[size_t(lobe * directions + y * columns + x)] == 0)
+                    nearest = std::min(nearest, std::max(std::abs(dx), std::abs(dy)));
+            }
+        out[i] = static_cast<float>(nearest) / ramp;
+    }
+    return out;
+}
+
+float LobeTable::share(Vec3 wo, float alpha) const {
+    float sum = 0;
+    for (const TableCorner& corner : grid_.around(wo, alpha)) sum += corner.weight * shares_[corner.node];
+    return sum;
+}
+
+void LobeTable::add(Vec3 wo, float alpha, float share, const Color* colors, ReflectedFactors& out) const {
     const TableCorners around = grid_.around(wo, alpha);
     // The order that would do says whether to cache; all that there is says what is reflected.
     const int order = order_;
     float width = 0;
-    for (const TableCorner& corner : around) {
-        if (corner.weight == 0) continue;
-        if (orders_[corner.node] == 0) return false;
-        width += corner.weight * widths_[corner.node];
-    }
-    if (around.empty()) return false;
+    for (const TableCorner& corner : around) width += corner.weight * widths_[corner.node];
     const bool isotropic = grid_.isotropic();
     const auto needed = size_t(isotropic ? polar_count(order) : coefficient_count(order));
     const auto all = size_t(coefficient_count(order));
     for (size_t channel = 0; channel < (out.grey ? 1 : 3); ++channel) {
         std::array<float, max_radiance_coefficients> c{};
         for (size_t t = 0; t < size_t(terms_); ++t) {
-            const float color = colors[t][int(channel)];
+            const float color = share * colors[t][int(channel)];
             if (color == 0) continue;
             for (const TableCorner& corner : around) {
                 const float scale = color * corner.weight;
@@ -173,7 +197,6 @@ bool LobeTable::add(Vec3 wo, float alpha, const Color* colors, ReflectedFactors&
     }
     out.order = std::max(out.order, order);
     out.width = std::min(out.width, width);
-    return true;
 }
 
 RadianceTables::Wanted RadianceTables::wanted(const std::vector<Material>& materials) {
@@ -244,7 +267,7 @@ bool RadianceTables::reflects(const Bsdf& bsdf, Vec3 wo) const {
 
 void RadianceTables::reflect(const Bsdf& bsdf, Vec3 wo, ReflectedFactors& out) const {
     out.order = 0;
-    out.lobes = 0;
+    out.shares.fill(0);
     out.width = 1;
     out.grey = true;
     out.albedo = Color();
@@ -269,8 +292,14 @@ void RadianceTables::reflect(const Bsdf& bsdf, Vec3 wo, ReflectedFactors& out) c
         }
         for (const Color& color : c.colors) out.grey = out.grey && color.r == color.g && color.g == color.b;
     }
-    for (size_t k = 0; k < count; ++k)
-        if (found[k].table->add(wo, found[k].alpha, found[k].colors.data(), out)) out.lobes |= 1u << found[k].lobe;
+    int room = Bsdf::capacity - bsdf.count();
+    for (size_t k = 0; k < count; ++k) {
+        float& share = out.shares[size_t(found[k].lobe)];
+        share = found[k].table->share(wo, found[k].alpha);
+        // What is left of a lobe becomes another.
+        if (share > 0 && share < 1 && room-- <= 0) share = std::round(share);
+        if (share > 0) found[k].table->add(wo, found[k].alpha, share, found[k].colors.data(), out);
+    }
     for (int channel = 0; channel < 3; ++channel) {
         const auto& f = out.factors[out.grey ? 0 : size_t(channel)];
         for (int l = 0; l < out.order; ++l)

@@ -30,13 +30,18 @@ constexpr size_t max_radiance_coefficients = size_t(max_radiance_order) * max_ra
 
 /// What the lobes of a point that may be cached reflect towards one direction.
 struct ReflectedFactors {
-    int order = 0;       // 0: there is nothing to cache
-    float width = 1;     // of the narrowest of the lobes
-    uint32_t lobes = 0;  // bit i for lobe i of the BSDF
-    bool grey = true;    // only the first channel's factors are given
-    Color albedo;        // under uniform light
+    int order = 0;                             // 0: there is nothing to cache
+    float width = 1;                           // of the narrowest of the lobes
+    bool grey = true;                          // only the first channel's factors are given
+    Color albedo;                              // under uniform light
+    std::array<float, Bsdf::capacity> shares;  // of each lobe of the BSDF, 0 where it is not to be cached
     std::array<std::array<float, max_radiance_coefficients>, 3> factors;
 };
+
+/// Of each lobe what its factors hold is marked as given by a cache.
+inline void set_cached(Bsdf& bsdf, const ReflectedFactors& factors) {
+    for (int i = 0, count = bsdf.count(); i < count; ++i) bsdf.set_cached(i, factors.shares[size_t(i)]);
+}
 
 /// One table in the orthonormal basis.
 class LobeTable {
@@ -47,17 +52,21 @@ class LobeTable {
     bool over_roughness() const { return lobes_.size() > 1; }
     int terms() const { return terms_; }
 
-    /// Adds `colors[t]` times term t to the factors of each channel, for wo.z > 0 in the lobe's frame. False where the lobe
-    /// is not to be cached; then nothing is added.
-    bool add(Vec3 wo, float alpha, const Color* colors, ReflectedFactors& out) const;
+    /// What part of the lobe is to be cached for wo.z > 0 in its frame: all or nothing but near the border between them, which
+    /// would show as a seam, since the one is smooth and a little wrong, the other noisy.
+    float share(Vec3 wo, float alpha) const;
+    /// Adds `share` times `colors[t]` times term t to the factors of each channel.
+    void add(Vec3 wo, float alpha, float share, const Color* colors, ReflectedFactors& out) const;
 
   private:
+    std::vector<float> shares_of_nodes() const;
+
     std::vector<TableLobe> lobes_;
     TableGrid grid_;
     int order_, terms_;
     size_t count_;  // floats of a term
     std::vector<uint8_t> orders_;
-    std::vector<float> widths_, coefficients_;
+    std::vector<float> widths_, coefficients_, shares_;
 };
 
 class RadianceTables {

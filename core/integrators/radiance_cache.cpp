@@ -56,7 +56,7 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
             tables.reflect(point.bsdf, vertex.wo, factors);
             if (factors.order > 0 && within_tilt(point)) {
                 found.push_back(candidate_for(vertex.candidate(), point, vertex.wo, factors, cache));
-                point.bsdf.set_cached_bits(factors.lobes);
+                set_cached(point.bsdf, factors);
             }
             point.bsdf.set_cached(LobeSet::diffuse);
             return LobeSet::uncached;
@@ -157,7 +157,7 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
         if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
         ReflectedFactors factors;
         tables.reflect(point.bsdf, wo, factors);
-        point.bsdf.set_cached_bits(factors.lobes);
+        set_cached(point.bsdf, factors);
     };
     solve_irradiance_cache(world, camera, options.irradiance, caches, progress, before_near, mark);
     caches.tables = nullptr;

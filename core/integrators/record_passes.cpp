@@ -128,7 +128,7 @@ CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables&
         if (factors.order == 0) return {};
         const auto reflected = cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors);
         if (!reflected) return {};
-        point.bsdf.set_cached_bits(factors.lobes);
+        set_cached(point.bsdf, factors);
         return *reflected;
     };
 }

@@ -128,7 +128,40 @@ TEST_CASE("narrow lobes and mirrors have no factors, wide ones name themselves")
     CHECK(!reflects(5, {1, 0, 0.3f}));
     ReflectedFactors factors;
     tables.reflect(make_bsdf(all, 0, {}, false), {0, 0, 1}, factors);
-    CHECK(factors.lobes == 2);  // after the diffuse one
+    CHECK(factors.shares[0] == 0);
+    CHECK(factors.shares[1] == 1);  // after the diffuse one
+}
+
+TEST_CASE("from what is cached to what is traced a lobe is divided without a step, and nothing of it is lost") {
+    std::vector<Material> all{
+        make(MaterialKind::conductor, {constant(0), constant(1), constant(0.8f), constant(0.3f), constant(0.3f)})};
+    all[0].prepare(all);
+    const auto made = make_tables(all, 0.4);
+    const RadianceTables tables(all, pointers(made), order);
+    const Vec3 wi = normalize(Vec3{0.3f, -0.2f, 0.8f});
+    float before = 1;
+    int divided = 0;
+    for (int i = 0; i <= 200; ++i) {
+        const float theta = static_cast<float>(i) / 200 * 0.49f * pi;
+        const Vec3 wo{std::sin(theta), 0, std::cos(theta)};
+        Bsdf bsdf = make_bsdf(all, 0, {}, false);
+        const Color whole = bsdf.eval(wo, wi, LobeSet::all).f;
+        ReflectedFactors factors;
+        tables.reflect(bsdf, wo, factors);
+        const float share = factors.shares[0];
+        CHECK(std::fabs(share - before) < 0.1f);
+        CHECK((factors.order > 0) == (share > 0));
+        // Each part is what it is called.
+        set_cached(bsdf, factors);
+        CHECK(bsdf.eval(wo, wi, LobeSet::cached).f.g == doctest::Approx(share * whole.g));
+        CHECK(bsdf.eval(wo, wi, LobeSet::uncached).f.g == doctest::Approx((1 - share) * whole.g));
+        if (share > 0)
+            CHECK(double(factors.albedo.g) == doctest::Approx(double(share * bsdf.albedo(wo).g)).epsilon(0.1));
+        divided += share > 0 && share < 1;
+        before = share;
+    }
+    CHECK(divided > 5);
+    CHECK(before == 0);  // grazing
 }
 
 TEST_CASE("a lambertian lobe has width 1, narrower ones less") {
@@ -143,7 +176,9 @@ TEST_CASE("a lambertian lobe has width 1, narrower ones less") {
         const BrdfTable table({{TableLobe::Kind::phong, exponent, exponent}}, options, progress);
         ReflectedFactors factors;
         const Color white[3] = {Color(1), Color(), Color()};
-        REQUIRE(LobeTable(table, fit).add({0, 0, 1}, 0, white, factors));
+        const LobeTable lobe(table, fit);
+        REQUIRE(lobe.share({0, 0, 1}, 0) == 1);
+        lobe.add({0, 0, 1}, 0, 1, white, factors);
         // ∫ (cosⁿ⁺¹)ᵏ: a² / energy = 2π (2n + 3) / (n + 2)², over 3π/2.
         const double n = double(exponent);
         CHECK(double(factors.width) ==
