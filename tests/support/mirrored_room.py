@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """A glTF file with what is easily baked wrong: mirrored and stretched instances, two texture coordinate sets in use,
-vertex colours, a smooth surface of many charts, a thin wall seen from both sides."""
+vertex colours, smooth surfaces, a sheet seen from behind, a sheet with holes."""
 
 from __future__ import annotations
 
@@ -28,7 +28,9 @@ def save_mirrored_room(folder: Path, name: str = "mirrored.glb") -> Path:
     tiles = _diffuse(file, "tiles", (0.8, 0.8, 0.8), checks)
     lamp = _diffuse(file, "lamp", (0.5, 0.5, 0.5)) | {"emissiveFactor": [1, 0.9, 0.75], "doubleSided": False}
     lamp["extensions"]["KHR_materials_emissive_strength"] = {"emissiveStrength": 12.0}
-    for material in (white, red, tinted, tiles, lamp):
+    holes = file.texture(_holes(), magFilter=9729, minFilter=9729)
+    grid = _diffuse(file, "grid", (0.7, 0.68, 0.65), holes, texture_set=0) | {"alphaMode": "MASK", "alphaCutoff": 0.5}
+    for material in (white, red, tinted, tiles, lamp, grid):
         file.append("materials", material)
     number = {material["name"]: i for i, material in enumerate(file.json["materials"])}
 
@@ -67,9 +69,11 @@ def save_mirrored_room(folder: Path, name: str = "mirrored.glb") -> Path:
     file.append("nodes", {"mesh": balls, "translation": [-0.95, 0.45, -0.35], "scale": [0.45] * 3})
     file.append("nodes", {"mesh": balls, "translation": [0.9, 0.5, -0.2], "scale": [-0.35, 0.5, 0.35]})
 
-    # One sheet between lamp and back wall, lit on one side.
-    screen = Solid(np.array([[0.5, 0.9, -0.9], [1.9, 0.9, -0.9], [1.9, 2.1, -0.9], [0.5, 2.1, -0.9]]), sheet.triangles)
-    file.mesh_node(_solid(file, screen, number["white"]))
+    # Sheets before the back wall: one turns its back to the camera, one has holes.
+    screen = np.array([[0.5, 0.9, -0.9], [1.9, 0.9, -0.9], [1.9, 2.1, -0.9], [0.5, 2.1, -0.9]])
+    file.mesh_node(_solid(file, Solid(screen, sheet.triangles[:, ::-1]), number["white"]))
+    perforated = Solid(screen * [-1, 1, 1], sheet.triangles[:, ::-1])
+    file.mesh_node(_solid(file, perforated, number["grid"], TEXCOORD_0=square / [4, 3]))
 
     lens = {"yfov": math.radians(62), "znear": 0.01, "aspectRatio": 4 / 3}
     camera = file.append("cameras", {"type": "perspective", "perspective": lens})
@@ -82,11 +86,11 @@ def save_mirrored_room(folder: Path, name: str = "mirrored.glb") -> Path:
 
 
 def _diffuse(
-    file: GltfFile, name: str, color: tuple[float, float, float], texture: int | None = None
+    file: GltfFile, name: str, color: tuple[float, float, float], texture: int | None = None, texture_set: int = 1
 ) -> dict[str, Any]:
     surface: dict[str, Any] = {"baseColorFactor": [*color, 1], "metallicFactor": 0, "roughnessFactor": 1}
     if texture is not None:
-        surface["baseColorTexture"] = {"index": texture, "texCoord": 1}
+        surface["baseColorTexture"] = {"index": texture, "texCoord": texture_set}
     # Without the dielectric's reflection what is left is diffuse.
     no_gloss = {"KHR_materials_specular": {"specularFactor": 0}}
     return {"name": name, "pbrMetallicRoughness": surface, "extensions": no_gloss, "doubleSided": True}
@@ -108,3 +112,12 @@ def _checks() -> np.ndarray:
     checks = np.where(((rows + columns) % 2 == 0)[..., None], (230, 225, 215), (120, 110, 100)).astype(np.uint8)
     checks[4:, :4] = (90, 110, 160)
     return checks
+
+
+def _holes() -> np.ndarray:
+    """(8, 8, 4): white, with four places of no opacity, one of them smaller."""
+    holes = np.full((8, 8, 4), 255, np.uint8)
+    for row, column in ((1, 1), (1, 5), (5, 1)):
+        holes[row : row + 2, column : column + 2, 3] = 0
+    holes[5, 5, 3] = 0
+    return holes
