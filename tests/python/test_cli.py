@@ -395,6 +395,37 @@ def test_irradiance_into_files(capsys: Output) -> None:
     assert capsys.readouterr().out.startswith("e.npy: 1 points, ")
 
 
+BAKE = ["bake", "cornell-box", "--method", "path", "--samples", "4", "--texel-size", "0.2"]
+
+
+def test_bake_writes_a_scene_and_what_its_light_map_means(capsys: Output) -> None:
+    assert main(BAKE) == 0
+    assert capsys.readouterr().out.startswith("cornell-box_lit.glb: ")
+    files = [Path(f"cornell-box_lit.{end}") for end in ("glb", "lightmap.exr", "lightmap.json")]
+    assert all(file.exists() for file in files)
+    assert json.loads(files[2].read_text())["method"] == "path"
+    assert main([*BAKE, "--flatten", "--json"]) == 0
+    assert json.loads(capsys.readouterr().out.splitlines()[-1])["file"] == "cornell-box_flat.glb"
+    assert sorted(path.name for path in Path().glob("*flat*")) == ["cornell-box_flat.glb"]
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ("-o room.gltf", "room.gltf: expected a name that ends in .glb"),
+        ("-o nowhere/room.glb", "nowhere/room.glb: cannot be written: the folder"),
+        ("--exposure 1", "--exposure: expected --flatten beside it"),
+        ("--texel-size 0.00001", "m fits"),
+        ("--sides back", "--sides: expected one of auto, front, both, got 'back'"),
+        ("--cache room.npz", "--cache: expected no --method and no --set beside it"),
+    ],
+)
+def test_mistakes_when_baking(flags: str, message: str, capsys: Output) -> None:
+    assert main([*BAKE, *flags.split()]) == 2
+    assert message in errors(capsys)
+    assert not list(Path().iterdir())
+
+
 # A shell gives its background jobs an ignored SIGINT; a terminal does not, and it is the terminal that is tested.
 RUN_MAIN = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
@@ -416,6 +447,22 @@ def test_the_package_runs_as_a_module() -> None:
         [sys.executable, "-m", "eclat", "scene"], env=os.environ | {"PYTHONPATH": PATHS}, capture_output=True, text=True
     )
     assert run.returncode == 2 and "scenes" in run.stderr
+
+
+def test_ctrl_c_while_baking_leaves_the_output() -> None:
+    Path("cornell-box_lit.glb").write_bytes(b"old")
+    with start(
+        ["bake", "cornell-box", "--json", "--method", "path", "--samples", "100000", "--texel-size", "0.1"]
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if json.loads(line).get("phase") == "irradiance":
+                break
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=20)
+    assert process.returncode == 130 and "interrupted" in complaint
+    assert [path.name for path in Path().iterdir()] == ["cornell-box_lit.glb"]
+    assert Path("cornell-box_lit.glb").read_bytes() == b"old"
 
 
 @pytest.mark.parametrize("phase", ["solve", "render"])

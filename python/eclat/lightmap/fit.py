@@ -8,7 +8,8 @@ Viewers read the map by bilinear lookups, B(x; p) at place p of the texel values
 
 with Eₖ gathered for texel k at place pₖ. The first sum matters where pₖ is not the texel's centre, which lies outside the
 surface: the texel becomes what makes the lookup at its border right. The second keeps the solution unique and near what
-was gathered. The third joins the two sides of each seam. The normal equations are solved by conjugate gradients.
+was gathered. The third joins the two sides of each seam [Iwanicki13]. The normal equations are solved by conjugate
+gradients [Hestenes52].
 """
 
 from __future__ import annotations
