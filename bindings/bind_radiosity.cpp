@@ -82,8 +82,8 @@ auto solve(const CoreScene& scene, Progress& progress, float patch_size, size_t 
         for (const Vec3& c : corners)
             for (int k = 0; k < 3; ++k) *data++ = c[k];
     });
-    const std::array<double, 4> numbers{double(solved.links), double(solved.sweeps), double(solved.residual),
-                                        double(solved.closure_error)};
+    const std::array<double, 5> numbers{double(solved.links), double(solved.sweeps), double(solved.residual),
+                                        double(solved.closure_error), double(solved.tolerance)};
     return std::make_tuple(names_of(solved.patches), values_of(solved.patches), std::move(placed), numbers);
 }
 

@@ -51,18 +51,6 @@ Vec3 point_of(const PatchNode& patch, float a, float b) {
     return patch.corner[0] * (1 - a - b) + patch.corner[1] * a + patch.corner[2] * b;
 }
 
-/// The triangle or part at which a walk from a cluster ends that takes each child by its share of the area.
-const PatchNode& choose_part(const PatchTree& tree, uint32_t node, float u) {
-    while (tree[node].is_cluster()) {
-        const uint32_t child = tree[node].child;
-        const float first = tree[child].area / tree[node].area;
-        const bool second = u >= first;
-        u = clamp(second ? (u - first) / (1 - first) : u / first, 0, 0x1.fffffep-1f);
-        node = child + second;
-    }
-    return tree[node];
-}
-
 bool looks_towards(const PatchNode& a, const PatchNode& b) {
     const Vec3 between = b.center - a.center;
     const float d2 = length_squared(between), reach = a.radius + b.radius;
@@ -117,13 +105,46 @@ float PointPair::kernel() const {
     return cos_x > 0 && cos_y > 0 ? cos_x * cos_y * inv_pi / sqr(d2) : 0;
 }
 
-PointPair sample_pair(const PatchTree& tree, uint32_t a, uint32_t b, uint32_t seed, uint32_t index, uint32_t count) {
+float PointPair::smooth_kernel() const {
+    return on_x->area <= on_y->area ? point_to_patch(x, normal_x, *on_y) / on_y->area
+                                    : point_to_patch(y, normal_y, *on_x) / on_x->area;
+}
+
+ExposedParts::ExposedParts(const PatchTree& tree, std::span<const PatchSurface> surfaces)
+    : tree_(tree), surfaces_(surfaces), parts_(tree.nodes().size()) {
+    for (auto i = static_cast<uint32_t>(parts_.size()); i-- > 0;) {
+        const PatchNode& n = tree[i];
+        if (!n.is_leaf()) {
+            parts_[i] = {n.child, parts_[n.child].area + parts_[n.child + 1].area};
+        } else {
+            const float share = surfaces.empty() ? 1 : surfaces[i].unknown() ? 0 : surfaces[i].exposed;
+            parts_[i] = {no_node, n.area * share};
+        }
+    }
+}
+
+PointPair ExposedParts::sample_pair(uint32_t a, uint32_t b, uint32_t seed, uint32_t index, uint32_t count) const {
+    struct Point {
+        Vec3 position;
+        const PatchNode* on;
+    };
+    // A walk down the tree that takes each half by its share; what is left random of `u` then chooses a point of a list.
+    const auto point_on = [this](uint32_t node, float u, Vec2 at) {
+        while (parts_[node].child != no_node) {
+            const uint32_t child = parts_[node].child;
+            const float first = parts_[child].area / (parts_[child].area + parts_[child + 1].area);
+            const bool second = u >= first;
+            u = clamp(second ? (u - first) / (1 - first) : u / first, 0, 0x1.fffffep-1f);
+            node = child + second;
+        }
+        const Vec2 anywhere = square_to_triangle(at);
+        const Vec2 exposed = surfaces_.empty() ? anywhere : surfaces_[node].exposed_point(anywhere, u);
+        return Point{tree_[node].point(exposed), &tree_[node]};
+    };
     Sampler sampler(seed, hash(a, b, count), index);
     const Vec2 u = sampler.next_2d(), v = sampler.next_2d(), parts = sampler.next_2d();
-    const PatchNode& p = choose_part(tree, a, parts.x);
-    const PatchNode& q = choose_part(tree, b, parts.y);
-    const Vec2 on_p = square_to_triangle(u), on_q = square_to_triangle(v);
-    return {point_of(p, on_p.x, on_p.y), p.normal, point_of(q, on_q.x, on_q.y), q.normal};
+    const Point p = point_on(a, parts.x, u), q = point_on(b, parts.y, v);
+    return {p.position, p.on->normal, q.position, q.on->normal, p.on, q.on};
 }
 
 bool may_see(const PatchNode& a, const PatchNode& b) { return looks_towards(a, b) && looks_towards(b, a); }

@@ -30,6 +30,9 @@ constexpr float shortening = 1 - 0x1p-13f;
 // is anywhere between nothing and all.
 constexpr float partly_hidden = 0.3f;
 
+// Of what the least sender has, relative: less counts as no light.
+constexpr float unlit = 1e-3f;
+
 // Rays that ask what stands between: few where little is carried.
 constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
 
@@ -41,9 +44,14 @@ struct Pair {
 
 class Refiner {
   public:
-    Refiner(const World& world, const PatchTree& tree, std::span<const float> radiosity, const LinkOptions& options,
-            Progress& progress)
-        : world_(world), tree_(tree), radiosity_(radiosity), options_(options), progress_(progress) {}
+    Refiner(const World& world, const PatchTree& tree, const ExposedParts& exposed, std::span<const float> radiosity,
+            const LinkOptions& options, Progress& progress)
+        : world_(world),
+          tree_(tree),
+          exposed_(exposed),
+          radiosity_(radiosity),
+          options_(options),
+          progress_(progress) {}
 
     struct Decided {
         std::vector<Link> kept, next;
@@ -56,12 +64,15 @@ class Refiner {
                 divide_self(link.a, out.next);
                 continue;
             }
-            if (!may_see(tree_[link.a], tree_[link.b])) continue;
+            if (!exposed_.any(link.a) || !exposed_.any(link.b) || !may_see(tree_[link.a], tree_[link.b])) continue;
             const Pair pair = look_at(link);
-            const bool known = link.visibility >= 0;
-            const float hidden = known && partial(link.visibility) ? partly_hidden : 0;
-            if (pair.carried * (pair.uncertain + hidden) > options_.tolerance && divide(link, out.next)) continue;
-            known ? out.kept.push_back(link) : ask(link, pair);
+            const float weight = pair.carried / options_.tolerance;
+            if (link.visibility < 0) {
+                ask_or_divide(link, pair, weight, out.next);
+                continue;
+            }
+            const float unsure = pair.uncertain + (partial(link.visibility) ? partly_hidden : 0);
+            if (!(weight * unsure > 1 && divide(link, out.next))) out.kept.push_back(link);
         }
         trace(out);
         return out;
@@ -76,8 +87,15 @@ class Refiner {
 
     static bool partial(float visibility) { return visibility > 0 && visibility < 1; }
 
+    void ask_or_divide(const Link& link, const Pair& pair, float weight, std::vector<Link>& next) {
+        const bool ends = tree_[link.a].ends_links && tree_[link.b].ends_links;
+        const uint32_t rays = weight < 0.5f ? least_rays : ends && weight > 4 ? most_rays : usual_rays;
+        if (weight * pair.uncertain > 1 && divide(link, next)) return;
+        ask(link, pair, rays);
+    }
+
     void divide_self(uint32_t node, std::vector<Link>& next) const {
-        if (!tree_[node].is_cluster()) return;  // flat
+        if (tree_[node].ends_links || !tree_[node].is_cluster()) return;  // flat, or about
         const uint32_t child = tree_[node].child;
         next.push_back({child, child});
         next.push_back({child, child + 1});
@@ -87,8 +105,8 @@ class Refiner {
     /// Into links of the halves of the larger node, or of the other where that has none.
     bool divide(const Link& link, std::vector<Link>& next) const {
         const PatchNode &a = tree_[link.a], &b = tree_[link.b];
-        if (a.is_leaf() && b.is_leaf()) return false;
-        const bool at_a = b.is_leaf() || (!a.is_leaf() && a.radius >= b.radius);
+        if (a.ends_links && b.ends_links) return false;
+        const bool at_a = b.ends_links || (!a.ends_links && a.radius >= b.radius);
         for (const uint32_t half : {0u, 1u})
             next.push_back(at_a ? Link{a.child + half, link.b} : Link{link.a, b.child + half});
         return true;
@@ -107,9 +125,12 @@ class Refiner {
         Pair pair;
         pair.near = d2 > 0 ? std::min(1.0f, reach / std::sqrt(d2)) : 1;
         pair.uncertain = std::min(1.0f, pair.near + 0.5f * (a.cone + b.cone));
+        // Where neither end has light, as inside of solids, nothing matters.
+        const bool dark = std::max(radiosity_[link.a], radiosity_[link.b]) < unlit * options_.least_sender;
+        const float least = dark ? 0 : options_.least_sender;
         const auto sent = [&](uint32_t from, const PatchNode& sender) {
             const float form_factor = cos_a * cos_b * sender.area / (pi * d2 + sender.area);
-            return std::max(radiosity_[from], options_.least_sender) * form_factor;
+            return std::max(radiosity_[from], least) * form_factor;
         };
         pair.carried = std::max(sent(link.a, a), sent(link.b, b));
         return pair;
@@ -120,16 +141,12 @@ class Refiner {
         return std::cos(std::max(0.0f, std::acos(clamp(cosine, -1, 1)) - slack));
     }
 
-    void ask(const Link& link, const Pair& pair) {
-        const PatchNode &a = tree_[link.a], &b = tree_[link.b];
-        const float weight = pair.carried / options_.tolerance;
-        const uint32_t count = weight < 0.5f                              ? least_rays
-                               : a.is_leaf() && b.is_leaf() && weight > 4 ? most_rays
-                                                                          : usual_rays;
+    void ask(const Link& link, const Pair& pair, uint32_t count) {
+        const bool near_clusters = pair.near > 0.1f && (tree_[link.a].is_cluster() || tree_[link.b].is_cluster());
         const size_t first = rays_.size();
         for (uint32_t i = 0; i < count; ++i) {
-            const PointPair points = sample_pair(tree_, link.a, link.b, options_.seed, i, count);
-            const float kernel = points.kernel();
+            const PointPair points = exposed_.sample_pair(link.a, link.b, options_.seed, i, count);
+            const float kernel = near_clusters ? points.smooth_kernel() : points.kernel();
             if (!(kernel > 0)) continue;
             rays_.push_back(ray_between(points));
             kernels_.push_back(kernel);
@@ -153,9 +170,8 @@ class Refiner {
             const size_t end = i + 1 < asked_.size() ? asked_[i + 1].first_ray : rays_.size();
             measure(asked, end);
             Link& link = asked.link;
-            if (partial(link.visibility) &&
-                asked.pair.carried * (asked.pair.uncertain + partly_hidden) > options_.tolerance &&
-                divide(link, out.next))
+            const float unsure = asked.pair.uncertain + partly_hidden;
+            if (partial(link.visibility) && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next))
                 continue;
             out.kept.push_back(link);
         }
@@ -184,6 +200,7 @@ class Refiner {
 
     const World& world_;
     const PatchTree& tree_;
+    const ExposedParts& exposed_;
     std::span<const float> radiosity_;
     const LinkOptions& options_;
     Progress& progress_;
@@ -199,17 +216,23 @@ std::vector<Link> first_links(const PatchTree& tree) {
     return tree.nodes().empty() ? std::vector<Link>{} : std::vector<Link>{{0, 0}};
 }
 
-void refine_links(const World& world, const PatchTree& tree, std::span<const float> radiosity,
-                  const LinkOptions& options, std::vector<Link>& links, Progress& progress) {
+float refine_links(const World& world, const PatchTree& tree, std::span<const PatchSurface> surfaces,
+                   std::span<const float> radiosity, const LinkOptions& options, std::vector<Link>& links,
+                   Progress& progress) {
+    LinkOptions now = options;
+    const ExposedParts exposed(tree, surfaces);
     std::vector<Link> kept, pending = std::move(links);
     while (!pending.empty()) {
+        const double crowd = static_cast<double>(kept.size() + pending.size()) / static_cast<double>(options.most);
+        if (crowd > 1)
+            now.tolerance = std::max(now.tolerance, options.tolerance * static_cast<float>(crowd * crowd * crowd));
         const size_t blocks = (pending.size() + block - 1) / block;
         progress.begin(blocks);
         const auto decided = parallel_map<Refiner::Decided>(blocks, options.threads, [&](size_t i) {
             progress.check();
             const size_t begin = i * block;
             const std::span<const Link> some(pending.data() + begin, std::min(block, pending.size() - begin));
-            auto out = Refiner(world, tree, radiosity, options, progress).decide(some);
+            auto out = Refiner(world, tree, exposed, radiosity, now, progress).decide(some);
             progress.advance();
             return out;
         });
@@ -220,6 +243,7 @@ void refine_links(const World& world, const PatchTree& tree, std::span<const flo
         }
     }
     links = std::move(kept);
+    return now.tolerance;
 }
 
 Exchanges::Exchanges(const PatchTree& tree, std::span<const Link> links) : first_(tree.nodes().size() + 1, 0) {

@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/progress.h"
-#include "radiosity/patches.h"
+#include "radiosity/patch_surfaces.h"
 #include "transport/world.h"
 
 namespace eclat {
@@ -23,8 +23,9 @@ struct Link {
 };
 
 struct LinkOptions {
-    float tolerance = 0;     // W m⁻² of irradiance that may be wrong by one link
-    float least_sender = 0;  // W m⁻²: no sender counts as darker, so that all form factors are known somewhat
+    float tolerance = 0;       // W m⁻² of irradiance that may be wrong by one link
+    float least_sender = 0;    // W m⁻²: no sender counts as darker, so that all form factors are known somewhat
+    size_t most = ~size_t(0);  // links, about: where there are more the tolerance grows with the cube of their number
     uint32_t seed = 0;
     int threads = 0;
 };
@@ -34,8 +35,10 @@ std::vector<Link> first_links(const PatchTree& tree);
 
 /// Replaces links by those of their halves where the light that they would carry from nodes of these radiosities, times what
 /// is not known about it, exceeds the tolerance. Links of patches that were divided since are refined further likewise.
-void refine_links(const World& world, const PatchTree& tree, std::span<const float> radiosity,
-                  const LinkOptions& options, std::vector<Link>& links, Progress& progress);
+/// `surfaces` has one a node, or none where all patches are exposed. Returns the tolerance that held in the end.
+float refine_links(const World& world, const PatchTree& tree, std::span<const PatchSurface> surfaces,
+                   std::span<const float> radiosity, const LinkOptions& options, std::vector<Link>& links,
+                   Progress& progress);
 
 /// Where each node's light is from.
 class Exchanges {

@@ -4,6 +4,7 @@
 #include "radiosity/patch_surfaces.h"
 
 #include <algorithm>
+#include <numeric>
 
 #include "base/parallel.h"
 #include "sampling/sampler.h"
@@ -15,8 +16,12 @@ namespace {
 
 constexpr uint32_t surface_stream = 61, light_stream = 62, closure_stream = 63;
 constexpr float shadow_shortening = 1 - 0x1p-13f;  // as in transport/paths.cpp
-constexpr uint32_t texture_samples = 16;
-constexpr float low_ray = 0.02f;        // height of rays along a patch, in units of its radius
+constexpr int texture_samples = 16;
+// Of the samples of a face cluster each side takes its share, but at least this part.
+constexpr float least_share = 1.0f / 8;
+constexpr float low_ray = 0.02f;  // height of rays along a patch, in units of its radius
+// Of a patch: where less than this is, its light is not known.
+constexpr float least_exposed = 0.1f;
 constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
 
 class PatchMeter {
@@ -26,9 +31,10 @@ class PatchMeter {
 
     PatchSurface measure(uint32_t patch) {
         PatchSurface out;
+        share_ = share_of_face(patch);
         look_at_material(patch, out);
-        gather_lights(patch, out);
         look_around(patch, out);
+        if (!out.unknown()) gather_lights(patch, out);
         return out;
     }
 
@@ -39,10 +45,12 @@ class PatchMeter {
                     static_cast<uint32_t>(name.path >> 32));
     }
 
-    Vec3 spread(const PatchNode& patch, Sampler& sampler) const {
-        const Vec2 b = square_to_triangle(sampler.next_2d());
-        return patch.corner[0] * (1 - b.x - b.y) + patch.corner[1] * b.x + patch.corner[2] * b.y;
+    float share_of_face(uint32_t patch) const {
+        uint32_t face = patch;
+        while (tree_[face].parent != no_node && tree_[tree_[face].parent].ends_links) face = tree_[face].parent;
+        return std::max(least_share, tree_[patch].area / tree_[face].area);
     }
+    int samples(int of_a_patch) const { return std::max(1, static_cast<int>(std::lround(share_ * of_a_patch))); }
 
     SurfacePoint bare(const PatchNode& patch, Vec3 position) const {
         SurfacePoint point;
@@ -60,9 +68,11 @@ class PatchMeter {
         const Frame frame = Frame::around(patch.normal);
         Color albedo, emitted;
         float opacity = 0;
-        for (uint32_t i = 0; i < texture_samples; ++i) {
-            Sampler sampler(options_.seed ^ hash(surface_stream), key(tree_.name(index)), i);
-            const Hit hit = hit_on_triangle(world_.geometry, patch.triangle, spread(patch, sampler));
+        const int count = samples(texture_samples);
+        for (int i = 0; i < count; ++i) {
+            Sampler sampler(options_.seed ^ hash(surface_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            const Hit hit =
+                hit_on_triangle(world_.geometry, patch.triangle, patch.point(square_to_triangle(sampler.next_2d())));
             const Vec3 wo = frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()));
             const SurfacePoint point = world_.geometry.surface_point(hit, wo);
             const Vec3 local = point.frame.to_local(wo);
@@ -70,7 +80,7 @@ class PatchMeter {
             if (emitter != not_emitting) emitted += world_.lights.emitted(emitter, {hit.u, hit.v}, patch.normal);
             opacity += opacity_at(material, world_.geometry.coordinates(patch.triangle, hit.u, hit.v));
         }
-        constexpr float each = 1.0f / texture_samples;
+        const float each = 1.0f / static_cast<float>(count);
         // Below 1: a patch that reflects everything may stand among others that do.
         out.albedo = min(albedo * each, Color(0.999f));
         out.emitted = emitted * (pi * each);
@@ -81,9 +91,11 @@ class PatchMeter {
         const PatchNode& patch = tree_[index];
         rays_.clear();
         contributions_.clear();
-        for (int i = 0; i < options_.light_samples; ++i) {
+        const int count = samples(options_.light_samples);
+        for (int i = 0; i < count; ++i) {
             Sampler sampler(options_.seed ^ hash(light_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
-            const SurfacePoint point = bare(patch, spread(patch, sampler));
+            const Vec2 anywhere = square_to_triangle(sampler.next_2d());
+            const SurfacePoint point = bare(patch, patch.point(out.exposed_point(anywhere, sampler.next_1d())));
             const float u = sampler.next_1d();
             const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d());
             const float cosine = dot(light.wi, patch.normal);
@@ -97,15 +109,18 @@ class PatchMeter {
         progress_.count_rays(rays_.size());
         for (size_t i = 0; i < rays_.size(); ++i)
             if (!hidden_[i]) out.lights += contributions_[i];
-        out.lights *= 1 / static_cast<float>(options_.light_samples);
+        out.lights *= 1 / static_cast<float>(count);
     }
 
     void look_around(uint32_t index, PatchSurface& out) {
         const PatchNode& patch = tree_[index];
         rays_.clear();
-        for (int i = 0; i < options_.closure_rays; ++i) {
+        std::vector<Vec2> where;
+        const int count = samples(options_.closure_rays);
+        for (int i = 0; i < count; ++i) {
             Sampler sampler(options_.seed ^ hash(closure_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
-            const SurfacePoint point = bare(patch, spread(patch, sampler));
+            where.push_back(square_to_triangle(sampler.next_2d()));
+            const SurfacePoint point = bare(patch, patch.point(where.back()));
             rays_.push_back(point.ray(point.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
         }
         hits_.resize(rays_.size());
@@ -113,54 +128,89 @@ class PatchMeter {
         progress_.count_rays(rays_.size());
         // Each ray starts at a point of its own. One that meets the back of a surface without any starts inside a solid.
         exposed_.clear();
-        int patches = 0;
         for (size_t i = 0; i < hits_.size(); ++i) {
             const uint32_t triangle = hits_[i].triangle;
-            if (!hits_[i].missed()) {
-                const bool back = dot(world_.geometry.geometric_normal(triangle), rays_[i].direction) > 0;
-                if (back && world_.geometry.has_no_back(triangle)) continue;
-                ++patches;
-            }
-            exposed_.push_back(rays_[i].origin);
+            const bool back =
+                !hits_[i].missed() && dot(world_.geometry.geometric_normal(triangle), rays_[i].direction) > 0;
+            if (back && world_.geometry.has_no_back(triangle)) continue;
+            exposed_.push_back({where[i], rays_[i].origin, !hits_[i].missed()});
         }
-        const auto exposed = static_cast<float>(exposed_.size());
-        out.exposed = exposed / static_cast<float>(rays_.size());
         out.cut = is_cut(patch);
-        if (out.unknown()) {
-            out.lights = Color();
-            return;
-        }
-        out.lights *= 1 / out.exposed;
-        out.closure = static_cast<float>(patches) / exposed;
+        if (out.cut) keep_largest_part(patch);
+        out.exposed = static_cast<float>(exposed_.size()) / static_cast<float>(count);
         // Of independent rays; stratified ones err less.
-        out.closure_error = 2 * std::sqrt(out.closure * (1 - out.closure) / exposed);
+        const auto met =
+            std::count_if(exposed_.begin(), exposed_.end(), [](const Exposed& e) { return e.meets_patch; });
+        out.closure = exposed_.empty() ? 0 : static_cast<float>(met) / static_cast<float>(exposed_.size());
+        out.closure_error = 2 * std::sqrt(out.closure * (1 - out.closure) / std::max(1.0f, out.exposed * count));
+        if (out.exposed == 1 || out.exposed < least_exposed) return;
+        for (const Exposed& e : exposed_) {
+            if (out.point_count == PatchSurface::most_points) break;
+            out.points[out.point_count++] = {static_cast<uint8_t>(e.where.x * 255),
+                                             static_cast<uint8_t>(e.where.y * 255)};
+        }
     }
 
-    /// Whether exposed points of the patch are hidden from each other, just above it.
+    /// Whether the points are hidden from each other, just above the patch: one half of them from the other, in pairs.
     bool is_cut(const PatchNode& patch) {
         rays_.clear();
         const size_t half = exposed_.size() / 2;
-        for (size_t i = 0; i < half; ++i) {
-            const Vec3 above = patch.normal * (low_ray * patch.radius);
-            const Vec3 to = exposed_[i + half] - exposed_[i];
-            const float distance = length(to);
-            if (distance > 0) rays_.push_back({exposed_[i] + above, 0, to / distance, distance});
-        }
-        hidden_.resize(rays_.size());
-        world_.geometry.rays().occluded(rays_, hidden_);
-        progress_.count_rays(rays_.size());
+        for (size_t i = 0; i < half; ++i) look_across(patch, i, i + half);
+        trace_across();
         return std::find(hidden_.begin(), hidden_.end(), 1) != hidden_.end();
     }
+
+    /// Points see each other directly or by way of others: keeps the most that do.
+    void keep_largest_part(const PatchNode& patch) {
+        rays_.clear();
+        const size_t n = exposed_.size();
+        for (size_t i = 0; i < n; ++i)
+            for (size_t j = i + 1; j < n; ++j) look_across(patch, i, j);
+        trace_across();
+        std::vector<size_t> part(n), size(n, 0);
+        std::iota(part.begin(), part.end(), size_t(0));
+        size_t ray = 0;
+        for (size_t i = 0; i < n; ++i)
+            for (size_t j = i + 1; j < n; ++j)
+                if (!hidden_[ray++])
+                    std::replace(part.begin(), part.end(), std::max(part[i], part[j]), std::min(part[i], part[j]));
+        for (const size_t p : part) ++size[p];
+        const auto largest = static_cast<size_t>(std::max_element(size.begin(), size.end()) - size.begin());
+        size_t kept = 0;
+        for (size_t i = 0; i < n; ++i)
+            if (part[i] == largest) exposed_[kept++] = exposed_[i];
+        exposed_.resize(kept);
+    }
+
+    void look_across(const PatchNode& patch, size_t from, size_t to) {
+        const Vec3 above = patch.normal * (low_ray * patch.radius),
+                   along = exposed_[to].position - exposed_[from].position;
+        const float distance = length(along);
+        rays_.push_back({exposed_[from].position + above, 0, distance > 0 ? along / distance : patch.normal, distance});
+    }
+
+    void trace_across() {
+        hidden_.assign(rays_.size(), 0);
+        world_.geometry.rays().occluded(rays_, hidden_);
+        progress_.count_rays(rays_.size());
+    }
+
+    struct Exposed {
+        Vec2 where;  // barycentric weights
+        Vec3 position;
+        bool meets_patch;  // its ray; the others end in the sky
+    };
 
     const World& world_;
     const PatchTree& tree_;
     const SurfaceOptions& options_;
     Progress& progress_;
+    float share_ = 1;  // of the samples that a patch takes
     std::vector<Ray> rays_;
     std::vector<Color> contributions_;
     std::vector<uint8_t> hidden_;
     std::vector<Hit> hits_;
-    std::vector<Vec3> exposed_;  // points of the patch
+    std::vector<Exposed> exposed_;  // points of the patch
 };
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include <array>
 #include <span>
 #include <vector>
 
@@ -22,12 +23,25 @@ struct PatchSurface {
     float closure = 1;        // share of its exposed part's form factors that other patches have: the rest is sky
     float closure_error = 0;  // two deviations of that; none where no ray met anything else
 
-    bool cut = false;  // something stands on it that hides parts of it from each other
+    // What stands on a patch hides parts of it from each other: it is cut. These parts may have light of their own, and only
+    // that of the largest is known. It is what is called exposed; the rest takes no light and passes none on.
+    bool cut = false;
+    float exposed = 1;  // share of the patch that is, and does not lie inside a solid
+    static constexpr size_t most_points = 12;
+    uint8_t point_count = 0;  // of exposed points, where not all of it is
+    std::array<std::array<uint8_t, 2>, most_points>
+        points{};  // barycentric weights of its second and third corner, over 255
 
-    /// Its light is not known: hardly anything of it is exposed, or a wall parts it, whose two sides have light of their own
-    /// and would share it. It takes none and passes none on.
-    bool unknown() const { return exposed < 0.25f || cut; }
-    float exposed = 1;  // share of the patch that does not lie inside a solid
+    /// Hardly anything of it is exposed.
+    bool unknown() const { return point_count == 0 && exposed < 1; }
+
+    /// Barycentric weights of a point: `anywhere`, or one that is exposed, chosen by `u`.
+    Vec2 exposed_point(Vec2 anywhere, float u) const {
+        if (point_count == 0) return anywhere;
+        const auto& p =
+            points[std::min(static_cast<size_t>(u * static_cast<float>(point_count)), point_count - size_t(1))];
+        return {static_cast<float>(p[0]) / 255, static_cast<float>(p[1]) / 255};
+    }
 };
 
 struct SurfaceOptions {

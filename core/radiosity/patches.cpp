@@ -42,6 +42,8 @@ Corners corners_of(const Geometry& g, uint32_t triangle) {
     return {{g.vertex(triangle, 0), g.vertex(triangle, 1), g.vertex(triangle, 2)}};
 }
 
+constexpr int deepest_count = 40;  // halvings: a million to a side
+
 /// Leaves under `corners`, counted up to `most`.
 size_t count_parts(const Corners& corners, float size, size_t most, int depth) {
     if (most == 0) return 0;
@@ -49,15 +51,6 @@ size_t count_parts(const Corners& corners, float size, size_t most, int depth) {
     const uint8_t k = corners.longest();
     const size_t first = count_parts(corners.half(k, false), size, most, depth - 1);
     return first >= most ? first : first + count_parts(corners.half(k, true), size, most - first, depth - 1);
-}
-
-size_t count_patches(const Geometry& g, float size, size_t most, int depth) {
-    size_t count = 0;
-    for (uint32_t t = 0; t < g.triangle_count() && count < most; ++t) {
-        const Corners corners = corners_of(g, t);
-        if (corners.area() > 0) count += count_parts(corners, size, most, depth) * (g.has_no_back(t) ? 1 : 2);
-    }
-    return count;
 }
 
 void set_corners(PatchNode& node, const Corners& corners) {
@@ -68,6 +61,9 @@ void set_corners(PatchNode& node, const Corners& corners) {
     node.radius = 0;
     for (const Vec3& v : corners.v) node.radius = std::max(node.radius, length(v - node.center));
 }
+
+// Normals of a face cluster, from their mean at most, radians: never both sides of a wall, which may have light of their own.
+constexpr float face_cone = 1.1f;
 
 float angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
@@ -86,9 +82,15 @@ struct PatchTree::Builder {
 
     /// Width of all normals, in units of the range's own width in space, at which they count alike: a half for ±1.
     static constexpr float normal_weight = 0.25f;
+    // Where face clusters are made, those that look different ways, both sides of one triangle first of all, are parted first.
+    static constexpr float normal_weight_of_faces = 1;
 
     PatchTree& tree;
     std::vector<Side> sides;
+    struct Range {
+        size_t begin, end;
+    };
+    std::vector<Range> ranges;  // of sides, by node
 
     int widest(size_t begin, size_t end) const {
         Vec3 low{infinity, infinity, infinity}, high = -low, low_n = low, high_n = high;
@@ -96,14 +98,51 @@ struct PatchTree::Builder {
             low = min(low, sides[i].center), high = max(high, sides[i].center);
             low_n = min(low_n, sides[i].normal), high_n = max(high_n, sides[i].normal);
         }
-        const Vec3 in_space = high - low, of_normals = (high_n - low_n) * (normal_weight * length(in_space));
+        const Vec3 in_space = high - low;
+        const float width = length(in_space),
+                    weight = width <= tree.face_size_ ? normal_weight_of_faces : normal_weight;
+        const Vec3 of_normals = (high_n - low_n) * (weight * width);
         int best = 0;
         for (int axis = 1; axis < 6; ++axis) {
-            const auto width = [&](int a) { return a < 3 ? in_space[a] : of_normals[a - 3]; };
-            if (width(axis) > width(best)) best = axis;
+            const auto spread = [&](int a) { return a < 3 ? in_space[a] : of_normals[a - 3]; };
+            if (spread(axis) > spread(best)) best = axis;
         }
         // Both sides of one triangle, and the like: only normals tell them apart.
         return length_squared(in_space) > 0 ? best : 3;
+    }
+
+    /// Which of the six directions along axes a normal is nearest to.
+    static int direction(Vec3 n) {
+        const Vec3 a{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
+        const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+        return 2 * axis + (n[axis] < 0);
+    }
+
+    /// Sides that look different ways apart before all: a cluster brings all of its sides the same light.
+    void build_directions() {
+        const auto turned = [](const Side& a, const Side& b) { return direction(a.normal) < direction(b.normal); };
+        std::stable_sort(sides.begin(), sides.end(), turned);
+        uint32_t node = 0;
+        for (size_t begin = 0; begin < sides.size();) {
+            const auto first = sides.begin() + static_cast<ptrdiff_t>(begin);
+            const auto end = static_cast<size_t>(std::upper_bound(first, sides.end(), *first, turned) - sides.begin());
+            if (end == sides.size()) return build(node, begin, end);
+            const uint32_t child = split(node, begin, sides.size());
+            build(child, begin, end);
+            node = child + 1;
+            begin = end;
+        }
+    }
+
+    uint32_t split(uint32_t node, size_t begin, size_t end) {
+        const auto child = static_cast<uint32_t>(tree.nodes_.size());
+        tree.nodes_[node].child = child;
+        tree.nodes_[node].ends_links = false;
+        tree.nodes_.resize(child + 2);
+        tree.nodes_[child].parent = tree.nodes_[child + 1].parent = node;
+        ranges.resize(tree.nodes_.size());
+        ranges[node] = {begin, end};
+        return child;
     }
 
     void build(uint32_t node, size_t begin, size_t end) {
@@ -123,10 +162,7 @@ struct PatchTree::Builder {
             const float p = a.key(axis), q = b.key(axis);
             return p != q ? p < q : a.triangle != b.triangle ? a.triangle < b.triangle : a.back < b.back;
         });
-        const auto child = static_cast<uint32_t>(tree.nodes_.size());
-        tree.nodes_[node].child = child;
-        tree.nodes_.resize(child + 2);
-        tree.nodes_[child].parent = tree.nodes_[child + 1].parent = node;
+        const uint32_t child = split(node, begin, end);
         build(child, begin, middle);
         build(child + 1, middle, end);
     }
@@ -150,7 +186,14 @@ struct PatchTree::Builder {
             const Vec3 sum = a.normal * a.area + b.normal * b.area;
             const bool sides_cancel = !(length(sum) > 1e-3f * n.area);
             n.normal = sides_cancel ? a.normal : normalize(sum);
-            n.cone = std::max(angle_between(n.normal, a.normal) + a.cone, angle_between(n.normal, b.normal) + b.cone);
+            n.cone = 0;
+            if (2 * n.radius <= tree.face_size_) {
+                for (size_t s = ranges[i].begin; s < ranges[i].end; ++s)
+                    n.cone = std::max(n.cone, angle_between(n.normal, sides[s].normal));
+            } else {
+                n.cone =
+                    std::max(angle_between(n.normal, a.normal) + a.cone, angle_between(n.normal, b.normal) + b.cone);
+            }
             if (sides_cancel || n.cone > pi) n.cone = pi;
             for (const PatchNode* part : {&a, &b})
                 n.height =
@@ -159,8 +202,9 @@ struct PatchTree::Builder {
     }
 };
 
-PatchTree::PatchTree(const Geometry& geometry) : side_(2 * geometry.triangle_count(), no_node) {
-    Builder builder{*this, {}};
+PatchTree::PatchTree(const Geometry& geometry, float face_size, NoPatches)
+    : face_size_(face_size), side_(2 * geometry.triangle_count(), no_node) {
+    Builder builder{*this, {}, {}};
     for (uint32_t t = 0; t < geometry.triangle_count(); ++t) {
         const Corners corners = corners_of(geometry, t);
         if (!(corners.area() > 0)) continue;
@@ -173,20 +217,22 @@ PatchTree::PatchTree(const Geometry& geometry) : side_(2 * geometry.triangle_cou
     if (builder.sides.empty()) return;
     nodes_.reserve(2 * builder.sides.size());
     nodes_.resize(1);
-    builder.build(0, 0, builder.sides.size());
+    builder.build_directions();
     for (PatchNode& n : nodes_)
         if (!n.is_cluster()) set_corners(n, corners_of(geometry, n.triangle));
     builder.measure_clusters();
 }
 
-PatchTree::PatchTree(const Geometry& geometry, float size) : PatchTree(geometry) {
+PatchTree::PatchTree(const Geometry& geometry, float size, float face_size)
+    : PatchTree(geometry, face_size, NoPatches{}) {
     const auto sides = static_cast<uint32_t>(nodes_.size());
     for (uint32_t i = 0; i < sides; ++i)
         if (!nodes_[i].is_cluster()) halve_down_to(i, size, deepest);
     list_leaves();
+    join_faces();
 }
 
-PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names) : PatchTree(geometry) {
+PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names) : PatchTree(geometry, 0, NoPatches{}) {
     const auto fail = [] { require(false, "patches: expected those of this scene, without gaps and overlaps"); };
     for (const PatchName& name : names) {
         const size_t side = 2 * size_t(name.triangle) + name.back;
@@ -220,6 +266,7 @@ void PatchTree::halve(uint32_t node) {
     nodes_.resize(child + 2);
     PatchNode& n = nodes_[node];
     n.child = child;
+    n.ends_links = false;
     const Corners corners{{n.corner[0], n.corner[1], n.corner[2]}};
     for (const bool second : {false, true}) {
         PatchNode& half = nodes_[child + second];
@@ -249,6 +296,16 @@ void PatchTree::divide(std::span<const uint32_t> patches) {
         halve(child + 1);
     }
     list_leaves();
+    join_faces();
+}
+
+void PatchTree::join_faces() {
+    for (size_t i = nodes_.size(); i-- > 0;) {
+        PatchNode& n = nodes_[i];
+        if (!n.is_cluster()) continue;
+        const bool whole = nodes_[n.child].ends_links && nodes_[n.child + 1].ends_links;
+        n.ends_links = whole && 2 * n.radius <= face_size_ && n.cone <= face_cone;
+    }
 }
 
 void PatchTree::list_leaves() {
@@ -291,22 +348,38 @@ PatchName PatchTree::name(uint32_t leaf) const {
     return name;
 }
 
-size_t count_sides(const Geometry& geometry) {
-    return count_patches(geometry, infinity, std::numeric_limits<size_t>::max(), 0);
+size_t count_patches(const Geometry& g, float size, size_t most) {
+    size_t count = 0;
+    for (uint32_t t = 0; t < g.triangle_count() && count < most; ++t) {
+        const Corners corners = corners_of(g, t);
+        if (corners.area() > 0)
+            count += count_parts(corners, size, most - count, deepest_count) * (g.has_no_back(t) ? 1 : 2);
+    }
+    return count;
 }
 
-float patch_size_for(const Geometry& geometry, size_t count) {
-    constexpr int steps = 24, deep_enough = 40;
+size_t count_sides(const Geometry& geometry) {
+    return count_patches(geometry, infinity, std::numeric_limits<size_t>::max());
+}
+
+double total_area(const Geometry& geometry) {
     double area = 0;  // double: the areas of millions of triangles
     for (uint32_t t = 0; t < geometry.triangle_count(); ++t)
         area += static_cast<double>(corners_of(geometry, t).area()) * (geometry.has_no_back(t) ? 1 : 2);
-    if (!(area > 0) || count_patches(geometry, infinity, count, 0) >= count) return infinity;
+    return area;
+}
+
+float patch_size_for(const Geometry& geometry, size_t count) {
+    constexpr int steps = 24;
+    const double area = total_area(geometry);
+    if (!(area > 0) || count_patches(geometry, infinity, count) >= count) return infinity;
     // Halves of a square of side s have the area s² / 2 and the longest edge √2 s. Slender triangles need more.
     float high = static_cast<float>(8 * std::sqrt(area / static_cast<double>(count)));
     float low = high / 64;
+    while (count_patches(geometry, high, count) >= count) high *= 2;
     for (int i = 0; i < steps; ++i) {
         const float middle = std::sqrt(low * high);
-        (count_patches(geometry, middle, count, deep_enough) >= count ? low : high) = middle;
+        (count_patches(geometry, middle, count) >= count ? low : high) = middle;
     }
     return high;
 }

@@ -28,9 +28,12 @@ struct PatchNode {
     uint32_t parent = no_node, child = no_node;  // the first of two that stand side by side
     uint32_t triangle = no_triangle;             // of the scene; none: a cluster
     bool back = false;                           // the side that the triangle's normal looks away from
+    bool ends_links = true;                      // a patch, or a face cluster: links go no deeper
     uint8_t longest = 0;                         // the edge that begins at this corner is the longest
     Vec3 corner[3];                              // of a triangle or its part, in the triangle's order
 
+    /// At barycentric weights of the second and third corner.
+    Vec3 point(Vec2 b) const { return corner[0] * (1 - b.x - b.y) + corner[1] * b.x + corner[2] * b.y; }
     bool is_leaf() const { return child == no_node; }
     bool is_cluster() const { return triangle == no_triangle; }
     /// How far it reaches from its centre along the unit vector `w`, at most.
@@ -46,8 +49,9 @@ struct PatchName {
 
 class PatchTree {
   public:
-    /// Sides are halved across their longest edge until that is at most `size`.
-    PatchTree(const Geometry& geometry, float size);
+    /// Sides are halved across their longest edge until that is at most `size`. Links end at patches, and above them at
+    /// clusters of whole sides that are at most `face_size` wide and look about the same way: face clusters [Willmott99].
+    PatchTree(const Geometry& geometry, float size, float face_size = 0);
     /// The tree whose leaves have these names, in any order. Throws std::invalid_argument where no tree has.
     PatchTree(const Geometry& geometry, std::span<const PatchName> names);
 
@@ -68,7 +72,9 @@ class PatchTree {
     static constexpr int deepest = 62;  // halvings of a side
 
     struct Builder;
-    explicit PatchTree(const Geometry& geometry);
+    struct NoPatches {};
+    PatchTree(const Geometry& geometry, float face_size, NoPatches);
+    void join_faces();
     void halve(uint32_t node);
     void halve_down_to(uint32_t node, float size, int depth);
     void list_leaves();
@@ -76,11 +82,18 @@ class PatchTree {
 
     std::vector<PatchNode> nodes_;
     std::vector<uint32_t> leaves_;
+    float face_size_ = 0;         // of face clusters, at most
     std::vector<uint32_t> side_;  // node of side 2 · triangle + back
 };
 
 /// Sides that can be patches.
 size_t count_sides(const Geometry& geometry);
+
+/// Patches with edges of at most `size`, counted until there are `most`.
+size_t count_patches(const Geometry& geometry, float size, size_t most);
+
+/// Area of all sides, m².
+double total_area(const Geometry& geometry);
 
 /// How long the longest edge may be so that there are about `count` patches; infinite where each side is one already.
 float patch_size_for(const Geometry& geometry, size_t count);

@@ -8,6 +8,7 @@
 #include "radiosity/radiosity_system.h"
 
 #include <algorithm>
+#include <array>
 
 #include "base/parallel.h"
 #include "radiosity/form_factor.h"
@@ -19,18 +20,58 @@ namespace {
 constexpr size_t block = 4096;  // nodes of one task
 
 // How far a patch's factor may lie from 1: what is farther off is no error of form factors (a patch half inside a solid).
-constexpr float largest_factor = 1.25f;
+constexpr float least_factor = 1.0f / 64, largest_factor = 4;
 
-// Patches whose closure is less than this see hardly anything but sky.
+// That may be where no ray found any.
 constexpr float least_closure = 0.05f;
 
 /// What a sum of form factors must be multiplied by to be one that a patch may have: its closure, or as near as the rays that
 /// measured that can tell.
 float balancing_factor(const PatchSurface& surface, float sum) {
-    if (!(surface.closure > least_closure && sum > 0)) return 1;
-    const float wanted = clamp(sum, surface.closure - surface.closure_error, surface.closure + surface.closure_error);
-    return clamp(wanted / sum, 1 / largest_factor, largest_factor);
+    if (!(sum > 0)) return 1;
+    const float most = std::max(surface.closure + surface.closure_error, least_closure);
+    const float wanted = clamp(sum, surface.closure - surface.closure_error, most);
+    return clamp(wanted / sum, least_factor, largest_factor);
 }
+
+/// A few parts of each cluster, which stand for all.
+class ClusterParts {
+  public:
+    explicit ClusterParts(const PatchTree& tree) : tree_(tree), parts_(tree.nodes().size()) {
+        for (uint32_t i = 0; i < parts_.size(); ++i) {
+            if (!tree[i].is_cluster()) continue;
+            for (int k = 0; k < count; ++k) {
+                float u = (static_cast<float>(k) + 0.5f) / count;
+                uint32_t node = i;
+                while (tree[node].is_cluster()) {
+                    const uint32_t child = tree[node].child;
+                    const float first = tree[child].area / (tree[child].area + tree[child + 1].area);
+                    const bool second = u >= first;
+                    u = second ? (u - first) / (1 - first) : u / first;
+                    node = child + second;
+                }
+                parts_[i][k] = node;
+            }
+        }
+    }
+
+    /// From the middle of a patch, as if parts were discs.
+    float form_factor(const PatchNode& patch, uint32_t cluster) const {
+        const float area = tree_[cluster].area / count;
+        float sum = 0;
+        for (const uint32_t part : parts_[cluster]) {
+            const Vec3 to = tree_[part].center - patch.center;
+            const float here = dot(patch.normal, to), there = -dot(tree_[part].normal, to), d2 = length_squared(to);
+            if (here > 0 && there > 0) sum += here * there * area / (d2 * (pi * d2 + area));
+        }
+        return sum;
+    }
+
+  private:
+    static constexpr int count = 4;
+    const PatchTree& tree_;
+    std::vector<std::array<uint32_t, count>> parts_;  // triangles or parts, by node
+};
 
 double power(const RadiositySystem& system, std::span<const Color> radiosity) {
     double sum = 0;
@@ -49,7 +90,7 @@ std::vector<Color> RadiositySystem::pull(std::span<const Color> radiosity) const
     for (uint32_t i = static_cast<uint32_t>(sent.size()); i-- > 0;) {
         const PatchNode& n = tree_[i];
         if (n.is_leaf()) {
-            sent[i] = radiosity[i] * (factor_[i] * surfaces_[i].opacity);
+            sent[i] = radiosity[i] * sends(i);
         } else {
             const float first = tree_[n.child].area / (tree_[n.child].area + tree_[n.child + 1].area);
             sent[i] = sent[n.child] * first + sent[n.child + 1] * (1 - first);
@@ -94,7 +135,7 @@ void RadiositySystem::balance(float tolerance, int most, Progress& progress) {
         for (const uint32_t i : tree_.leaves()) {
             // The square root of what is missing, since the others are scaled as well.
             const float step = std::sqrt(balancing_factor(surfaces_[i], sums[i]));
-            const float next = clamp(factor_[i] * step, 1 / largest_factor, largest_factor);
+            const float next = clamp(factor_[i] * step, least_factor, largest_factor);
             worst = std::max(worst, std::fabs(next / factor_[i] - 1));
             factor_[i] = next;
         }
@@ -141,6 +182,7 @@ void refine_locally(const RadiositySystem& system, PatchLight& light, Progress& 
     }
     const std::vector<Color> sent_emitted = system.pull(emitted), sent = system.pull(radiosity);
     const std::vector<Color> opaque = system.pull(system.known());
+    const ClusterParts clusters(tree);
     const auto& leaves = tree.leaves();
     progress.begin((leaves.size() + block - 1) / block);
     parallel_blocks(leaves.size(), block, system.threads(), [&](size_t begin, size_t end) {
@@ -152,17 +194,19 @@ void refine_locally(const RadiositySystem& system, PatchLight& light, Progress& 
             float sum = 0;
             for (uint32_t node = leaf; node != no_node; node = tree[node].parent) {
                 for (const auto& sender : system.exchanges().of(node)) {
-                    const bool varies = node != leaf && !tree[node].is_cluster() && !tree[sender.node].is_cluster();
-                    const float form_factor =
-                        varies ? sender.visibility * point_to_patch(patch.center, patch.normal, tree[sender.node])
-                               : sender.form_factor;
+                    float form_factor = sender.form_factor;
+                    if (node != leaf)
+                        form_factor =
+                            sender.visibility * (tree[sender.node].is_cluster()
+                                                     ? clusters.form_factor(patch, sender.node)
+                                                     : point_to_patch(patch.center, patch.normal, tree[sender.node]));
                     direct += sent_emitted[sender.node] * form_factor;
                     total += sent[sender.node] * form_factor;
                     sum += opaque[sender.node].r * form_factor;
                 }
             }
             const PatchSurface& s = system.surface(leaf);
-            const float whole = s.unknown() ? 0 : 1 / s.exposed, factor = whole * balancing_factor(s, sum * whole);
+            const float factor = s.unknown() ? 0 : balancing_factor(s, sum);
             light.direct[leaf] = s.lights + direct * factor;
             light.total[leaf] = s.lights + total * factor;
         }

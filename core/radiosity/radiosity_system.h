@@ -40,11 +40,10 @@ class RadiositySystem {
     /// it gives and takes: exchanges stay symmetric. Steps until the worst sum errs by less than `tolerance`, or `most`.
     void balance(float tolerance, int most, Progress& progress);
     float factor(uint32_t patch) const { return factor_[patch]; }
-    /// Irradiance of a patch over what links bring it. These know what is hidden of a patch as a share of all of it; what lies
-    /// inside a solid is not counted as a part of it, or it would take its dark share along when it sends.
-    float receives(uint32_t patch) const {
-        return surfaces_[patch].unknown() ? 0 : factor_[patch] / surfaces_[patch].exposed;
-    }
+    /// Irradiance of the exposed part of a patch over what links bring it: links know only that part.
+    float receives(uint32_t patch) const { return surfaces_[patch].unknown() ? 0 : factor_[patch]; }
+    /// What a patch sends over links, which take all of it for exposed, over its radiosity.
+    float sends(uint32_t patch) const { return factor_[patch] * surfaces_[patch].opacity * surfaces_[patch].exposed; }
     /// 1 for patches whose light is known: the others are left out, and what they would have sent is shared among those.
     std::vector<Color> known() const;
     /// Sums of form factors of all patches with those whose light is known, by node.

@@ -96,7 +96,7 @@ class Shooter {
             const PatchSurface& s = system_.surface(node);
             const Color arrived = waiting_[node] * system_.receives(node);
             light.total[node] += arrived;
-            sent_[node] = (unsent_[node] + s.albedo * arrived) * (system_.factor(node) * s.opacity);
+            sent_[node] = (unsent_[node] + s.albedo * arrived) * system_.sends(node);
             unsent_[node] = waiting_[node] = Color();
             return;
         }

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <numeric>
 
+#include "base/error.h"
 #include "base/parallel.h"
 #include "photons/kd_tree.h"
 #include "radiosity/links.h"
@@ -25,6 +26,13 @@ namespace {
 constexpr int most_turns = 4;           // of refinement and gathering
 constexpr float few_new_links = 0.02f;  // of all: another turn would hardly change anything
 constexpr float coarse_residual = 1e-3f;
+
+// Links for each patch or face cluster at which they end; where more are asked for, the tolerance gives way. The Cornell box
+// takes 10 of 500 000 patches and 50 of 20 000.
+constexpr size_t links_per_end = 40, least_budget = 2'000'000;
+
+// A kilobyte and links for each.
+constexpr size_t most_patches = 5'000'000;
 
 // No sender counts as darker than this part of the mean. The sums of form factors are then known well enough to be balanced.
 constexpr float least_sender = 0.25f;
@@ -42,7 +50,8 @@ class Solver {
         : world_(world),
           options_(options),
           progress_(progress),
-          tree_(world.geometry, first_size(world.geometry, options)),
+          face_size_(face_size(world.geometry, options)),
+          tree_(world.geometry, first_size(world.geometry, options), face_size_),
           links_(first_links(tree_)) {}
 
     SolvedRadiosity run() {
@@ -67,9 +76,22 @@ class Solver {
 
   private:
     static float first_size(const Geometry& geometry, const RadiosityOptions& o) {
-        if (o.patch_size > 0) return o.patch_size;
+        const size_t most = count_sides(geometry) + most_patches;
+        if (o.patch_size > 0) {
+            require(count_patches(geometry, o.patch_size, most) < most,
+                    "radiosity: patch_size would make more than 5 million patches; expected a larger one");
+            return o.patch_size;
+        }
+        require(o.patches <= most_patches, "radiosity: expected at most 5 million patches");
         // Besides one for each side, or the large sides of a scene of many small ones would be left whole.
         return patch_size_for(geometry, count_sides(geometry) + (o.refinements > 0 ? o.patches / 2 : o.patches));
+    }
+
+    /// About that of patches, were all surfaces of one piece.
+    static float face_size(const Geometry& geometry, const RadiosityOptions& o) {
+        if (o.patch_size > 0) return o.patch_size;
+        // The diameter of a disc as large as a patch, a little more: 1.4 of the root of its area.
+        return 1.4f * static_cast<float>(std::sqrt(total_area(geometry) / static_cast<double>(o.patches)));
     }
 
     void measure(const std::vector<uint32_t>& patches) {
@@ -107,9 +129,17 @@ class Solver {
         for (size_t i = 0; i < sent.size(); ++i) brightness[i] = max_component(sent[i]);
         const float reference = mean(sent[0]);
         if (!(reference > 0)) return;
-        refine_links(world_, tree_, brightness,
-                     {options_.tolerance * reference, least_sender * reference, options_.seed, options_.threads},
-                     links_, progress_);
+        const LinkOptions options{options_.tolerance * reference, least_sender * reference, most_links(), options_.seed,
+                                  options_.threads};
+        tolerance_ = refine_links(world_, tree_, surfaces_, brightness, options, links_, progress_) / reference;
+    }
+
+    size_t most_links() const {
+        const auto ends = [this](const PatchNode& n) {
+            return n.ends_links && (n.parent == no_node || !tree_[n.parent].ends_links);
+        };
+        const auto count = std::count_if(tree_.nodes().begin(), tree_.nodes().end(), ends);
+        return std::max(least_budget, links_per_end * static_cast<size_t>(count));
     }
 
     /// Irradiance of a patch, or of the one that it was a part of when there was some.
@@ -161,9 +191,10 @@ class Solver {
             std::vector<Neighbor> found;
             for (size_t l = begin; l < end; ++l) {
                 const PatchNode& patch = tree_[leaves[l]];
-                if (surfaces_[leaves[l]].unknown()) {
-                    // Whatever stands on it: the smaller it is, the less is left out.
-                    if (surfaces_[leaves[l]].cut) out[l] = cut_contrast;
+                if (surfaces_[leaves[l]].unknown()) continue;
+                if (surfaces_[leaves[l]].cut) {
+                    // The smaller it is, the less is left out.
+                    out[l] = cut_contrast;
                     continue;
                 }
                 const Disc disc{patch.center, patch.normal, 4 * patch.radius};
@@ -185,20 +216,26 @@ class Solver {
         const Exchanges exchanges(tree_, links_);
         RadiositySystem system(tree_, surfaces_, exchanges, options_.threads);
         const std::vector<float> sums = system.row_sums();
-        double error = 0;
-        for (const uint32_t i : tree_.leaves()) error += std::fabs(sums[i] - surfaces_[i].closure);
-        out.closure_error = static_cast<float>(error / static_cast<double>(tree_.leaves().size()));
+        double error = 0, power = 0;
+        for (const uint32_t i : tree_.leaves()) {
+            const double arrives = double(tree_[i].area) * mean(light_.total[i]);
+            error += arrives * std::fabs(sums[i] - surfaces_[i].closure);
+            power += arrives;
+        }
+        out.closure_error = power > 0 ? static_cast<float>(error / power) : 0;
         system.balance(1e-3f, 50, progress_);
         const bool shoot = options_.solver == RadiositySolver::shooting && options_.bounces < 0;
         light_ = shoot ? solve_by_shooting(system, {}, progress_)
                        : solve_by_gathering(system, {SolveLimits{}.residual, sweeps()}, progress_);
         if (options_.bounces < 0) refine_locally(system, light_, progress_);
         out.links = links_.size();
+        out.tolerance = tolerance_;
         out.sweeps = static_cast<uint64_t>(light_.sweeps);
         out.residual = light_.residual;
         for (const uint32_t i : tree_.leaves()) {
             const PatchSurface& s = surfaces_[i];
-            out.patches.push_back({tree_.name(i), light_.direct[i], light_.total[i], s.albedo, s.emitted, s.unknown()});
+            out.patches.push_back(
+                {tree_.name(i), light_.direct[i], light_.total[i], s.albedo, s.emitted, s.unknown() || s.cut});
         }
         std::sort(out.patches.begin(), out.patches.end(), [](const SolvedPatch& a, const SolvedPatch& b) {
             if (a.name.triangle != b.name.triangle) return a.name.triangle < b.name.triangle;
@@ -210,6 +247,8 @@ class Solver {
     const World& world_;
     const RadiosityOptions& options_;
     Progress& progress_;
+    float tolerance_ = 0;  // that held for the links that there are
+    float face_size_;      // of clusters at which links end
     PatchTree tree_;
     std::vector<PatchSurface> surfaces_;  // by node
     std::vector<Link> links_;

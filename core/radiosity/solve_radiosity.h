@@ -20,7 +20,7 @@ struct RadiosityOptions {
     float patch_size = 0;      // longest edge of a patch, metres; 0: such that there are about `patches`
     size_t patches = 20000;    // after all refinements, besides one for each side
     int refinements = 2;       // times that patches are divided where light changes fast
-    float tolerance = 0.003f;  // of a link's irradiance, in units of the mean radiosity
+    float tolerance = 0.003f;  // of a link's irradiance, in units of the mean radiosity, or more: links are bounded
     RadiositySolver solver = RadiositySolver::gathering;
     int bounces = -1;  // of light that is counted, from lights to patches: 1 is direct light; −1 unlimited
     uint32_t seed = 0;
@@ -31,7 +31,7 @@ struct SolvedPatch {
     PatchName name;
     Color direct, total;    // irradiance, W m⁻²
     Color albedo, emitted;  // mean albedo; radiosity of its own light, W m⁻²
-    bool unknown = false;   // its light: it lies inside a solid, or a wall parts it
+    bool unknown = false;   // its light, somewhere on it: it lies inside a solid, or a wall parts it
 };
 
 struct SolvedRadiosity {
@@ -39,7 +39,8 @@ struct SolvedRadiosity {
     uint64_t links = 0;
     uint64_t sweeps = 0;      // of the solution, or steps of shooting
     float residual = 0;       // power not reflected yet, relative to all
-    float closure_error = 0;  // of the sums of form factors before they were balanced: mean of |sum − closure|
+    float closure_error = 0;  // of the sums of form factors before they were balanced: mean of |sum − closure|, by flux
+    float tolerance = 0;      // that held: the one asked for, or more where that takes too many links
 };
 
 SolvedRadiosity solve_radiosity(const World& world, const RadiosityOptions& options, Progress& progress);

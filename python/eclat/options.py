@@ -205,8 +205,8 @@ class Radiosity:
 
     cannot: ClassVar[str] = (
         "All reflection is taken for diffuse on its way from surface to surface: there are no caustics, and no light passes "
-        "through glass. Straight from patches (`gather=0`) shadows are as sharp as these are small. Where links take many "
-        "patches together indirect light is one to three per cent too dark."
+        "through glass. Straight from patches (`gather=0`) shadows are as sharp as these are small. In scenes of many small "
+        "triangles light that reaches corners through gaps is coarse."
     )
 
     patches: int = 20_000
@@ -216,7 +216,8 @@ class Radiosity:
     refinements: int = 2
     """How often patches are divided where the light of neighbours differs: at the edges of shadows and in corners."""
     tolerance: float = 0.003
-    """Irradiance that a link may carry without being refined, relative to the mean radiosity, 0.0001..1."""
+    """Irradiance that a link may carry without being refined, relative to the mean radiosity, 0.0001..1. More where that takes
+    too many links: the solution's `statistics["tolerance"]` is the one that held."""
     solver: Literal["gathering", "shooting"] = "gathering"
     """All patches gather from all others at a time, or the brightest send first (progressive refinement)."""
     gather: int = 4

@@ -64,8 +64,8 @@ class RadiositySolution:
 
     @property
     def is_unknown(self) -> np.ndarray:
-        """(N,) whether the light of a patch is not known: it lies inside a solid, or a wall that stands on it parts it.
-        It counts as black, and is not shown: its surroundings are."""
+        """(N,) whether a patch is not shown, but its surroundings: it lies inside a solid and has no light, or a wall that
+        stands on it parts it and only the light of the largest part is known."""
         unknown: np.ndarray = (self.patches[:, 1] & _UNKNOWN) != 0
         return unknown
 
@@ -197,21 +197,27 @@ def solve_radiosity(
     threads: int = 0,
     progress: ProgressReport | None = None,
 ) -> RadiositySolution:
-    """Radiosity of the whole scene. Warns of materials that are not diffuse, naming what is done with them."""
+    """Radiosity of the whole scene. Warns of materials that are not diffuse, naming what is done with them.
+
+    Raises EclatError where the options ask for more than five million patches.
+    """
     started, counted, prepared = clock.perf_counter(), _core.Progress(), compiled(scene)
     _tell_of_gloss(scene)
     # A final gather adds an edge of its own before it meets a patch.
     bounces = -1 if max_depth < 0 else max(0, max_depth - (2 if options.gather else 1))
-    patches, values, corners, numbers = run(
-        "radiosity",
-        lambda p: _core.solve_radiosity(
-            prepared.core, p, options.patch_size or 0.0, options.patches, options.refinements, options.tolerance,
-            SOLVERS.index(options.solver), bounces, seed, threads,
-        ),
-        progress,
-        counted,
-    )  # fmt: skip
-    named = zip(("links", "sweeps", "residual", "closure_error"), map(float, numbers), strict=True)
+    try:
+        patches, values, corners, numbers = run(
+            "radiosity",
+            lambda p: _core.solve_radiosity(
+                prepared.core, p, options.patch_size or 0.0, options.patches, options.refinements, options.tolerance,
+                SOLVERS.index(options.solver), bounces, seed, threads,
+            ),
+            progress,
+            counted,
+        )  # fmt: skip
+    except ValueError as error:
+        raise EclatError(str(error)) from error
+    named = zip(("links", "sweeps", "residual", "closure_error", "tolerance"), map(float, numbers), strict=True)
     statistics = {"patches": float(len(patches)), **dict(named)}
     statistics |= {"rays": float(counted.rays), "seconds": clock.perf_counter() - started}
     return RadiositySolution(

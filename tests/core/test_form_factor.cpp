@@ -146,7 +146,7 @@ TEST_CASE("points for rays lie on their patches, and exchange by them is the exa
     constexpr uint32_t count = 4096;
     double sum = 0;
     for (uint32_t i = 0; i < count; ++i) {
-        const PointPair p = sample_pair(tree, up, down, 1, i, count);
+        const PointPair p = ExposedParts(tree, {}).sample_pair(up, down, 1, i, count);
         CHECK(p.x.z == 0);
         CHECK(p.y.z == 1);
         sum += p.kernel();

@@ -20,7 +20,7 @@ std::vector<Link> linked(const World& world, const PatchTree& tree, float tolera
     std::vector<float> radiosity(tree.nodes().size(), 1);
     auto links = first_links(tree);
     Progress progress;
-    refine_links(world, tree, radiosity, {.tolerance = tolerance, .seed = 1, .threads = threads}, links, progress);
+    refine_links(world, tree, {}, radiosity, {.tolerance = tolerance, .seed = 1, .threads = threads}, links, progress);
     return links;
 }
 
@@ -102,6 +102,43 @@ TEST_CASE("four times the patches take about four times the links, and fewer whe
     CHECK(linked(room.world(), coarse, 0.05f).size() < few / 2);
 }
 
+TEST_CASE("links stay near the number that is allowed; then the tolerance gives way") {
+    const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
+    const PatchTree tree(*room.geometry, 0.1f);
+    std::vector<float> radiosity(tree.nodes().size(), 1);
+    Progress progress;
+    auto free = first_links(tree), bounded = free;
+    CHECK(refine_links(room.world(), tree, {}, radiosity, {.tolerance = 0.001f}, free, progress) == 0.001f);
+    REQUIRE(free.size() > 100'000);
+    const float held =
+        refine_links(room.world(), tree, {}, radiosity, {.tolerance = 0.001f, .most = 10'000}, bounded, progress);
+    CHECK(held > 0.004f);
+    CHECK(bounded.size() < free.size() / 4);
+}
+
+TEST_CASE("form factors between clusters of small sides are those of the walls that they make up") {
+    // Two plates of 8 × 8 tiles each, face to face.
+    std::vector<Wall> tiles;
+    constexpr float w = 0.125f;
+    for (int i = 0; i < 64; ++i) {
+        const float x = w * float(i % 8), z = w * float(i / 8);
+        tiles.push_back({{x, 0, z}, {0, 0, w}, {w, 0, 0}, 0.5f, 0});
+        tiles.push_back({{x, 1, z}, {w, 0, 0}, {0, 0, w}, 0.5f, 0});
+    }
+    const Room room = build_room(tiles);
+    const PatchTree tree(*room.geometry, 1, 0.4f);
+    double sum = 0;
+    size_t clusters = 0;
+    const auto links = linked(room.world(), tree, 0.003f);
+    for (const Link& link : links) {
+        sum += link.exchange;
+        clusters += tree[link.a].is_cluster() && tree[link.b].is_cluster();
+        CHECK(tree[tree[link.a].parent].ends_links == false);
+    }
+    CHECK(clusters > 0);
+    CHECK(sum == doctest::Approx(parallel_rectangles(1, 1, 1)).epsilon(0.02));
+}
+
 TEST_CASE("links are the same on one thread and on two") {
     const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.3f);
@@ -117,5 +154,5 @@ TEST_CASE("a cancelled refinement stops") {
     auto links = first_links(tree);
     Progress progress;
     progress.cancelled = true;
-    CHECK_THROWS_AS(refine_links(room.world(), tree, radiosity, {.tolerance = 0.01f}, links, progress), Cancelled);
+    CHECK_THROWS_AS(refine_links(room.world(), tree, {}, radiosity, {.tolerance = 0.01f}, links, progress), Cancelled);
 }

@@ -124,6 +124,33 @@ TEST_CASE("a wall that stands on a patch cuts it; a patch beside it is whole") {
     CHECK(cut >= 10);
 }
 
+TEST_CASE("of a patch that a wall cuts the light of the larger part is known") {
+    // One side of the wall is under a lamp, the other in the dark.
+    const float at = 0.5f;
+    Room room = build_room({floor_plate, {{at, 0, -1}, {0, 4, 0}, {0, 0, 2}, 0.5f, 0}});
+    LightInputs sun;
+    sun.directionals.emplace_back(Vec3{0.6f, -0.8f, 0}, Color(1),
+                                  0.0f);  // shadow beyond the wall, as far as the floor goes
+    set_lights(room, std::move(sun));
+    const PatchTree tree(*room.geometry, 2.9f);  // two patches
+    const auto surfaces = measured(room, tree);
+    int looked_at = 0;
+    for (const uint32_t i : tree.leaves()) {
+        if (tree[i].triangle > 1 || tree[i].back) continue;
+        const PatchSurface& s = surfaces[i];
+        REQUIRE(s.cut);
+        // Of the triangle with most of it on the left (0.5 / 2)² are cut off; of the other (1.5 / 2)² remain.
+        CHECK(s.exposed == doctest::Approx(tree[i].center.x < 0 ? 0.9375 : 0.5625).epsilon(0.15));
+        for (int k = 0; k < s.point_count; ++k) {
+            const float u = (static_cast<float>(k) + 0.5f) / s.point_count;
+            CHECK(tree[i].point(s.exposed_point({}, u)).x < at);
+        }
+        CHECK(s.lights.g == doctest::Approx(0.8).epsilon(1e-4));
+        ++looked_at;
+    }
+    CHECK(looked_at == 2);
+}
+
 TEST_CASE("surfaces are measured alike on one thread and on two") {
     const Room room = closed_room({0.5f, 0.7f, 0.2f, 0.6f, 0.5f, 0.5f}, {0, 3, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.3f);

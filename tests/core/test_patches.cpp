@@ -110,3 +110,33 @@ TEST_CASE("a size is found for a number of patches") {
     CHECK(patch_size_for(*room.geometry, 3) == infinity);
     CHECK(PatchTree(*room.geometry, infinity).leaves().size() == 24);
 }
+
+TEST_CASE("links end at clusters of small sides that look about the same way, and at patches once a side is divided") {
+    // Sixteen tiles with both sides, 0.25 wide.
+    std::vector<Wall> tiles;
+    for (int i = 0; i < 16; ++i)
+        tiles.push_back({{0.25f * float(i % 4), 0, 0.25f * float(i / 4)}, {0, 0, 0.25f}, {0.25f, 0, 0}, 0.5f, 0});
+    const Room room = build_room(tiles);
+    const auto ends = [](const PatchTree& tree) {
+        std::vector<uint32_t> out;
+        for (uint32_t i = 0; i < tree.nodes().size(); ++i)
+            if (tree[i].ends_links && (tree[i].parent == no_node || !tree[tree[i].parent].ends_links)) out.push_back(i);
+        return out;
+    };
+    PatchTree tree(*room.geometry, 1, 0.8f);
+    double area = 0;
+    for (const uint32_t end : ends(tree)) {
+        CHECK(tree[end].is_cluster());
+        CHECK(2 * tree[end].radius <= 0.8f);
+        CHECK(tree[end].cone < 1e-3f);  // never both sides
+        area += tree[end].area;
+    }
+    CHECK(area == doctest::Approx(2).epsilon(1e-4));
+    CHECK(ends(tree).size() <= 16);
+    CHECK(ends(PatchTree(*room.geometry, 1)).size() == 64);  // patches only
+
+    const uint32_t divided = tree.leaves().front();
+    tree.divide(std::vector{divided});
+    for (const uint32_t end : ends(tree))
+        for (uint32_t up = divided; up != no_node; up = tree[up].parent) CHECK(end != up);
+}

@@ -24,7 +24,7 @@ struct Problem {
         measure_surfaces(room.world(), tree, tree.leaves(), {}, surfaces, progress);
         std::vector<float> radiosity(tree.nodes().size(), 1);
         auto links = first_links(tree);
-        refine_links(room.world(), tree, radiosity, {.tolerance = tolerance}, links, progress);
+        refine_links(room.world(), tree, {}, radiosity, {.tolerance = tolerance}, links, progress);
         exchanges = Exchanges(tree, links);
     }
     RadiositySystem system() const { return {tree, surfaces, exchanges, 1}; }

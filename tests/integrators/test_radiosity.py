@@ -169,3 +169,56 @@ def test_same_bits_on_any_threads_and_tile_order() -> None:
     second = eclat.render(scene, two, samples=2, size=SIZE, threads=2, tile_order=[3, 1, 0, 2])
     assert np.array_equal(first.pixels, second.pixels)
     assert np.array_equal(first.pixels, eclat.render(scene, options, samples=2, size=SIZE).pixels)
+
+
+@pytest.mark.parametrize("wrong", [{"patches": 10**8}, {"patch_size": 1e-6}])
+def test_absurd_numbers_of_patches_are_refused(wrong: dict[str, float]) -> None:
+    with pytest.raises(eclat.EclatError, match=r"radiosity: .*5 million patches"):
+        eclat.solve(build("cornell-box"), eclat.Radiosity(**wrong))  # type: ignore[arg-type]
+
+
+def test_solids_that_run_into_each_other_stay_as_bright_as_they_are() -> None:
+    """The floor of a court runs on under its boxes, so that most of its patches are parted. They used to count as black."""
+    scene, reference = traced("sky", 384)
+    image = eclat.render(scene, eclat.Radiosity(patches=60, refinements=0), samples=64, size=SIZE).pixels
+    assert image.mean() == pytest.approx(reference.mean(), rel=0.01)
+
+
+def test_scenes_of_small_triangles_cost_what_their_patches_cost() -> None:
+    """A room of tiles: links end at face clusters, and the light is that of whole walls."""
+    whole, tiled = (tiled_room(n) for n in (1, 48))
+    options = eclat.Radiosity(patches=1000, refinements=0, tolerance=0.03)
+    one, many = (eclat.solve(scene, options) for scene in (whole, tiled))
+    assert many.statistics["patches"] > 50 * one.statistics["patches"]
+    assert many.statistics["links"] < 4 * one.statistics["links"]
+
+    def mean(solution: eclat.RadiositySolution) -> float:
+        inside = ~solution.is_back
+        return float(np.average(solution.irradiance[inside, 1], weights=solution.areas[inside]))
+
+    assert mean(many) == pytest.approx(mean(one), rel=0.03)
+
+
+def tiled_room(tiles: int) -> Scene:
+    """A closed room with a lamp in its ceiling, each wall of tiles × tiles squares."""
+    grid = np.linspace(-1, 1, tiles + 1)
+    quads = []
+    for axis in range(3):
+        for side in (-1.0, 1.0):
+            for a in range(tiles):
+                for b in range(tiles):
+                    corners = [(grid[a + i], grid[b + j]) for i, j in ((0, 0), (1, 0), (1, 1), (0, 1))]
+                    quad = [np.insert(np.array(c), axis, side) for c in corners]
+                    # Inwards: the normal of the corners in this order points along the axis, but for y.
+                    inwards = (side < 0) == (axis != 1)
+                    quads.append(np.array(quad if inwards else quad[::-1]))
+    white = Material("diffuse", {"reflectance": grey(0.6)}, name="white")
+    lamp = Material("diffuse", {"reflectance": grey(0.0)}, emission=grey(5.0), name="lamp")
+    positions = np.concatenate(quads)
+    faces = np.concatenate([[(4 * k, 4 * k + 1, 4 * k + 2), (4 * k, 4 * k + 2, 4 * k + 3)] for k in range(len(quads))])
+    light = np.array([(-0.3, 0.98, -0.3), (0.3, 0.98, -0.3), (0.3, 0.98, 0.3), (-0.3, 0.98, 0.3)])
+    meshes = (
+        Mesh(positions, faces, white, name="room"),
+        Mesh(light, np.array([(0, 1, 2), (0, 2, 3)]), lamp, name="lamp"),
+    )
+    return Scene(meshes, (), None, (Camera(look_at((0, 0, 0.9), (0, 0, -1)), fov=60),), name="tiled")
