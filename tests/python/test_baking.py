@@ -141,6 +141,7 @@ def test_a_dark_room_behind_a_thin_wall_stays_dark() -> None:
     usual = np.median(read.irradiance[lit & ~outside])
     assert dark.sum() > 500 and usual > 0.5
     assert read.irradiance[dark].max() < 1e-4 * usual, "what is left of an iteration"
+    assert outside.sum() > 500 and read.irradiance[outside].max() < 1e-4 * usual
 
 
 def test_a_sheet_has_two_sides() -> None:

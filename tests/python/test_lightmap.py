@@ -17,6 +17,7 @@ from PIL import Image as PillowImage
 import eclat
 from eclat.errors import EclatError
 from eclat.scene import PointLight
+from eclat.scenes import build
 from eclat.tone import srgb_decode
 
 
@@ -101,3 +102,16 @@ def test_places_that_cannot_be_written(baked: eclat.Lightmap, tmp_path: Path) ->
     with pytest.raises(EclatError, match="folder or a device"):
         baked.save(tmp_path / "room.glb")
     assert not (tmp_path / "room.glb").exists() and not (tmp_path / "room.lightmap.exr").exists()
+
+
+def test_sheets_that_were_split_are_one_again(tmp_path: Path) -> None:
+    scene = build("two-rooms")
+    lightmap = eclat.bake(scene, eclat.Path(), texel_size=0.2, samples=1)
+    assert [part.mesh.name for part in lightmap.parts if part.back] == ["shell"]
+    again = eclat.load(lightmap.save(tmp_path / "rooms.glb")[0])
+    assert [mesh.name for mesh in again.meshes] == [mesh.name for mesh in scene.meshes]
+    assert all(mesh.material.two_sided for mesh in again.meshes)
+    for a, b in zip(scene.meshes, again.meshes, strict=True):
+        np.testing.assert_allclose(
+            np.asarray(a.positions)[a.triangles], np.asarray(b.positions)[b.triangles], atol=1e-6
+        )
