@@ -160,8 +160,8 @@ size_t RadianceCache::shrink_where_records_disagree(float tolerance, float spaci
     return cache_.shrink_where_records_disagree({error, reaches}, spacing, threads);
 }
 
-std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& shading,
-                                            const ReflectedFactors& factors) const {
+std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& shading, const ReflectedFactors& factors,
+                                            Reading reading) const {
     if (factors.order > order_ || dot(shading.n, normal) < std::cos(largest_radiance_tilt)) return std::nullopt;
     const size_t channels = factors.grey ? 1 : 3;
     const auto count = size_t(coefficient_count(factors.order)), padded = whole_vectors(count);
@@ -169,7 +169,8 @@ std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& sh
     const IrradianceRecord* frame_of = nullptr;
     Color sum;
     float weights = 0;
-    cache_.for_each_serving(p, normal, relaxed_reach(factors.width), [&](uint32_t index, float w, const Color& excess) {
+    const float far = reading == Reading::smooth ? relaxed_reach(factors.width) : reach(factors.width);
+    cache_.for_each_serving(p, normal, far, [&](uint32_t index, float w, const Color& excess) {
         const IrradianceRecord& record = cache_.records()[index];
         if (dot(shading.n, record.normal) < std::cos(largest_radiance_tilt)) return;
         const Frame frame = Frame::around(record.normal);

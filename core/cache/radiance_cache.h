@@ -35,6 +35,12 @@ struct PlacedLobe {
 /// Beyond this angle between the shading normal and that of a record, too much has risen over its horizon.
 constexpr float largest_radiance_tilt = 0.3f;
 
+/// How far from records radiance is read.
+enum class Reading : uint8_t {
+    smooth,   // beyond their radii, so that none ends abruptly: for what is seen
+    nearest,  // within them, which takes a quarter of the records: for averages of many places
+};
+
 class RadianceCache {
   public:
     RadianceCache() = default;
@@ -72,7 +78,8 @@ class RadianceCache {
     bool serves(Vec3 p, Vec3 normal, float width) const;
 
     /// Indirect radiance reflected by lobes with these `factors` in the frame `shading`; nothing where no record serves them.
-    std::optional<Color> reflect(Vec3 p, Vec3 normal, const Frame& shading, const ReflectedFactors& factors) const;
+    std::optional<Color> reflect(Vec3 p, Vec3 normal, const Frame& shading, const ReflectedFactors& factors,
+                                 Reading reading = Reading::smooth) const;
 
   private:
     /// How far that lobe reads records beyond that.

@@ -121,12 +121,13 @@ CachedIrradiance read_far(const RecordCache& far) {
     };
 }
 
-CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables) {
-    return [&cache, &tables](SurfacePoint& point, Vec3 wo) -> Color {
+CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables, Reading reading) {
+    return [&cache, &tables, reading](SurfacePoint& point, Vec3 wo) -> Color {
         ReflectedFactors factors;
         tables.reflect(point.bsdf, wo, factors);
         if (factors.order == 0) return {};
-        const auto reflected = cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors);
+        const auto reflected =
+            cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors, reading);
         if (!reflected) return {};
         set_cached(point.bsdf, factors);
         return *reflected;
@@ -138,7 +139,7 @@ FarEnd far_end(const SolvedCaches& caches, const IrradianceCacheOptions& options
     if (options.max_depth >= 0) return out;
     if (!caches.far.records().empty()) out.irradiance = read_far(caches.far);
     if (caches.tables && !caches.radiance.records().empty())
-        out.reflection = read_radiance(caches.radiance, *caches.tables);
+        out.reflection = read_radiance(caches.radiance, *caches.tables, Reading::nearest);
     return out;
 }
 

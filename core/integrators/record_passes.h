@@ -112,7 +112,8 @@ CacheOptions far_reading(const CacheOptions& near);
 /// would be seen from corners.
 CachedIrradiance read_far(const RecordCache& far);
 /// How paths read radiance records.
-CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables);
+CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
+                               Reading reading = Reading::smooth);
 /// Both, as the caches stand; nothing where paths have a greatest length, since records know of none.
 FarEnd far_end(const SolvedCaches& caches, const IrradianceCacheOptions& options);
 
