@@ -104,14 +104,14 @@ export class EclatLightmap {
       const { pages, path } = await this.sidecar;
       const page = pages.find((candidate) => candidate.gltf_texture === index);
       if (page === undefined) throw new Error(`${uri} has no page for texture ${index}`);
-      return await this.readPage(LoaderUtils.resolveURL(page.exr, path));
+      return await this.readPage(LoaderUtils.resolveURL(encodeURIComponent(page.exr), path));
     } catch (error) {
       warn(`${error.message}; taking the embedded light map (8 bits a channel, bright places may be clipped)`);
       return null;
     }
   }
 
-  /** The JSON side-car's pages, and the folder that their file names start from. */
+  /** The JSON side-car's pages, and the folder in which their files lie. */
   async readSidecar(uri) {
     const url = LoaderUtils.resolveURL(uri, this.parser.options.path);
     const text = await this.fetch(url, 'text');

@@ -253,6 +253,21 @@ def test_cameras_and_lights_come_back(tmp_path: Path) -> None:
     assert not read_back(scene, tmp_path, lights=False).lights
 
 
+@pytest.mark.parametrize("scale", [1e-3, 1.0, 500.0])
+def test_clipping_planes_follow_the_size_of_what_is_seen(scale: float) -> None:
+    """From one millimetre to half a kilometre a depth buffer of 24 bits tells apart what is a thousandth of it apart."""
+    panel = square(Material())
+    panel = replace(panel, positions=scale * np.asarray(panel.positions))
+    camera = Camera(look_at((0.3 * scale, 0.2 * scale, 2 * scale), (0, 0, 0)))
+    data = encode_glb(Scene((panel,), cameras=(camera,)))
+    length = struct.unpack("<I", data[12:16])[0]
+    lens = json.loads(data[20 : 20 + length])["cameras"][0]["perspective"]
+    depths = -((panel.positions - camera.to_world[:3, 3]) @ camera.to_world[:3, 2])
+    assert 0 < lens["znear"] < depths.min() / 100
+    assert depths.max() < lens["zfar"]
+    assert depths.max() ** 2 / (lens["znear"] * 2**24) < 1e-3 * scale
+
+
 def test_photometric_scenes_stay_so(tmp_path: Path) -> None:
     assert read_back(Scene((square(Material()),), photometric=True), tmp_path).photometric
 

@@ -60,6 +60,11 @@ def test_files(baked: eclat.Lightmap, tmp_path: Path) -> None:
     assert ((low <= baked.irradiance) & (baked.irradiance <= high))[inside].all()
 
 
+def test_it_tells_what_it_is_in_a_line(baked: eclat.Lightmap) -> None:
+    size = "{1} x {0}".format(*baked.irradiance.shape)
+    assert repr(baked) == f"<Lightmap of cornell-box: {size} texels of 0.1 m, total light by irradiance-cache>"
+
+
 def test_the_scene_comes_back(baked: eclat.Lightmap, tmp_path: Path) -> None:
     again = eclat.load(baked.save(tmp_path / "room.glb")[0])
     before, after = (

@@ -83,7 +83,11 @@ def views(tmp_path_factory: pytest.TempPathFactory) -> Views:
     _edit_glb(
         save_lit_quad(folder, "astray", IRRADIANCE, ENCODED, INTENSITY), b'htmap": {"index": 0', b'htmap": {"index": 7'
     )
-    jobs = {name: {"file": f"{name}.glb"} for name in ("quad", "daylight", "moonless", "draft", "bare", "astray")}
+    save_lit_quad(folder, "50 % of #1?", IRRADIANCE, ENCODED, INTENSITY)
+    jobs = {
+        name: {"file": f"{name}.glb"}
+        for name in ("quad", "daylight", "moonless", "draft", "bare", "astray", "50 % of #1?")
+    }
     jobs["embedded"] = {"file": "quad.glb", "plugin": {"exr": False}}
     for name, (damage, _) in BROKEN.items():
         save_lit_quad(folder, name, IRRADIANCE, ENCODED, INTENSITY)
@@ -104,7 +108,9 @@ def check(pixels: NDArray[np.float32], expected: NDArray[np.float64]) -> None:
     np.testing.assert_allclose(pixels, expected, rtol=2**-11, atol=2**-8 * expected.max())
 
 
-@pytest.mark.parametrize(("name", "scale"), [("quad", 1.0), ("daylight", 1e5), ("moonless", 1e-8), ("draft", 1.0)])
+@pytest.mark.parametrize(
+    ("name", "scale"), [("quad", 1.0), ("daylight", 1e5), ("moonless", 1e-8), ("draft", 1.0), ("50 % of #1?", 1.0)]
+)
 def test_full_range_is_albedo_over_pi_times_irradiance(views: Views, name: str, scale: float) -> None:
     # Millions of lux exceed the range of half floats, starlight falls below it.
     check(view(views, name).pixels, scale * expected_radiance(IRRADIANCE, SIZE))

@@ -18,6 +18,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, NoReturn
+from urllib.parse import quote
 
 import numpy as np
 import pytest
@@ -121,7 +122,8 @@ def render_in_three(folder: Path, jobs: Sequence[dict[str, Any]]) -> tuple[list[
     node, chromium = require_node(), require_browser()
     with serve(folder) as url:
         wanted = [
-            {"camera": 0, "plugin": {}, "supersampling": 1, **job, "url": f"{url}/files/{job['file']}"} for job in jobs
+            {"camera": 0, "plugin": {}, "supersampling": 1, **job, "url": f"{url}/files/{quote(job['file'])}"}
+            for job in jobs
         ]
         request = json.dumps({"page": f"{url}/web/tests/page.html", "jobs": wanted})
         answer = _node([node, str(WEB / "tests/render.mjs"), chromium], request)

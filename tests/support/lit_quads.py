@@ -7,6 +7,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 from typing import Any
+from urllib.parse import quote
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,7 +51,7 @@ def save_lit_quad(
     file.append("scenes", {"nodes": list(range(materials + 1))})
     file.json["scene"] = 0
     file.json["extensionsUsed"] = ["MOZ_lightmap", "KHR_materials_specular"]
-    file.json["asset"]["extras"] = {"eclat": {"lightmap": f"{stem}.lightmap.json"}}
+    file.json["asset"]["extras"] = {"eclat": {"lightmap": quote(f"{stem}.lightmap.json")}}
     pages = [{"exr": f"{stem}.lightmap.exr", "gltf_texture": light_map, "intensity": intensity}]
     (folder / f"{stem}.lightmap.json").write_text(json.dumps({"version": 1, "pages": pages}), encoding="utf-8")
     (folder / f"{stem}.lightmap.exr").write_bytes(encode_exr(irradiance.astype(np.float32), {}, {}, {}))

@@ -16,7 +16,7 @@ import numpy as np
 
 from eclat.errors import EclatError, warn
 from eclat.gltf_export.document import Document, Json, extras
-from eclat.gltf_export.geometry import Part, primitive, reversed_sides
+from eclat.gltf_export.geometry import Part, bounds_of, primitive, reversed_sides
 from eclat.gltf_export.materials import Materials
 from eclat.gltf_export.nodes import camera_node, light_node
 from eclat.gltf_export.textures import Textures
@@ -68,8 +68,10 @@ def encode_glb(
     textures = Textures(document, {0: 0, 1: 1 if lightmap is None else 2})
     materials = Materials(document, textures, None if lightmap is None else _moz_lightmap(document, textures, lightmap))
     document.root["asset"] |= extras(photometric=scene.photometric, **(notes or {}))
-    nodes = [_mesh_node(document, materials, part) for part in (parts_of(scene) if parts is None else parts)]
-    nodes += [camera_node(document, camera) for camera in scene.cameras]
+    parts = parts_of(scene) if parts is None else parts
+    nodes = [_mesh_node(document, materials, part) for part in parts]
+    bounds = bounds_of(parts)
+    nodes += [camera_node(document, camera, bounds) for camera in scene.cameras]
     if lights:
         nodes += [light_node(document, light) for light in scene.lights]
     if scene.environment is not None:

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -84,6 +85,14 @@ def face_normals(mesh: Mesh) -> FloatArray:
         unit: FloatArray = normals / lengths[:, None]
     unit[~(lengths > 0) | ~np.isfinite(unit).all(axis=1)] = (0, 0, 1)
     return unit
+
+
+def bounds_of(parts: Sequence[Part]) -> FloatArray:
+    """(2, 3) lowest and highest corner; infinite where there is nothing."""
+    found = [np.asarray(part.mesh.positions, np.float64) for part in parts if len(part.mesh.positions)]
+    if not found:
+        return np.array([[np.inf] * 3, [-np.inf] * 3])
+    return np.array([np.min([p.min(axis=0) for p in found], axis=0), np.max([p.max(axis=0) for p in found], axis=0)])
 
 
 def primitive(document: Document, part: Part, material: int) -> Json:

@@ -51,6 +51,13 @@ class Lightmap:
     statistics: dict[str, float] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        height, width, _ = self.irradiance.shape
+        what = f"{self.component} light by {self.method}"
+        return (
+            f"<Lightmap of {self.scene.name or 'a scene'}: {width} x {height} texels of {self.texel_size:g} m, {what}>"
+        )
+
     @property
     def unit(self) -> str:
         """ "W/m2" or "lux"."""
