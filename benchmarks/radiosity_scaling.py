@@ -3,7 +3,8 @@
 """What radiosity costs against the number of patches: links, rays and time of a solve, from 8000 to 512,000 patches.
 
 Everything but `patches` is left at its default. The peak of memory is that of the process, which the largest solve comes
-last in. Also draws docs/benchmarks/radiosity-scaling.svg. Takes about ten minutes.
+last in. Also draws docs/benchmarks/radiosity-scaling.svg. Takes about twenty
+minutes, with --repeats 1 six.
 """
 
 from __future__ import annotations
@@ -66,7 +67,7 @@ def plots(result: dict[str, Any]) -> dict[str, str]:
     return {"radiosity-scaling": log_log_plot(series, "patches", "seconds, links, rays", lambda value: f"{value:g}")}
 
 
-BENCHMARK = Benchmark("radiosity-scaling", __doc__, ("atrium",), run, tables, plots)
+BENCHMARK = Benchmark("radiosity-scaling", __doc__, ("cornell-box", "atrium"), run, tables, plots)
 
 if __name__ == "__main__":
     main(BENCHMARK)
