@@ -85,7 +85,9 @@ def test_noise_of_gathers_does_not_drive_placement() -> None:
     scene = build("cornell-box")
     counts = [
         sum(
-            len(eclat.solve(scene, eclat.IrradianceCache(rows=rows, far_records=far), size=SIZE, seed=seed, check=False))
+            len(
+                eclat.solve(scene, eclat.IrradianceCache(rows=rows, far_records=far), size=SIZE, seed=seed, check=False)
+            )
             for seed in range(3)
         )
         for rows, far in ((8, 0), (40, 2000))
