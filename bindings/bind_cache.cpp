@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
@@ -88,6 +89,11 @@ void bind_cache(nb::module_& m) {
         .def_rw("far_rows", &IrradianceCacheOptions::far_rows)
         .def_rw("far_spacing", &IrradianceCacheOptions::far_spacing)
         .def_rw("far_records", &IrradianceCacheOptions::far_records)
+        .def_prop_rw(
+            "far_photons",
+            [](const IrradianceCacheOptions& o) { return std::const_pointer_cast<PhotonMaps>(o.far_photons); },
+            [](IrradianceCacheOptions& o, std::shared_ptr<PhotonMaps> maps) { o.far_photons = std::move(maps); },
+            "maps"_a.none())
         .def_rw("max_depth", &IrradianceCacheOptions::max_depth)
         .def_rw("seed", &IrradianceCacheOptions::seed)
         .def_rw("threads", &IrradianceCacheOptions::threads);

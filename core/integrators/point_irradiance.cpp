@@ -136,8 +136,8 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
                 missed_index.push_back(i);
             }
         }
-        const auto gathered = gather_records(world, missed, far_end(caches, cache_options), cache_options,
-                                             gather_stream, cache_options.rows, progress);
+        const auto gathered = gather_records(world, missed, far_end(world, caches, cache_options, progress),
+                                             cache_options, gather_stream, cache_options.rows, progress);
         // Nobody shares the excess of a single gather: both are its whole estimate.
         for (size_t k = 0; k < gathered.size(); ++k)
             out.irradiance[missed_index[k]] = gathered[k].irradiance + gathered[k].excess;

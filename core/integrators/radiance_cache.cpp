@@ -122,7 +122,8 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
     spaced.spacing = options.spacing;
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
                           [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
-    const auto records = gather_records(world, places, far_end(caches, spaced), spaced, plan, progress);
+    const auto records =
+        gather_records(world, places, far_end(world, caches, spaced, progress), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
         // Where a lower bound widened the radius, the gradients go with it, as those of irradiance did.

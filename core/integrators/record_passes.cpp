@@ -121,6 +121,12 @@ CachedIrradiance read_far(const RecordCache& far) {
     };
 }
 
+CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progress& progress) {
+    return [&](const SurfacePoint& point, float distance) {
+        return far_irradiance(world, photons, {point, point.frame.n}, distance, -1, progress);
+    };
+}
+
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables, Reading reading) {
     return [&cache, &tables, reading](SurfacePoint& point, Vec3 wo) -> Color {
         ReflectedFactors factors;
@@ -134,10 +140,14 @@ CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables&
     };
 }
 
-FarEnd far_end(const SolvedCaches& caches, const IrradianceCacheOptions& options) {
+FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
+               Progress& progress) {
     FarEnd out;
     if (options.max_depth >= 0) return out;
-    if (!caches.far.records().empty()) out.irradiance = read_far(caches.far);
+    if (options.far_photons)
+        out.irradiance = read_far(world, *options.far_photons, progress);
+    else if (!caches.far.records().empty())
+        out.irradiance = read_far(caches.far);
     if (caches.tables && !caches.radiance.records().empty())
         out.reflection = read_radiance(caches.radiance, *caches.tables, Reading::nearest);
     return out;
@@ -194,8 +204,9 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
 }
 
 uint64_t far_passes(const IrradianceCacheOptions& options) {
-    const uint64_t rays =
-        options.max_depth < 0 ? uint64_t(rays_for_record) * static_cast<uint64_t>(options.far_records) : 0;
+    const uint64_t rays = options.max_depth < 0 && !options.far_photons
+                              ? uint64_t(rays_for_record) * static_cast<uint64_t>(options.far_records)
+                              : 0;
     return (rays + far_round - 1) / far_round;
 }
 
@@ -211,12 +222,13 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
                 SolvedCaches& caches, Progress& progress) {
     const auto missed = unserved(caches.near, candidates, options.threads);
     const auto wanted = caches.direct.worth_records(candidates, missed);
-    const auto records = remembered(world,
-                                    gather_each(
-                                        world, wanted, far_end(caches, options), caches.bright, options, near_stream,
-                                        [&](const Candidate& c) { return rows_for(c, caches.near, options); },
-                                        caches.near.mean_luminance(), progress),
-                                    caches.bright);
+    const auto records =
+        remembered(world,
+                   gather_each(
+                       world, wanted, far_end(world, caches, options, progress), caches.bright, options, near_stream,
+                       [&](const Candidate& c) { return rows_for(c, caches.near, options); },
+                       caches.near.mean_luminance(), progress),
+                   caches.bright);
     caches.near.insert(records, options.spacing, options.threads);
     if (options.disagreement < infinity)
         caches.near.shrink_where_records_disagree(options.disagreement, options.spacing, options.threads);

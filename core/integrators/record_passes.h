@@ -7,6 +7,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,7 @@
 #include "cache/radiance_cache.h"
 #include "cache/spacing.h"
 #include "integrators/direct_regions.h"
+#include "photons/photon_maps.h"
 #include "transport/paths.h"
 
 namespace eclat {
@@ -35,6 +37,7 @@ struct IrradianceCacheOptions {
     float far_spacing = usual_far_spacing;
     float disagreement =
         0.02f;  // of records, relative, beyond their noise, that shrinks the worse; infinity: none does
+    std::shared_ptr<const PhotonMaps> far_photons;  // in whose irradiance gather rays end, and in no far cache then
     bool gradient_limit = true;
     Balanced balanced = Balanced::squared;
     bool obstacle_limit = true;  // of curvature's radius by the least distance to what stands apart
@@ -114,8 +117,12 @@ CachedIrradiance read_far(const RecordCache& far);
 /// How paths read radiance records.
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
                                Reading reading = Reading::smooth);
-/// Both, as the caches stand; nothing where paths have a greatest length, since records know of none.
-FarEnd far_end(const SolvedCaches& caches, const IrradianceCacheOptions& options);
+/// Photons or far records, and radiance records, as the caches stand; nothing where paths have a greatest length, since records know of none.
+FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
+               Progress& progress);
+
+/// The same from photons. Borrows all.
+CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progress& progress);
 
 /// A pass of the far cache: coarse records at the candidates that are not served. Rays find candidates by chance, so
 /// those that lie close to each other are thinned, in order.

@@ -64,7 +64,8 @@ void solve_everywhere(const World& world, const IrradianceCacheOptions& options,
     const SurfacePoints surface(world);
     if (surface.empty()) return;
     constexpr size_t far_round = 512;
-    const size_t far_count = options.max_depth < 0 ? static_cast<size_t>(options.far_records) : 0;
+    const bool wants_far = options.max_depth < 0 && !options.far_photons;
+    const size_t far_count = wants_far ? static_cast<size_t>(options.far_records) : 0;
     const auto far_rounds = static_cast<uint32_t>((far_count + far_round - 1) / far_round);
     progress.begin(far_rounds + (before_near ? 2 : 1) * most_place_passes);
     for (uint32_t round = 0; round < far_rounds; ++round)

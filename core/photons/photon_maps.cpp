@@ -51,10 +51,10 @@ void PhotonMaps::precompute(const World& world, std::span<const Photon> places, 
 
 std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, const DensityPoint& at, float distance,
                                     int max_edges, Progress& progress) {
-    // Records hold photons of all paths.
-    if (max_edges < 0) {
-        if (const auto* known = maps.irradiance.nearest(world, at, maps.reading.global.radius, progress))
-            return distance < known->radius ? std::nullopt : std::optional(known->irradiance);
+    // Records hold photons of all paths. Where there is none, photons are rare: tracing on is cheaper than their density.
+    if (max_edges < 0 && !maps.irradiance.empty()) {
+        const auto* known = maps.irradiance.nearest(world, at, maps.reading.global.radius, progress);
+        return known == nullptr || distance < known->radius ? std::nullopt : std::optional(known->irradiance);
     }
     MapReading limited = maps.reading;
     limited.global.max_edges = limited.caustic.max_edges = max_edges;

@@ -53,8 +53,8 @@ struct PhotonMaps {
     void precompute(const World& world, std::span<const Photon> places, int threads, Progress& progress);
 };
 
-/// Indirect irradiance where a gather ray of length `distance` ended; nothing where it was too short: photons are blurred,
-/// which would be seen from near by, in corners. `max_edges`: of the photons' paths, −1 unlimited.
+/// Indirect irradiance where a gather ray of length `distance` ended; nothing where it was too short (photons are blurred,
+/// which would be seen from near by, in corners), or where photons are too rare. `max_edges`: of the photons' paths, −1 unlimited.
 std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, const DensityPoint& at, float distance,
                                     int max_edges, Progress& progress);
 

@@ -100,6 +100,8 @@ class IrradianceCache:
     """Rows of the gathers of far records."""
     far_spacing: float = 0.3
     """Radius of a far record in units of the distance to what it sees."""
+    far_photons: int = 0
+    """Photons in whose irradiance gather rays end, instead of far records; 0 for none. Not under an environment image."""
 
     def __post_init__(self) -> None:
         _check_range("IrradianceCache", "max_error", self.max_error, 0.0005, 0.5)
@@ -112,6 +114,7 @@ class IrradianceCache:
             _check_range("IrradianceCache", "far_rows", self.far_rows, 2, 256)
         if self.far_records is not None:
             _check_range("IrradianceCache", "far_records", self.far_records, 0, 10**7)
+        _check_range("IrradianceCache", "far_photons", self.far_photons, 0, 10**8)
         _check_range("IrradianceCache", "least_pixels", self.least_pixels, 0.25, 1000)
         _check_range("IrradianceCache", "largest_pixels", self.largest_pixels, self.least_pixels, 10**5)
         _check_range("IrradianceCache", "relaxation", self.relaxation, 1, 4)

@@ -53,6 +53,7 @@ def finer(options: IrradianceCache, ratio: float) -> IrradianceCache:
         far_spacing=max(0.01, options.far_spacing * ratio**0.5),
         far_rows=min(256, round(now.far_rows * rows)),
         far_records=min(10**7, round(now.far_records / ratio)),
+        far_photons=min(10**8, round(options.far_photons / ratio)),
     )
 
 

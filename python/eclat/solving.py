@@ -221,13 +221,17 @@ class Job:
     keep_partial: bool
     progress: ProgressReport | None
 
-    def _fill(self, options: IrradianceCache, caches: _core.SolvedCaches) -> Callable[[_core.Progress], None]:
+    def _fill(
+        self, options: IrradianceCache, caches: _core.SolvedCaches, photons: _core.PhotonMaps | None
+    ) -> Callable[[_core.Progress], None]:
         common = {"max_depth": self.max_depth, "seed": self.seed, "threads": self.threads}
         fill_radiance, tables = self.where.fill_radiance, self._tables(options)
         if isinstance(options, RadianceCache) and fill_radiance is not None and tables is not None:
             with_radiance = core_radiance_options(options, **common)
+            with_radiance.irradiance.far_photons = photons
             return lambda p: fill_radiance(caches, tables, with_radiance, p)
         settings = core_options(options, **common)
+        settings.far_photons = photons
         return lambda p: self.where.fill(caches, settings, p)
 
     def _tables(self, options: IrradianceCache) -> _core.RadianceTables | None:
@@ -235,17 +239,33 @@ class Job:
             return None
         return radiance_tables(self.scene, options, threads=self.threads or None, progress=self.progress)
 
+    def _photons(self, options: IrradianceCache) -> tuple[_core.PhotonMaps | None, float]:
+        """For gather rays to end in, if they are to, and the rays that tracing them took."""
+        if not options.far_photons or self.max_depth >= 0:
+            return None, 0.0
+        if self.scene.environment is not None:
+            raise EclatError(
+                "far_photons: expected a scene without an environment image, whose light gathers collect themselves"
+            )
+        photons = trace(
+            self.scene, PhotonMap(photons=options.far_photons, caustic_photons=max(1000, options.far_photons // 4)),
+            seed=self.seed, threads=self.threads, progress=self.progress,
+        )  # fmt: skip
+        maps = photons.core(self.scene, gather=True, threads=self.threads, progress=self.progress)
+        return maps, photons.statistics["rays"]
+
     def solve(self, options: IrradianceCache, check_share: float) -> Solution:
         """One solve, checked with that share of its rays."""
         started = clock.perf_counter()
         caches, counted = _core.SolvedCaches(), _core.Progress()
+        photons, photon_rays = self._photons(options)
 
         def solution(complete: bool) -> Solution:
             statistics = {
                 "records": float(caches.near_count),
                 "far_records": float(caches.far_count),
                 "left_to_paths": float(caches.left_to_paths),
-                "rays": float(counted.rays),
+                "rays": float(counted.rays) + photon_rays,
                 "seconds": clock.perf_counter() - started,
             }
             if isinstance(options, RadianceCache):
@@ -255,7 +275,7 @@ class Job:
             )
 
         try:
-            run("solve", self._fill(options, caches), self.progress, counted)
+            run("solve", self._fill(options, caches, photons), self.progress, counted)
         except KeyboardInterrupt as stop:
             if self.keep_partial and caches.near_count:
                 stop.partial = solution(False)  # type: ignore[attr-defined]

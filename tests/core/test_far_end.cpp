@@ -80,10 +80,10 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
             sum += (r.irradiance + r.excess).g;
         return std::pair{sum, static_cast<double>(counted.rays)};
     };
-    const FarEnd diffuse = far_end(caches, options.irradiance);
+    const FarEnd diffuse = far_end(world, caches, options.irradiance, progress);
     CHECK(!diffuse.reflection);
     caches.tables = &place.lobes;
-    const FarEnd both = far_end(caches, options.irradiance);
+    const FarEnd both = far_end(world, caches, options.irradiance, progress);
     REQUIRE(both.reflection);
     const auto [traced, rays_traced] = gathered(diffuse, 20);
     const auto [read, rays_read] = gathered(both, 21);
@@ -92,7 +92,7 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
 
     IrradianceCacheOptions short_paths = options.irradiance;
     short_paths.max_depth = 4;  // records hold light of all lengths
-    const FarEnd none = far_end(caches, short_paths);
+    const FarEnd none = far_end(world, caches, short_paths, progress);
     CHECK(!none.irradiance);
     CHECK(!none.reflection);
 }

@@ -94,7 +94,7 @@ def test_agrees_with_path_through_glass() -> None:
     scene = glass_sphere_box(light_scale=3.0)
     reference = eclat.render(scene, eclat.Path(), samples=400, size=(48, 48), seed=1).pixels
     for options in (eclat.PhotonMap(gather=0), eclat.PhotonMap()):
-        image = eclat.render(scene, options, samples=64, size=(48, 48)).pixels
+        image = eclat.render(scene, options, samples=24, size=(48, 48)).pixels
         ours, theirs = block_means(image, 12), block_means(reference, 12)
         assert np.sqrt(np.mean((ours - theirs) ** 2 / (theirs**2 + (0.1 * theirs.mean()) ** 2))) < 0.04
 

@@ -167,3 +167,15 @@ def test_merged_maps_are_one_emission() -> None:
     assert ab.powers.sum(axis=0) == pytest.approx(flux, rel=0.01)
     image = eclat.render(scene, ab, samples=4, size=SIZE)
     assert image.pixels.mean() == pytest.approx(eclat.render(scene, a, samples=4, size=SIZE).pixels.mean(), rel=0.02)
+
+
+def test_records_whose_gathers_end_in_photons_agree_with_path() -> None:
+    """The far end of irradiance caching: photons' irradiance instead of far records."""
+    scene, reference = traced("cornell-box", 384)
+    options = eclat.IrradianceCache(far_photons=50_000)
+    assert len(eclat.solve(scene, options, size=SIZE, check=False).far) == 0
+    image = eclat.render(scene, options, samples=64, size=SIZE, check=False).pixels
+    ours, theirs = block_means(image, 12), block_means(reference, 12)
+    assert np.sqrt(np.mean((ours - theirs) ** 2 / (theirs**2 + (0.1 * theirs.mean()) ** 2))) < 0.02
+    with pytest.raises(eclat.EclatError, match="far_photons: expected a scene without an environment image"):
+        eclat.solve(court("sky"), options, size=SIZE)
