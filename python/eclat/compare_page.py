@@ -37,6 +37,9 @@ figcaption { font-size: 13px; margin-top: .3rem; }
 svg { max-width: 760px; width: 100%; } .scroll { overflow-x: auto; }
 """
 
+STORED = ("records", "radiance_records", "photons", "patches")
+"""Statistics that count what a method solves for."""
+
 FLIP_MISSING = "FLIP is not measured: the package flip-evaluator is not installed (pip install flip-evaluator)."
 
 
@@ -97,12 +100,24 @@ def _notes() -> str:
     flip = f"FLIP: mean of LDR-FLIP at {PIXELS_PER_DEGREE:g} pixels per degree." if has_flip() else FLIP_MISSING
     return (
         "Error: relative RMSE over all pixels, free of the references' noise. Away from edges: the same over pixels "
-        f"with no edge of normal or depth within two pixels. {flip} Time: solve and render, the scene already built."
+        f"with no edge of normal or depth within two pixels. {flip} Time: solve and render, the scene already built. "
+        "Stored: records, photons or patches; memory: of these."
     )
 
 
 def _table(comparison: Comparison) -> str:
-    heads = ("method", "error", "away from edges", "FLIP", "time", "samples", "rays", "records", "cache misses")
+    heads = (
+        "method",
+        "error",
+        "away from edges",
+        "FLIP",
+        "time",
+        "samples",
+        "rays",
+        "stored",
+        "memory",
+        "cache misses",
+    )
     rows = ["<tr>" + "".join(f"<th>{head}</th>" for head in heads) + "</tr>"]
     for result in comparison.results:
         for measurement in result.measurements:
@@ -113,7 +128,10 @@ def _table(comparison: Comparison) -> str:
                 percent(measurement.error_away_from_edges),
                 "–" if measurement.flip is None else f"{measurement.flip:.4f}",
                 f"{measurement.seconds:.2f} s",
-                *(_count(statistics.get(name)) for name in ("samples", "rays", "records", "cache_misses")),
+                *(_count(statistics.get(name)) for name in ("samples", "rays")),
+                _count(sum(statistics.get(name, 0) for name in STORED)),
+                _megabytes(statistics.get("bytes")),
+                _count(statistics.get("cache_misses")),
             ]
             last = ' class="last"' if measurement is result.measurements[-1] else ""
             rows.append(f"<tr{last}>" + "".join(f"<td>{escape(cell)}</td>" for cell in cells) + "</tr>")
@@ -122,6 +140,10 @@ def _table(comparison: Comparison) -> str:
 
 def _count(value: float | None) -> str:
     return "–" if not value else f"{value:,.0f}"
+
+
+def _megabytes(value: float | None) -> str:
+    return "–" if not value else f"{value / 1e6:,.1f} MB"
 
 
 def _plot(comparison: Comparison) -> str:

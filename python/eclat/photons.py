@@ -62,6 +62,11 @@ class Photons:
         """Photons of both maps."""
         return len(self.stored) + len(self.caustic)
 
+    @property
+    def nbytes(self) -> int:
+        """Of its arrays."""
+        return self.stored.nbytes + self.caustic.nbytes
+
     def _both(self, columns: slice) -> np.ndarray:
         return np.concatenate([self.stored[:, columns], self.caustic[:, columns]])
 

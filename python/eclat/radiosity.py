@@ -52,6 +52,11 @@ class RadiositySolution:
         return len(self.patches)
 
     @property
+    def nbytes(self) -> int:
+        """Of its arrays."""
+        return self.patches.nbytes + self.values.nbytes + self.local_corners.nbytes
+
+    @property
     def triangles(self) -> np.ndarray:
         """(N,) the triangle that each patch is a part of, counted through all meshes of the scene."""
         return self.patches[:, 0]
@@ -238,7 +243,7 @@ def _tell_of_gloss(scene: Scene) -> None:
                 reflecting.add(material.name or material.kind)
     if reflecting:
         warn(
-            f"radiosity is diffuse: {_listed(reflecting)} pass light on as diffuse surfaces of the same albedo; "
+            f"radiosity is diffuse: what {_listed(reflecting)} would reflect is passed on as by diffuse surfaces; "
             "what the camera sees of their gloss is traced"
         )
     if transmitting:

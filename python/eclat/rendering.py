@@ -280,6 +280,7 @@ def _statistics(
         statistics["noise"] = sampling.noise
     if isinstance(what, Solution | Photons | RadiositySolution):
         statistics["rays"] += what.statistics.get("rays", 0.0)
+        statistics["bytes"] = float(what.nbytes)
     if isinstance(what, Solution):
         statistics |= {"records": float(len(what)), "cache_misses": float(film.cache_misses)}
         if what.radiance is not None:

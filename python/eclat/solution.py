@@ -100,6 +100,11 @@ class RadianceRecords:
     def __len__(self) -> int:
         return len(self.records)
 
+    @property
+    def nbytes(self) -> int:
+        """Of its arrays."""
+        return self.records.nbytes + self.values.nbytes + self.gradients.nbytes
+
     @staticmethod
     def of(caches: _core.SolvedCaches) -> RadianceRecords:
         """From what the core solved."""
@@ -149,6 +154,11 @@ class Solution:
 
     def __len__(self) -> int:
         return len(self.near)
+
+    @property
+    def nbytes(self) -> int:
+        """Of its arrays."""
+        return self.near.nbytes + self.far.nbytes + (self.radiance.nbytes if self.radiance else 0)
 
     def _column(self, name: str) -> np.ndarray:
         return self.near[:, _COLUMNS[name]]
