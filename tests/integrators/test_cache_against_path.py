@@ -2,13 +2,11 @@
 # SPDX-License-Identifier: Apache-2.0
 """The bias of irradiance and radiance caching in real buildings: measured against `path`, without what either has of noise.
 
-Blocks of pixels are compared. Two pictures x₁, x₂ of one cache with unrelated pixel samples, independent path-traced
-pictures A_i: the mean of (x₁ − A_i)(x₂ − A_j), i ≠ j, has the expectation (cache − truth)² however noisy they are.
+Blocks of pixels are compared, two pictures of one cache with independent path-traced ones: see `squared_bias`.
 """
 
 from __future__ import annotations
 
-import itertools
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -16,7 +14,7 @@ import numpy as np
 import pytest
 
 import eclat
-from support.statistics import block_means
+from support.statistics import block_means, squared_bias
 
 SIZE = (64, 36)
 BLOCK = (12, 16)  # rows, columns of pixels
@@ -59,11 +57,7 @@ def test_the_bias_is_no_more_than_stated(scenes: Path, case: Case) -> None:
     cache = eclat.solve(scene, case.method(), size=SIZE)
     first, second = (blocks(cache, 2 * case.samples, 200 + run) for run in range(2))
 
-    truth = np.mean(paths, axis=0)
-    floor = truth**2 + 0.01 * np.mean(truth**2)
-    squares = np.array([((first - a) * (second - b) / floor).mean() for a, b in itertools.permutations(paths, 2)])
-    # Disjoint pairs of references are independent, and there are half as many as references.
-    uncertainty = squares.std() / np.sqrt(REFERENCES / 2)
+    squared, uncertainty = squared_bias(first, second, paths)
     assert uncertainty < 0.5 * case.of_blocks**2, "the references are too noisy to tell"
-    assert squares.mean() < case.of_blocks**2
-    assert (first + second).mean() / 2 == pytest.approx(truth.mean(), rel=case.of_mean)
+    assert squared < case.of_blocks**2
+    assert (first + second).mean() / 2 == pytest.approx(np.mean(paths), rel=case.of_mean)

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import itertools
+
 import numpy as np
 import scipy.stats
 from numpy.typing import NDArray
@@ -41,3 +43,17 @@ def relative_error(image: Floats, a: Floats, b: Floats | None = None) -> float:
     reference = (a.astype(np.float64) + b) / 2
     products = (image - a.astype(np.float64)) * (image - b) / (reference**2 + 0.01 * np.mean(reference**2))
     return float(np.sqrt(max(0.0, products.mean())))
+
+
+def squared_bias(first: Floats, second: Floats, references: list[NDArray[np.float64]]) -> tuple[float, float]:
+    """The mean square of the relative difference from the truth, without noise, and its standard error.
+
+    `first` and `second` are pictures of one method (or means of their blocks) with unrelated samples, `references`
+    independent unbiased ones: the mean of (first − A_i)(second − A_j), i ≠ j, has the expectation (method − truth)², however
+    noisy they all are. Darkness is floored by 1 % of the mean square.
+    """
+    truth = np.mean(references, axis=0)
+    floor = truth**2 + 0.01 * np.mean(truth**2)
+    squares = np.array([((first - a) * (second - b) / floor).mean() for a, b in itertools.permutations(references, 2)])
+    # Disjoint pairs of references are independent, and there are half as many as references.
+    return float(squares.mean()), float(squares.std() / np.sqrt(len(references) / 2))
