@@ -13,7 +13,7 @@ from time import perf_counter
 from typing import Any
 
 import eclat
-from eclat.svg_plot import log_log_plot
+from eclat.report.svg_plot import log_log_plot
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.references import reference

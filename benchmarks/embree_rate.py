@@ -37,7 +37,7 @@ def prepare() -> list[str]:
 
 def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     core = probed_core.install()
-    from eclat.compiled import compiled
+    from eclat.bridge.compiled import compiled
     from eclat.solution import core_options
 
     scene = place.load()

@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Irradiance caching against path tracing: error against time, and the times at which their errors are equal.
 
-Each picture's error is its relative RMSE over all pixels (eclat.metrics), measured against two independent path-traced
+Each picture's error is its relative RMSE over all pixels (eclat.measure.metrics), measured against two independent path-traced
 references whose noise cancels. The cache runs with max_error 0.08 to 0.005, the pixels with the more samples the less
 error is allowed; the path tracer with 1 to 256 samples. Time counts from arrays in memory to the float picture: tree,
 solve and render. Where the path tracer never reached an error, its time is extrapolated by error ∝ 1/√time (marked ≈).
@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any
 
 import eclat
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.scene import Scene
 from harness import document
 from harness.benchmark import Benchmark, Settings, main

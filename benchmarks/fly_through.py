@@ -21,8 +21,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 import eclat
-from eclat.image import Image
-from eclat.metrics import away_from_edges
+from eclat.images.image import Image
+from eclat.measure.metrics import away_from_edges
 from eclat.scene import Camera
 from harness import document
 from harness.benchmark import Benchmark, Settings, main

@@ -19,7 +19,7 @@ from typing import Any
 import numpy as np
 
 import eclat
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.options import Options
 from eclat.scene import Scene
 from harness import document

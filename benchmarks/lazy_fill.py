@@ -60,7 +60,7 @@ def _fill_in_passes(options: eclat.IrradianceCache, size: tuple[int, int], scene
 
 def _fill_lazily(options: eclat.IrradianceCache, size: tuple[int, int], scene: Scene) -> eclat.Solution:
     core = probed_core.install()
-    from eclat.compiled import compiled
+    from eclat.bridge.compiled import compiled
     from eclat.solution import core_options, solved_from_core
 
     before = time.perf_counter()

@@ -33,7 +33,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
 
 
 def _measure(name: str, settings: Settings) -> dict[str, Any]:
-    from eclat.compiled import compiled
+    from eclat.bridge.compiled import compiled
 
     place = SCENES[name]
     scene, size = place.load(), place.size_for(settings.quick)

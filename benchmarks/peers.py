@@ -19,8 +19,8 @@ from typing import Any
 import numpy as np
 
 from eclat.compare import auto_exposure
-from eclat.image import Image
-from eclat.svg_plot import log_log_plot
+from eclat.images.image import Image
+from eclat.report.svg_plot import log_log_plot
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.machine import ROOT

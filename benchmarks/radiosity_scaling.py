@@ -15,7 +15,7 @@ from functools import partial
 from typing import Any
 
 import eclat
-from eclat.svg_plot import log_log_plot
+from eclat.report.svg_plot import log_log_plot
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.scenes import BenchmarkScene

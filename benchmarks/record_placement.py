@@ -18,10 +18,10 @@ from numpy.typing import NDArray
 from PIL import Image as Picture
 
 import eclat
-from eclat.image import Image
+from eclat.images.image import Image
+from eclat.images.tone import to_display
 from eclat.record_overlay import visible_pixels
 from eclat.scene import Scene
-from eclat.tone import to_display
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.machine import ROOT

@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/color.h"
-#include "integrators/point_irradiance.h"
+#include "transport/point_irradiance.h"
 
 namespace nb = nanobind;
 

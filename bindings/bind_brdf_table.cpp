@@ -8,7 +8,7 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
-#include "cache/brdf_table.h"
+#include "tables/brdf_table.h"
 
 using namespace eclat;
 using namespace nb::literals;

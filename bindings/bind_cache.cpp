@@ -10,10 +10,10 @@
 #include <cstring>
 
 #include "arrays.h"
-#include "integrators/error_estimate.h"
-#include "integrators/irradiance_cache.h"
-#include "integrators/radiance_cache.h"
-#include "integrators/solve_points.h"
+#include "estimate/error_estimate.h"
+#include "methods/irradiance_cache/irradiance_cache.h"
+#include "methods/radiance_cache/radiance_cache.h"
+#include "methods/irradiance_cache/solve_points.h"
 #include "world_holder.h"
 
 using namespace eclat;

@@ -13,8 +13,8 @@
 
 #include "arrays.h"
 #include "base/parallel.h"
-#include "integrators/photon_map.h"
-#include "photons/trace_photons.h"
+#include "methods/photon_map/photon_gathering.h"
+#include "methods/photon_map/trace_photons.h"
 #include "render_range.h"
 #include "world_holder.h"
 

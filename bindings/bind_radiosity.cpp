@@ -9,9 +9,9 @@
 
 #include "arrays.h"
 #include "base/error.h"
-#include "integrators/radiosity.h"
-#include "integrators/render.h"
-#include "radiosity/solve_radiosity.h"
+#include "methods/radiosity/radiosity_gathering.h"
+#include "render/render.h"
+#include "methods/radiosity/solve_radiosity.h"
 #include "render_range.h"
 #include "world_holder.h"
 

@@ -8,10 +8,10 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
-#include "integrators/irradiance_cache.h"
-#include "integrators/point_irradiance.h"
-#include "integrators/radiance_cache.h"
-#include "integrators/render.h"
+#include "methods/irradiance_cache/irradiance_cache.h"
+#include "methods/irradiance_cache/cached_irradiance.h"
+#include "methods/radiance_cache/radiance_cache.h"
+#include "render/render.h"
 #include "render_range.h"
 #include "world_holder.h"
 

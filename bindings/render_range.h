@@ -13,7 +13,7 @@
 
 #include "arrays.h"
 #include "base/error.h"
-#include "integrators/render.h"
+#include "render/render.h"
 
 namespace eclat {
 

@@ -13,8 +13,8 @@ import numpy as np
 from PIL import Image
 
 import eclat
+from eclat.images.tone import to_display
 from eclat.scenes.hard_cases import CASES
-from eclat.tone import to_display
 
 QUALITY = 82
 COLUMNS = 5

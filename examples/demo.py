@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Irradiance caching beside path tracing, at about equal time, on built-in scenes: pictures in `out/`.
 
-Errors are relative and those of all our figures (`eclat.metrics`): against two independent path-traced pictures, whose
+Errors are relative and those of all our figures (`eclat.measure.metrics`): against two independent path-traced pictures, whose
 noise puts no floor under them.
 """
 
@@ -15,7 +15,7 @@ from pathlib import Path
 import numpy as np
 
 import eclat
-from eclat.metrics import relative_rmse
+from eclat.measure.metrics import relative_rmse
 from eclat.scenes import build
 
 SIZES = {"cornell-box": (512, 512), "atrium": (480, 270)}

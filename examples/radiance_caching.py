@@ -19,8 +19,8 @@ import numpy as np
 from PIL import Image
 
 import eclat
-from eclat.metrics import relative_rmse
-from eclat.tone import to_display
+from eclat.images.tone import to_display
+from eclat.measure.metrics import relative_rmse
 
 SIDE, SAMPLES, REFERENCE_SAMPLES = 256, 16, 128
 QUALITY = 85

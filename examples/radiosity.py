@@ -16,8 +16,8 @@ import numpy as np
 from PIL import Image, ImageDraw
 
 import eclat
+from eclat.images.tone import srgb_encode
 from eclat.scenes import build
-from eclat.tone import srgb_encode
 
 SIZE = 400
 EXPOSURE = 1.6

@@ -31,7 +31,7 @@ def check_includes(layers: list[str], only: dict[str, list[str]]) -> Iterator[st
     for path in sources("core", "bindings", suffixes=(".h", ".cpp")):
         name = path.relative_to(ROOT).as_posix()
         in_core = name.startswith("core/")
-        layer = path.parent.name
+        layer = path.parent.relative_to(ROOT / "core").as_posix() if in_core else ""
         if in_core and layer not in rank:
             yield f"{name}: folder {layer!r} has no place in tools/layers.toml"
             continue
@@ -44,7 +44,7 @@ def check_includes(layers: list[str], only: dict[str, list[str]]) -> Iterator[st
                     yield f"{where}: {included} may be included by these only: {', '.join(files) or 'none'}"
             if quote == "<" or not in_core:
                 continue
-            target = included.split("/")[0]
+            target = included.rpartition("/")[0]
             if target not in rank:
                 yield f'{where}: "{included}" is not a header of the core named from core/'
             elif rank[target] > rank[layer]:

@@ -18,7 +18,7 @@ ROOT = Path(__file__).resolve().parent.parent
 
 
 def sources() -> list[str]:
-    core = [p for p in ROOT.glob("core/*/*") if p.suffix in (".h", ".cpp")]
+    core = [p for p in ROOT.glob("core/**/*") if p.suffix in (".h", ".cpp")]
     # A .cpp file is tested with its header.
     core = [p for p in core if p.suffix == ".h" or not p.with_suffix(".h").exists()]
     python = [p for p in ROOT.glob("python/eclat/**/*.py") if "__pycache__" not in p.parts]

@@ -10,9 +10,9 @@ from dataclasses import asdict, dataclass, replace
 from functools import partial
 from typing import TYPE_CHECKING, Any, TypeVar
 
-from eclat.image import Image
+from eclat.images.image import Image
+from eclat.report.svg_plot import log_log_plot
 from eclat.scene import Scene
-from eclat.svg_plot import log_log_plot
 from harness.timing import in_turn
 
 if TYPE_CHECKING:

@@ -8,8 +8,8 @@ from dataclasses import replace
 
 import numpy as np
 
+from eclat.images.tone import srgb_decode
 from eclat.scene import Material, Scene, Texture, Value, grey, rgb
-from eclat.tone import srgb_decode
 
 COLOURS = ("reflectance", "diffuse_reflectance", "specular_transmittance", "base_color", "specular_reflectance")
 """The parameter that becomes the paint's colour: the first of these that a material has."""

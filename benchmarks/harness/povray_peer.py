@@ -20,8 +20,8 @@ from typing import ClassVar
 
 import numpy as np
 
-from eclat.exr import decode_exr
-from eclat.image import check_size
+from eclat.images.exr import decode_exr
+from eclat.images.image import check_size
 from eclat.scene import Camera, DirectionalLight, Mesh, Scene
 from harness.entrant import Picture, diffuse_reflectance, emitted
 from harness.lamps import Lamp, lamps

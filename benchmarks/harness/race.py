@@ -14,8 +14,8 @@ from typing import Any, Protocol
 
 import numpy as np
 
-from eclat.image import Image
-from eclat.metrics import flip, has_flip
+from eclat.images.image import Image
+from eclat.measure.metrics import flip, has_flip
 from harness.curves import Cost, Point, cost_at
 from harness.entrant import Picture
 from harness.references import Reference

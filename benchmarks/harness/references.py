@@ -15,8 +15,8 @@ from pathlib import Path
 import numpy as np
 
 import eclat
-from eclat.image import Image
-from eclat.metrics import RELATIVE_C, away_from_edges, relative_rmse
+from eclat.images.image import Image
+from eclat.measure.metrics import RELATIVE_C, away_from_edges, relative_rmse
 from eclat.scene import Scene
 
 FOLDER = Path(__file__).resolve().parents[1] / "references"
@@ -74,7 +74,9 @@ def _root_of_mean(squares: np.ndarray) -> float:
 
 def reference(name: str, scene: Scene, size: tuple[int, int], c: float | None, samples: int) -> Reference:
     """At least `samples` paths per pixel in each half; renders what is missing, and says so."""
-    from eclat.compiled import fingerprint  # not before a probed core had the chance to take the place of the core
+    from eclat.bridge.compiled import (
+        fingerprint,  # not before a probed core had the chance to take the place of the core
+    )
 
     path = FOLDER / f"{name}-{size[0]}x{size[1]}-{fingerprint(scene)[:8]}.npz"
     halves = []

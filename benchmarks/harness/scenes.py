@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The scenes that benchmarks run on, each with its size and its c of the error (`eclat.metrics`)."""
+"""The scenes that benchmarks run on, each with its size and its c of the error (`eclat.measure.metrics`)."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import eclat
-from eclat.metrics import TARGET_C
+from eclat.measure.metrics import TARGET_C
 from eclat.scene import Scene
 from harness.machine import ROOT
 from harness.painted import painted

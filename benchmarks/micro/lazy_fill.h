@@ -2,11 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The cache filled on demand, pixel by pixel in scanline order, as in the lecture and in [Ward88]: what the passes of
-// core/integrators/irradiance_cache.cpp are compared with.
+// core/methods/irradiance_cache/irradiance_cache.cpp are compared with.
 
 #pragma once
 
-#include "integrators/irradiance_cache.h"
+#include "methods/irradiance_cache/irradiance_cache.h"
 
 namespace eclat {
 

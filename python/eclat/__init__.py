@@ -12,10 +12,9 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from eclat.baking import bake
     from eclat.errors import EclatError, EclatWarning
-    from eclat.image import Image
+    from eclat.images.image import Image
     from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
-    from eclat.material_overrides import override_materials
     from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache, Radiosity
     from eclat.photons import Photons
     from eclat.point_irradiance import irradiance
@@ -24,11 +23,12 @@ if TYPE_CHECKING:
     from eclat.scene import Scene
     from eclat.solution import Solution, merge
     from eclat.solving import refine, solve
+    from eclat.stage.material_overrides import override_materials
 
 _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
-    "override_materials": "eclat.material_overrides",
+    "override_materials": "eclat.stage.material_overrides",
     "solve": "eclat.solving",
     "refine": "eclat.solving",
     "render": "eclat.rendering",
@@ -47,7 +47,7 @@ _HOMES = {
     "RadiositySolution": "eclat.radiosity",
     "load_solved": "eclat.radiosity",
     "METHODS": "eclat.options",
-    "Image": "eclat.image",
+    "Image": "eclat.images.image",
     "Scene": "eclat.scene",
     "EclatError": "eclat.errors",
     "EclatWarning": "eclat.errors",

@@ -10,7 +10,8 @@ from typing import Any, get_args
 
 import numpy as np
 
-from eclat.arguments import checked_max_depth, checked_samples, checked_seed, thread_count
+from eclat.bridge.arguments import checked_max_depth, checked_samples, checked_seed, thread_count
+from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.gltf_export import Part
 from eclat.gltf_export.geometry import select_vertices
@@ -27,7 +28,6 @@ from eclat.options import METHODS, IrradianceCache, Options
 from eclat.photons import Photons
 from eclat.point_irradiance import Component
 from eclat.radiosity import RadiositySolution
-from eclat.running import ProgressReport
 from eclat.scene import FloatArray, Scene
 from eclat.solution import Solution
 

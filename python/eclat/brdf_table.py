@@ -21,11 +21,11 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from eclat import _core
-from eclat.arguments import thread_count
-from eclat.atomic_file import write_file
+from eclat.bridge.arguments import thread_count
+from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, did_you_mean, warn
+from eclat.files.atomic_file import write_file
 from eclat.harmonics import Basis
-from eclat.running import ProgressReport, run
 
 Kind = Literal["lambert", "phong", "ward", "ggx", "beckmann", "metallic-roughness"]
 Floats = NDArray[np.float32]

@@ -13,11 +13,11 @@ import numpy as np
 
 import eclat
 from eclat.errors import EclatError, did_you_mean
-from eclat.image import Image
-from eclat.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
+from eclat.images.image import Image
+from eclat.measure.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
 
 if TYPE_CHECKING:
-    from eclat.metrics import Float64
+    from eclat.measure.metrics import Float64
     from eclat.scene import Scene
 
 ProgressReport = Callable[[str, float, dict[str, float]], None]

@@ -11,12 +11,12 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from eclat import _core
-from eclat.archive import read_archive, write_archive
-from eclat.arguments import points_with_normals
-from eclat.compiled import compiled, fingerprint
+from eclat.bridge.arguments import points_with_normals
+from eclat.bridge.compiled import compiled, fingerprint
+from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, warn
+from eclat.files.archive import read_archive, write_archive
 from eclat.options import KERNELS, PhotonMap
-from eclat.running import ProgressReport, run
 from eclat.scene import FloatArray, Material, Scene
 
 FORMAT_VERSION = 1

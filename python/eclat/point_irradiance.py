@@ -12,13 +12,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat import _core
-from eclat.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
-from eclat.compiled import compiled
+from eclat.bridge.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
+from eclat.bridge.compiled import compiled
+from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, did_you_mean
 from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, Radiosity
 from eclat.photons import Photons, trace
 from eclat.radiosity import RadiositySolution, solve_radiosity
-from eclat.running import ProgressReport, run
 from eclat.scene import FloatArray, Scene
 from eclat.solution import Solution, core_options
 from eclat.solving import solve

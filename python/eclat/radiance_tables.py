@@ -8,9 +8,9 @@ import weakref
 
 from eclat import _core
 from eclat.brdf_table import Kind, brdf_table
-from eclat.compiled import compiled
+from eclat.bridge.compiled import compiled
+from eclat.bridge.running import ProgressReport
 from eclat.options import RadianceCache
-from eclat.running import ProgressReport
 from eclat.scene import Scene
 
 _KINDS: dict[_core.TableLobeKind, Kind] = {

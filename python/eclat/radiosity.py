@@ -14,11 +14,11 @@ from dataclasses import asdict, dataclass, field
 import numpy as np
 
 from eclat import _core
-from eclat.archive import read_archive, write_archive
-from eclat.compiled import compiled, fingerprint
+from eclat.bridge.compiled import compiled, fingerprint
+from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, warn
+from eclat.files.archive import read_archive, write_archive
 from eclat.options import SOLVERS, Radiosity
-from eclat.running import ProgressReport, run
 from eclat.scene import FloatArray, Material, Scene
 from eclat.solution import Solution
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.scene import Camera, FloatArray
 
 DEPTH_TOLERANCE = 0.02

@@ -14,8 +14,7 @@ from numpy.typing import NDArray
 
 import eclat
 from eclat import _core
-from eclat.adaptive_sampling import AdaptiveSamples, Counts
-from eclat.arguments import (
+from eclat.bridge.arguments import (
     checked_crop,
     checked_max_depth,
     checked_samples,
@@ -25,17 +24,18 @@ from eclat.arguments import (
     picture_size,
     thread_count,
 )
-from eclat.compiled import compiled
-from eclat.convergence import Goal, Sampling
+from eclat.bridge.compiled import compiled
+from eclat.bridge.running import ProgressReport, run
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, did_you_mean, warn
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, RadianceCache, Radiosity, method_name
 from eclat.photons import Photons, ProgressivePasses, trace
 from eclat.radiance_tables import radiance_tables
 from eclat.radiosity import RadiositySolution, solve_radiosity
 from eclat.record_overlay import record_density
-from eclat.running import ProgressReport, run
+from eclat.sampling.adaptive_sampling import AdaptiveSamples, Counts
+from eclat.sampling.convergence import Goal, Sampling
 from eclat.scene import Camera, Scene
 from eclat.solution import Solution
 from eclat.solving import solve

@@ -12,10 +12,10 @@ from typing import Any, TypeVar
 import numpy as np
 
 from eclat import _core
-from eclat.archive import read_archive, write_archive
-from eclat.compiled import compiled, fingerprint
+from eclat.bridge.compiled import compiled, fingerprint
 from eclat.error_estimate import ErrorEstimate
 from eclat.errors import EclatError, warn
+from eclat.files.archive import read_archive, write_archive
 from eclat.options import BALANCED, METHODS, METRICS, WEIGHTS, IrradianceCache, RadianceCache, method_name
 from eclat.photons import Photons, merge_photons
 from eclat.scene import FloatArray, Scene

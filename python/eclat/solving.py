@@ -12,7 +12,7 @@ from typing import overload
 import numpy as np
 
 from eclat import _core, refining
-from eclat.arguments import (
+from eclat.bridge.arguments import (
     checked_max_depth,
     checked_seed,
     chosen_camera,
@@ -20,7 +20,8 @@ from eclat.arguments import (
     points_with_normals,
     thread_count,
 )
-from eclat.compiled import compiled
+from eclat.bridge.compiled import compiled
+from eclat.bridge.running import ProgressReport, run
 from eclat.error_estimate import CHECK_SHARE, ErrorEstimate
 from eclat.errors import EclatError, warn
 from eclat.options import IrradianceCache, PhotonMap, RadianceCache, Radiosity
@@ -28,7 +29,6 @@ from eclat.photons import Photons, trace
 from eclat.radiance_tables import radiance_tables
 from eclat.radiosity import RadiositySolution, solve_radiosity
 from eclat.refining import CHECK_SHARE_OF_REFINEMENT, finer, rays_after, step_towards
-from eclat.running import ProgressReport, run
 from eclat.scene import Camera, FloatArray, Scene
 from eclat.solution import Solution, core_options, core_radiance_options, solved_from_core
 

@@ -15,10 +15,10 @@ import time as clock
 from dataclasses import replace
 from typing import Any
 
+from eclat.bridge.running import ProgressReport
 from eclat.error_estimate import CHECK_SHARE
 from eclat.options import IrradianceCache
 from eclat.refining import RAYS_EXPONENT, finer
-from eclat.running import ProgressReport
 from eclat.scene import Scene
 from eclat.solution import Solution, core_options
 from eclat.solving import solve

@@ -10,7 +10,7 @@
 #include <cmath>
 #include <vector>
 
-#include "cache/hemisphere.h"
+#include "hemisphere/hemisphere.h"
 #include "sampling/rng.h"
 
 namespace eclat {

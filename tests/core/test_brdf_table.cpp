@@ -6,7 +6,7 @@
 #include <doctest/doctest.h>
 
 #include "bsdf_cases.h"
-#include "cache/brdf_table.h"
+#include "tables/brdf_table.h"
 #include "harmonics_cases.h"
 
 using namespace eclat;

@@ -3,7 +3,7 @@
 
 // What gathers aim at: densities that integrate to 1 and are those of the directions drawn, and which places are kept.
 
-#include "cache/bright_places.h"
+#include "records/bright_places.h"
 
 #include <doctest/doctest.h>
 

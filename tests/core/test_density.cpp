@@ -10,9 +10,9 @@
 #include <functional>
 #include <vector>
 
-#include "photons/density.h"
-#include "photons/photon_maps.h"
-#include "photons/trace_photons.h"
+#include "methods/photon_map/density.h"
+#include "methods/photon_map/photon_maps.h"
+#include "methods/photon_map/trace_photons.h"
 #include "room.h"
 #include "running_mean.h"
 #include "sampling/rng.h"

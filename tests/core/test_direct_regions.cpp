@@ -3,13 +3,13 @@
 
 // Who gets no record: those among whom records serve hardly more than themselves.
 
-#include "integrators/direct_regions.h"
+#include "records/direct_regions.h"
 
 #include <doctest/doctest.h>
 
 #include <vector>
 
-#include "integrators/record_passes.h"
+#include "records/record_passes.h"
 
 using namespace eclat;
 

@@ -8,7 +8,7 @@
 #include <cmath>
 #include <vector>
 
-#include "photons/emission_guide.h"
+#include "methods/photon_map/emission_guide.h"
 #include "running_mean.h"
 #include "sampling/sampler.h"
 

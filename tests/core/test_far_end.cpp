@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "integrators/radiance_cache.h"
+#include "methods/radiance_cache/radiance_cache.h"
 #include "room.h"
 
 using namespace eclat;

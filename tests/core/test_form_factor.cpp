@@ -3,7 +3,7 @@
 
 // Form factors against closed forms: rectangles [Howell10], and the inside of a sphere.
 
-#include "radiosity/form_factor.h"
+#include "methods/radiosity/form_factor.h"
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 
 // Second derivatives against finite differences of Lambert's polygon formula.
 
-#include "cache/irradiance_hessian.h"
+#include "hemisphere/irradiance_hessian.h"
 
 #include <doctest/doctest.h>
 

@@ -3,7 +3,7 @@
 
 #include <doctest/doctest.h>
 
-#include "photons/kernel.h"
+#include "methods/photon_map/kernel.h"
 
 using namespace eclat;
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "radiosity/links.h"
+#include "methods/radiosity/links.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "radiosity/patch_surfaces.h"
+#include "methods/radiosity/patch_surfaces.h"
 
 #include <doctest/doctest.h>
 

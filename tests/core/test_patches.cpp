@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "radiosity/patches.h"
+#include "methods/radiosity/patches.h"
 
 #include <doctest/doctest.h>
 

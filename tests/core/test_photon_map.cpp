@@ -9,7 +9,7 @@
 #include <cstring>
 #include <vector>
 
-#include "photons/photon_map.h"
+#include "methods/photon_map/photon_map.h"
 #include "sampling/rng.h"
 
 using namespace eclat;

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "cache/radiance_projection.h"
+#include "hemisphere/radiance_projection.h"
 #include "harmonics/quadrature.h"
 #include "harmonics_cases.h"
 #include "plate_scene.h"

@@ -5,8 +5,8 @@
 
 #include <doctest/doctest.h>
 
-#include "cache/radiance_projection.h"
-#include "cache/radiance_rotation.h"
+#include "hemisphere/radiance_projection.h"
+#include "hemisphere/radiance_rotation.h"
 #include "harmonics_cases.h"
 
 using namespace eclat;

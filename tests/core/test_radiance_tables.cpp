@@ -5,7 +5,7 @@
 
 #include <doctest/doctest.h>
 
-#include "cache/radiance_tables.h"
+#include "tables/radiance_tables.h"
 #include "harmonics_cases.h"
 
 using namespace eclat;

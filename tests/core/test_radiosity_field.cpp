@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "radiosity/radiosity_field.h"
+#include "methods/radiosity/radiosity_field.h"
 
 #include <doctest/doctest.h>
 

@@ -9,9 +9,9 @@
 #include <cstring>
 #include <vector>
 
-#include "cache/hemisphere.h"
-#include "integrators/gather.h"
-#include "integrators/record_passes.h"
+#include "hemisphere/hemisphere.h"
+#include "records/gather.h"
+#include "records/record_passes.h"
 #include "room.h"
 
 using namespace eclat;

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "cache/record_tree.h"
+#include "records/record_tree.h"
 #include "sampling/rng.h"
 
 using namespace eclat;

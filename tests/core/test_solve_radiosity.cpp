@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "radiosity/solve_radiosity.h"
+#include "methods/radiosity/solve_radiosity.h"
 
 #include <doctest/doctest.h>
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-#include "cache/spacing.h"
+#include "records/spacing.h"
 
 #include <doctest/doctest.h>
 

@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "integrators/irradiance_cache.h"
-#include "integrators/render.h"
+#include "methods/irradiance_cache/irradiance_cache.h"
+#include "render/render.h"
 #include "room.h"
 
 using namespace eclat;

@@ -8,7 +8,7 @@
 #include <array>
 #include <cstring>
 
-#include "photons/trace_photons.h"
+#include "methods/photon_map/trace_photons.h"
 #include "room.h"
 
 using namespace eclat;

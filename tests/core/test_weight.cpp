@@ -7,7 +7,7 @@
 
 #include <cmath>
 
-#include "cache/weight.h"
+#include "records/weight.h"
 #include "leaning_normal.h"
 
 using namespace eclat;

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.metrics import relative_rmse
+from eclat.measure.metrics import relative_rmse
 from eclat.scene import Scene
 from eclat.scenes.hard_cases import CASES, tessellated
 from support.regions import Region, centroids, read, rectangle

@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 import eclat
 from eclat import scenes
-from eclat.metrics import away_from_edges, relative_rmse
+from eclat.measure.metrics import away_from_edges, relative_rmse
 from eclat.scene import Camera, Environment, Material, Scene, look_at, rgb
 from eclat.scenes.geometry import icosphere, mesh
 from support.browser import View, gltf_issues, render_in_three

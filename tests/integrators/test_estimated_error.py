@@ -12,7 +12,7 @@ import pytest
 import eclat
 from eclat import _core
 from eclat.error_estimate import ErrorEstimate
-from eclat.metrics import relative_rmse
+from eclat.measure.metrics import relative_rmse
 from eclat.scenes import build
 from eclat.solution import core_options
 from eclat.solving import Where, where_wanted

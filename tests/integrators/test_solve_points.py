@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.metrics import relative_rmse
+from eclat.measure.metrics import relative_rmse
 from eclat.scene import Environment, SpotLight
 from eclat.scenes import build
 

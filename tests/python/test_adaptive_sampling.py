@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.adaptive_sampling import FASTEST_GROWTH, AdaptiveSamples
+from eclat.sampling.adaptive_sampling import FASTEST_GROWTH, AdaptiveSamples
 from eclat.scenes import build
 
 WHOLE = (0, 0, 48, 48)

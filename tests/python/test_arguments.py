@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eclat import arguments
+from eclat.bridge import arguments
 from eclat.errors import EclatError
 from eclat.scene import Camera, Scene
 

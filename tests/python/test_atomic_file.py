@@ -13,8 +13,8 @@ from pathlib import Path
 
 import pytest
 
-from eclat.atomic_file import check_writable, write_file
 from eclat.errors import EclatError
+from eclat.files.atomic_file import check_writable, write_file
 
 
 def test_a_new_file_has_the_permissions_that_open_would_give(tmp_path: Path) -> None:

@@ -9,8 +9,8 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eclat.image import Image
-from eclat.metrics import relative_rmse
+from eclat.images.image import Image
+from eclat.measure.metrics import relative_rmse
 from eclat.scene import Camera, look_at
 from fly_through import along, calm_pixels, flicker, seen_points
 from harness import document

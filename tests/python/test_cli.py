@@ -19,7 +19,7 @@ import pytest
 import eclat
 from eclat.cli import COMMANDS, main
 from eclat.cli.replay import REPEATED
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.loaders import load
 from support.fake_api import FakeApi
 

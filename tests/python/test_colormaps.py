@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eclat.colormaps import AMOUNT, NOT_A_NUMBER, SIGNED, colored
+from eclat.images.colormaps import AMOUNT, NOT_A_NUMBER, SIGNED, colored
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 

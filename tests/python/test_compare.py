@@ -15,10 +15,10 @@ import pytest
 import eclat
 from eclat.cli import main
 from eclat.compare import Effort, Reference, auto_exposure, compare, default_size
-from eclat.compare_page import page_facts
 from eclat.errors import EclatError
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.loaders import load
+from eclat.report.compare_page import page_facts
 from support.fake_api import FakeApi
 
 

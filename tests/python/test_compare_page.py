@@ -17,9 +17,9 @@ import PIL.Image
 import pytest
 
 from eclat.compare import Comparison, Effort, compare
-from eclat.compare_page import FLIP_MISSING, compare_page, error_scale, percent
 from eclat.loaders import load
 from eclat.options import METHODS
+from eclat.report.compare_page import FLIP_MISSING, compare_page, error_scale, percent
 from support.fake_api import FakeApi
 
 VOID = {"meta", "img", "line", "circle", "rect", "path", "polyline", "br"}

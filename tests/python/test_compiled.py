@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.compiled import compiled, fingerprint
+from eclat.bridge.compiled import compiled, fingerprint
 from eclat.scene import DirectionalLight, Environment, Material, Mesh, PointLight, Scene, Texture, Value
 from eclat.scenes import build
 from support.similarity import Similarity

@@ -12,9 +12,9 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat import convergence
-from eclat.convergence import Goal, Sampling, estimated_error
-from eclat.metrics import relative_rmse
+from eclat.measure.metrics import relative_rmse
+from eclat.sampling import convergence
+from eclat.sampling.convergence import Goal, Sampling, estimated_error
 from eclat.scenes import build
 
 SIZE = (32, 32)

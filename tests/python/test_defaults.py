@@ -12,7 +12,7 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from eclat.defaults import complete, has_light
+from eclat.daylight.sky import upright_frame
 from eclat.errors import EclatError, EclatWarning
 from eclat.scene import (
     Camera,
@@ -27,7 +27,7 @@ from eclat.scene import (
 )
 from eclat.scenes import build
 from eclat.scenes.geometry import Solid, box, icosphere, join, revolve, ring
-from eclat.sky import upright_frame
+from eclat.stage.defaults import complete, has_light
 from support.solids import corners_of, winding_number
 
 PAINT = Material("diffuse", {"reflectance": grey(0.5)})

@@ -13,8 +13,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from eclat.errors import EclatError, EclatWarning
-from eclat.exr import REC_709, decode_exr, encode_exr
-from eclat.image import LAYERS, Image, check_size
+from eclat.images.exr import REC_709, decode_exr, encode_exr
+from eclat.images.image import LAYERS, Image, check_size
 
 RANDOM = np.random.default_rng(3)
 

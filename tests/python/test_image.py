@@ -15,7 +15,7 @@ import PIL.Image
 import pytest
 
 from eclat.errors import EclatError, EclatWarning
-from eclat.image import Image, check_size
+from eclat.images.image import Image, check_size
 
 SUFFIXES = (".exr", ".png", ".pfm", ".npy")
 

@@ -11,8 +11,8 @@ import PIL.Image
 import pytest
 
 from eclat.errors import EclatError
-from eclat.image import Image
-from eclat.image_files import FORMATS, read_png_metadata
+from eclat.images.image import Image
+from eclat.images.image_files import FORMATS, read_png_metadata
 
 
 def message_of(path: Path) -> str:

@@ -16,9 +16,9 @@ from PIL import Image as PillowImage
 
 import eclat
 from eclat.errors import EclatError
+from eclat.images.tone import srgb_decode
 from eclat.scene import PointLight
 from eclat.scenes import build
-from eclat.tone import srgb_decode
 
 
 @pytest.fixture(scope="module")

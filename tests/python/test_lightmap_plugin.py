@@ -13,7 +13,7 @@ import numpy as np
 import pytest
 from numpy.typing import NDArray
 
-from eclat.tone import srgb_decode
+from eclat.images.tone import srgb_decode
 from support.browser import View, gltf_issues, open_example, render_in_three
 from support.lit_quads import expected_radiance, save_lit_quad
 

@@ -12,8 +12,8 @@ from PIL import Image as Picture
 
 import eclat
 from eclat.errors import EclatError
-from eclat.material_overrides import material_names, override_materials, parsed_override
 from eclat.scene import Material, Scene, grey
+from eclat.stage.material_overrides import material_names, override_materials, parsed_override
 from support.gltf_files import GltfFile
 
 POLISH = {"type": "roughplastic", "distribution": "ggx", "alpha": 0.2}

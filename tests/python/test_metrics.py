@@ -10,9 +10,9 @@ import sys
 import numpy as np
 import pytest
 
-from eclat import metrics
 from eclat.errors import EclatError
-from eclat.metrics import away_from_edges, flip, relative_rmse, signed_error
+from eclat.measure import metrics
+from eclat.measure.metrics import away_from_edges, flip, relative_rmse, signed_error
 
 RANDOM = np.random.default_rng(11)
 TRUTH = RANDOM.uniform(0.1, 2.0, (24, 32, 3))

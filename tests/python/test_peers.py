@@ -14,7 +14,7 @@ import pytest
 
 import eclat
 import peers
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.scene import Material, Mesh, Scene, Texture, Value
 from harness import benchmark, povray_peer, radiance_peer
 from harness.entrant import Picture

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eclat.photometry import illuminance
+from eclat.measure.photometry import illuminance
 
 
 def test_white_light_in_both_kinds_of_scene() -> None:

@@ -11,7 +11,7 @@ import math
 import pytest
 from rich.console import Console
 
-from eclat.progress import JsonEvents, Meter, ProgressBar, left_text, rate_text
+from eclat.cli.progress import JsonEvents, Meter, ProgressBar, left_text, rate_text
 
 
 class Clock:

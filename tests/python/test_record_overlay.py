@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eclat.errors import EclatError
-from eclat.image import RECORD_MARK, Image
+from eclat.images.image import RECORD_MARK, Image
 from eclat.record_overlay import project, record_density
 from eclat.scene import Camera, look_at
 

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.image import RECORD_MARK
+from eclat.images.image import RECORD_MARK
 from eclat.scenes import build
 
 SIZE = (48, 48)

@@ -9,7 +9,7 @@ import threading
 import pytest
 
 from eclat import _core
-from eclat.running import run
+from eclat.bridge.running import run
 
 
 def test_the_result_and_the_progress_come_back() -> None:

@@ -10,9 +10,9 @@ import warnings
 import numpy as np
 import pytest
 
-from eclat import sky
+from eclat.daylight import sky
+from eclat.daylight.sky import LUMENS_PER_WATT, LUMINANCE, horizontal_irradiance, sun_direction, sun_sky
 from eclat.errors import EclatError, EclatWarning
-from eclat.sky import LUMENS_PER_WATT, LUMINANCE, horizontal_irradiance, sun_direction, sun_sky
 
 
 def lux(rgb: object) -> float:

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eclat import spectrum
 from eclat.errors import EclatError
+from eclat.measure import spectrum
 
 CURVES = [
     ([360.0, 830.0], [0.5, 0.5]),

@@ -10,7 +10,7 @@ import xml.etree.ElementTree as ElementTree
 
 import pytest
 
-from eclat.svg_plot import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, log_log_plot, ticks
+from eclat.report.svg_plot import BOTTOM, HEIGHT, LEFT, RIGHT, TOP, WIDTH, log_log_plot, ticks
 
 
 def plot(series: dict[str, list[tuple[float, float]]]) -> ElementTree.Element:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from eclat.errors import EclatError
-from eclat.tone import MID_GREY, NOT_FINITE, filmic, srgb_decode, srgb_encode, to_display
+from eclat.images.tone import MID_GREY, NOT_FINITE, filmic, srgb_decode, srgb_encode, to_display
 
 
 @pytest.mark.parametrize(

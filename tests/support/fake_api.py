@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.image import Image
+from eclat.images.image import Image
 from eclat.scene import Scene
 
 

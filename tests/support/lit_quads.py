@@ -12,7 +12,7 @@ from urllib.parse import quote
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.exr import encode_exr
+from eclat.images.exr import encode_exr
 from support.gltf_files import GltfFile
 
 ALBEDO = (0.8, 0.5, 0.25)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 
 import eclat
-from eclat.metrics import relative_rmse
+from eclat.measure.metrics import relative_rmse
 from eclat.scene import FloatArray, Mesh, Scene
 
 LUMINANCE = np.array([0.2126, 0.7152, 0.0722])

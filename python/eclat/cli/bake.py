@@ -9,7 +9,6 @@ from typing import Any
 import click
 
 import eclat
-from eclat.atomic_file import check_writable
 from eclat.cli.command import Command, option
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import Name, Number
@@ -33,6 +32,7 @@ from eclat.cli.scene_options import (
     work_options,
 )
 from eclat.errors import EclatError
+from eclat.files.atomic_file import check_writable
 
 MAP = "Map"
 

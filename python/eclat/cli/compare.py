@@ -9,7 +9,6 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-from eclat.atomic_file import check_writable, write_file
 from eclat.cli.command import Command, option
 from eclat.cli.parameters import Number
 from eclat.cli.quality_options import (
@@ -32,6 +31,7 @@ from eclat.cli.scene_options import (
     work_options,
 )
 from eclat.errors import EclatError
+from eclat.files.atomic_file import check_writable, write_file
 
 if TYPE_CHECKING:
     from eclat.compare import Comparison, Reference
@@ -72,7 +72,7 @@ EXAMPLES = {
 @reporting_options
 def command(**flags: Any) -> None:
     """Compare and write the page."""
-    from eclat.compare_page import compare_page, page_facts, percent
+    from eclat.report.compare_page import compare_page, page_facts, percent
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         output = flags["output"] or f"{scene_stem(flags['scene'])}.html"
@@ -109,7 +109,7 @@ def _compare(flags: dict[str, Any], reporter: Reporter) -> Comparison:
 
 def _reference(flags: dict[str, Any]) -> Reference | None:
     from eclat.compare import Reference
-    from eclat.image import Image
+    from eclat.images.image import Image
 
     names = flags["reference"]
     if not names:

@@ -13,8 +13,8 @@ import eclat
 from eclat.cli.command import Command
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import scene_argument
-from eclat.material_overrides import material_names
 from eclat.scene import DirectionalLight, PointLight, SpotLight
+from eclat.stage.material_overrides import material_names
 
 if TYPE_CHECKING:
     from eclat.scene import Camera, Scene

@@ -12,7 +12,6 @@ import click
 import numpy as np
 
 import eclat
-from eclat.atomic_file import check_writable, write_file
 from eclat.cli.command import Command, option
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import Name
@@ -28,8 +27,8 @@ from eclat.cli.quality_options import (
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import light_options, load_scene, material_option, scene_argument, work_options
 from eclat.errors import EclatError
-from eclat.photometry import illuminance
-from eclat.sky import LUMENS_PER_WATT
+from eclat.files.atomic_file import check_writable, write_file
+from eclat.measure.photometry import LUMENS_PER_WATT, illuminance
 
 EXAMPLES = {
     "echo 0 0.8 0 0 0 1 | eclat irradiance cornell-box": "One point, by hand:",

@@ -102,7 +102,7 @@ class _Size(_Type):
         width, _, height = _spelled(value, "x").lower().replace("×", "x").partition("x")
         if not (_number(width, int) is not None and _number(height, int) is not None):
             self.refuse(value, param, ctx)
-        from eclat.image import check_size
+        from eclat.images.image import check_size
 
         check_size(int(width), int(height), "--size")
         return int(width), int(height)

@@ -51,7 +51,7 @@ from eclat.error_estimate import error_text
 from eclat.errors import EclatError
 
 if TYPE_CHECKING:
-    from eclat.image import Image
+    from eclat.images.image import Image
     from eclat.options import Options
 
 REACHING_RENDER = (
@@ -172,7 +172,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
 
 def _outputs(flags: dict[str, Any]) -> list[str]:
     """The files to write, known to be writable before any work is done."""
-    from eclat.image import check_output
+    from eclat.images.image import check_output
 
     default = [] if flags["replay"] else [f"{scene_stem(flags['scene'])}.png"]
     outputs = list(flags["output"]) or default

@@ -16,7 +16,7 @@ from eclat.cli.reporting import Reporter
 from eclat.errors import EclatError
 
 if TYPE_CHECKING:
-    from eclat.image import Image
+    from eclat.images.image import Image
 
 REPEATED = (
     *(
@@ -114,8 +114,8 @@ def say_replayed_sample(reporter: Reporter, image: Image, replay: tuple[int, int
 
 
 def _metadata(path: str) -> dict[str, Any]:
-    from eclat.image import Image
-    from eclat.image_files import read_png_metadata
+    from eclat.images.image import Image
+    from eclat.images.image_files import read_png_metadata
 
     if Path(path).suffix.lower() == ".png":
         return read_png_metadata(path)

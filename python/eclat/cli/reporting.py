@@ -3,7 +3,7 @@
 """What a command says while it works: a bar and text for people, lines of JSON for programs.
 
 Results go to standard output; bar, warnings and errors go to standard error. With `--json` standard output holds
-nothing but events (`eclat.progress.JsonEvents`), one a line; errors are said on standard error as well.
+nothing but events (`eclat.cli.progress.JsonEvents`), one a line; errors are said on standard error as well.
 """
 
 from __future__ import annotations
@@ -17,8 +17,8 @@ from typing import Any, Self, TextIO
 import click
 
 from eclat.cli.command import option, together
+from eclat.cli.progress import JsonEvents, ProgressBar
 from eclat.errors import EclatError, EclatWarning
-from eclat.progress import JsonEvents, ProgressBar
 
 reporting_options = together(
     option(

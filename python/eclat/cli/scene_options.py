@@ -73,7 +73,7 @@ def scene_stem(name: str) -> str:
 
 def load_scene(flags: Mapping[str, Any]) -> Scene:
     """The scene that the flags ask for, with a camera and light in any case. Raises EclatError."""
-    from eclat.defaults import complete
+    from eclat.stage.defaults import complete
 
     scene = eclat.load(flags["scene"])
     if flags["materials"]:
@@ -83,7 +83,7 @@ def load_scene(flags: Mapping[str, Any]) -> Scene:
 
 
 def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
-    from eclat.material_overrides import parsed_override
+    from eclat.stage.material_overrides import parsed_override
 
     materials: dict[str, dict[str, Any]] = {}
     for text in texts:

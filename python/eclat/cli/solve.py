@@ -10,7 +10,6 @@ from typing import Any
 import click
 
 import eclat
-from eclat.atomic_file import check_writable
 from eclat.cli.command import Command, option
 from eclat.cli.method_options import DEFAULT_METHOD, method_notes, method_option, options_of, set_option
 from eclat.cli.partial import keep_partial_option, keeping_partial
@@ -29,6 +28,7 @@ from eclat.cli.scene_options import (
 )
 from eclat.error_estimate import error_text
 from eclat.errors import EclatError
+from eclat.files.atomic_file import check_writable
 
 EXAMPLES = {
     "eclat solve room.glb": "Writes room.npz:",

@@ -20,8 +20,8 @@ from PIL import Image as PillowImage
 
 from eclat.errors import warn
 from eclat.gltf_export.document import Document, Json
+from eclat.images.tone import srgb_decode, srgb_encode
 from eclat.scene import Texture, Value
-from eclat.tone import srgb_decode, srgb_encode
 
 Floats = NDArray[np.floating]
 Bytes = NDArray[np.uint8]

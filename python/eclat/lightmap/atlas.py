@@ -18,9 +18,9 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, warn
 from eclat.lightmap.planar_charts import unwrap_planar
-from eclat.running import ProgressReport
 from eclat.scene import FloatArray, Mesh
 
 PROGRAM = Path(__file__).with_name("xatlas_process.py")

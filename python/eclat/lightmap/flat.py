@@ -22,12 +22,12 @@ from eclat.gltf_export.geometry import bounds_of, primitive
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.nodes import camera_node
 from eclat.gltf_export.textures import Textures, constant_of, texels
+from eclat.images.tone import TONE_MAPPINGS, check_display, srgb_encode
 from eclat.lightmap.atlas import Atlas, Unwrapped
 from eclat.lightmap.gutters import dilate
 from eclat.lightmap.sides import reflects_diffusely
 from eclat.lightmap.texels import Ints, Texels, corners_of, rasterize
 from eclat.scene import DEFAULTS, FloatArray, Value
-from eclat.tone import TONE_MAPPINGS, check_display, srgb_encode
 
 if TYPE_CHECKING:
     from eclat.lightmap.lightmap import Lightmap

@@ -11,6 +11,7 @@ from typing import Any
 
 import numpy as np
 
+from eclat.bridge.running import ProgressReport
 from eclat.lightmap.probes import buried_or_behind
 from eclat.lightmap.solids import Mask
 from eclat.lightmap.texels import Corners, Texels, at_texel_points
@@ -18,7 +19,6 @@ from eclat.options import Direct, IrradianceCache, Options, Path
 from eclat.photons import Photons
 from eclat.point_irradiance import Component, irradiance
 from eclat.radiosity import RadiositySolution
-from eclat.running import ProgressReport
 from eclat.scene import FloatArray, Scene
 from eclat.solution import Solution
 from eclat.solving import solve

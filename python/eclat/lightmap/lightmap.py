@@ -17,13 +17,13 @@ from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
 import eclat
-from eclat.atomic_file import check_writable, write_file
 from eclat.errors import EclatError
-from eclat.exr import encode_exr
+from eclat.files.atomic_file import check_writable, write_file
 from eclat.gltf_export import LIGHTMAP_TEXTURE, LightmapTexture, Part, encode_glb
+from eclat.images.exr import encode_exr
+from eclat.images.tone import srgb_encode
 from eclat.lightmap.flat import encode_flat
 from eclat.scene import Scene
-from eclat.tone import srgb_encode
 
 VERSION = 1
 """Of the JSON side-car."""

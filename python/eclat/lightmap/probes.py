@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 
 import numpy as np
 
-from eclat.compiled import compiled
+from eclat.bridge.compiled import compiled
 from eclat.gltf_export.geometry import face_normals
 from eclat.lightmap.solids import Mask
 from eclat.scene import DirectionalLight, FloatArray, Scene

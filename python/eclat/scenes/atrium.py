@@ -9,12 +9,12 @@ from itertools import pairwise
 
 import numpy as np
 
+from eclat.daylight.sky import sun_direction, sun_sky
 from eclat.errors import EclatError
+from eclat.images.tone import srgb_encode
 from eclat.scene import Camera, FloatArray, Material, Mesh, Scene, Texture, Value, look_at, rgb
 from eclat.scenes import architecture as parts
 from eclat.scenes.geometry import Point2, Solid, arch, box, extrude, groin_vault, half_circle, join, mesh, ring
-from eclat.sky import sun_direction, sun_sky
-from eclat.tone import srgb_encode
 
 BAY = 3.2
 """From axis to axis; a walk is one bay deep."""

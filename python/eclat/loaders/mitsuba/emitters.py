@@ -10,7 +10,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat import sky
+from eclat.daylight import sky
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.loaders.files import read_texture
 from eclat.loaders.mitsuba.kinds import PLUGINS
@@ -18,8 +18,8 @@ from eclat.loaders.mitsuba.node import Node, Vector
 from eclat.loaders.mitsuba.sun_position import sun_direction
 from eclat.loaders.mitsuba.textures import Textures, image_data
 from eclat.loaders.mitsuba.transforms import Matrix, normalize, transform_directions
+from eclat.measure.spectrum import srgb_to_linear
 from eclat.scene import DirectionalLight, Environment, PointLight, SpotLight
-from eclat.spectrum import srgb_to_linear
 
 Light = PointLight | SpotLight | DirectionalLight
 Emission = tuple[list[Light], Environment | None]

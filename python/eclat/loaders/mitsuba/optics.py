@@ -37,7 +37,7 @@ IOR: dict[str, float] = {
 
 CONDUCTORS: dict[str, tuple[Vector, Vector]] = {
     # η and k from the tables of E. D. Palik, "Handbook of Optical Constants of Solids", 1998, and others (as collected
-    # at refractiveindex.info), integrated like a light's spectrum (`eclat.spectrum.emission_to_rgb`).
+    # at refractiveindex.info), integrated like a light's spectrum (`eclat.measure.spectrum.emission_to_rgb`).
     "a-C": ((2.944, 2.227, 1.968), (0.8875, 0.7993, 0.8153)),
     "Ag": ((0.1553, 0.1167, 0.1384), (4.828, 3.122, 2.147)),
     "Al": ((1.658, 0.8804, 0.5212), (9.224, 6.270, 4.837)),

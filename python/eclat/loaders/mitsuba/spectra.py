@@ -21,7 +21,7 @@ from eclat.loaders.mitsuba.node import (
     parse_number,
     parse_numbers,
 )
-from eclat.spectrum import blackbody_to_rgb, emission_to_rgb, reflectance_to_rgb, srgb_to_linear
+from eclat.measure.spectrum import blackbody_to_rgb, emission_to_rgb, reflectance_to_rgb, srgb_to_linear
 
 Role = Literal["reflectance", "emission"]
 

@@ -14,8 +14,8 @@ from eclat.errors import EclatError, warn
 from eclat.loaders.files import read_texture
 from eclat.loaders.mitsuba.node import Blackbody, Color, Node, Rgb, Uniform, Vector, parse_numbers
 from eclat.loaders.mitsuba.spectra import Role, check_curve, to_rgb
+from eclat.measure.spectrum import srgb_to_linear
 from eclat.scene import Texture, Value, grey, rgb
-from eclat.spectrum import srgb_to_linear
 
 Kind = Literal["reflectance", "emission", "scalar", "normal"]
 """What a value is for. Scalars read one channel, normals are never decoded."""

@@ -1,0 +1,206 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The measure of a picture, √mean((x − A)(x − B) / (R² + c)), estimated from few places: A and B are independent gathers by
+// paths that are traced to their ends, x is what the cache says, R what is shown.
+//
+// Symbol       name here      meaning                                                          unit
+//   q_i        guess          relative squared error at a place by one gather, its noise included   1
+//   p_i        probability    of the place being drawn                                            1
+//   z_i        squared / (P p_i)   whose mean is the estimate [HansenHurwitz43]                     1
+//
+// Two phases. Many places, spread evenly, get a gather of few rays: where x is far from it, or it is noisy, lies what
+// decides the mean. A few of them, drawn in proportion to that and partly at even chance, get A and B. The first
+// gather only chooses, so that the estimate stays unbiased however bad it is.
+
+#include "estimate/error_estimate.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/parallel.h"
+#include "estimate/error_probes.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr uint32_t layout_stream = 51, draw_stream = 52;
+constexpr uint32_t guess_paths = 16;                        // of the first phase
+constexpr uint32_t samples_first = 4, samples_second = 32;  // that tell R, in each phase
+constexpr uint32_t round_places = 32;                       // of the second phase, at least two rounds of them
+constexpr uint32_t looks = 4;        // camera rays of A: a pixel is an average over its area, lens and mirrors
+constexpr double even_chance = 0.4;  // part of the draws that knows nothing: no weight exceeds its inverse
+constexpr double relative_c = 0.01;  // c in units of mean(R²), as in the measure of pictures
+
+// A third of the rays goes to the first phase, and at most half as much to a round, by what paths take about. More paths
+// at fewer places tell more, as long as places do not differ too much: the deviation goes with √places / paths.
+uint32_t first_places(uint64_t rays) {
+    constexpr uint64_t rays_of_place = 3 * guess_paths + 3 * samples_first;
+    return static_cast<uint32_t>(std::clamp<uint64_t>(rays / 3 / rays_of_place, 256, 16384));
+}
+uint32_t paths_of_look(uint64_t rays) {
+    constexpr uint64_t rays_of_path = 6, paths = 2 * round_places * looks;
+    return static_cast<uint32_t>(std::clamp<uint64_t>(rays / 6 / (paths * rays_of_path), 16, 256));
+}
+
+double channel_mean(Color c) { return (double(c.r) + c.g + c.b) / 3; }
+
+struct Place {
+    Vec2 u;
+    Color scale;  // 1 / (R² + c), roughly
+    double probability = 0;
+    bool served = false;
+};
+
+template <class Probes>
+class Estimator {
+  public:
+    Estimator(const Probes& probes, const ErrorCheck& check, Progress& progress)
+        : probes_(probes),
+          check_(check),
+          progress_(progress),
+          count_(first_places(check.rays)),
+          paths_(paths_of_look(check.rays)) {}
+
+    ErrorEstimate run() {
+        const uint64_t before = progress_.rays;
+        spread();
+        choose();
+        ErrorEstimate out;
+        size_t served = 0;
+        for (const Place& p : places_) served += p.served;
+        out.missed = 1 - static_cast<double>(served) / static_cast<double>(places_.size());
+        for (uint32_t round = 0; round < 2 || (progress_.rays - before < check_.rays && !decided(out)); ++round) {
+            add_round(round, out);
+            summarize(out);
+        }
+        return out;
+    }
+
+  private:
+    /// Places spread evenly, one in each cell of a grid, and what is shown there.
+    void spread() {
+        const uint32_t columns = probes_.columns(count_), rows = count_ / columns;
+        const size_t count = size_t(rows) * columns;
+        std::vector<Color> shown(count);
+        places_.resize(count);
+        parallel_for(count, check_.threads, [&](size_t i) {
+            progress_.check();
+            const auto index = static_cast<uint32_t>(i);
+            Sampler sampler(check_.seed ^ hash(layout_stream), index, 0);
+            const Vec2 jitter = sampler.next_2d();
+            places_[i].u = {(static_cast<float>(i % columns) + jitter.x) / static_cast<float>(columns),
+                            (static_cast<float>(i / columns) + jitter.y) / static_cast<float>(rows)};
+            shown[i] = probes_.shown(places_[i].u, 0, index, samples_first, progress_);
+        });
+        double square = 0;
+        for (const Color& c : shown) square += channel_mean(c * c);
+        c_ = static_cast<float>(relative_c * square / static_cast<double>(count));
+        for (size_t i = 0; i < count; ++i) places_[i].scale = scale_of(shown[i]);
+    }
+
+    /// 1 / (R² + c).
+    Color scale_of(Color R) const {
+        Color scale;
+        for (int k = 0; k < 3; ++k) {
+            const float below = R[k] * R[k] + c_;
+            scale[k] = below > 0 ? 1 / below : 0;  // where all is black there is no error
+        }
+        return scale;
+    }
+
+    /// The chance of each place in the second phase.
+    void choose() {
+        const auto guesses = parallel_map<double>(places_.size(), check_.threads, [&](size_t i) {
+            progress_.check();
+            const Probe probe = probes_.guess(places_[i].u, static_cast<uint32_t>(i), guess_paths, progress_);
+            places_[i].served = probe.served;
+            return channel_mean(probe.value * probe.value * places_[i].scale);
+        });
+        double sum = 0;
+        for (double g : guesses) sum += g;
+        const double even = 1 / static_cast<double>(places_.size());
+        for (size_t i = 0; i < places_.size(); ++i)
+            places_[i].probability = sum > 0 ? even_chance * even + (1 - even_chance) * guesses[i] / sum : even;
+    }
+
+    /// Draws places, evenly along the running sum of their chances, and gathers there twice.
+    void add_round(uint32_t round, ErrorEstimate& out) {
+        std::vector<uint32_t> drawn;
+        const double shift = to_unit_float(hash(check_.seed ^ hash(draw_stream), round));
+        double sum = 0;
+        for (uint32_t i = 0; i < places_.size(); ++i) {
+            sum += places_[i].probability;
+            while (drawn.size() < round_places && (static_cast<double>(drawn.size()) + shift) / round_places < sum)
+                drawn.push_back(i);
+        }
+        while (drawn.size() < round_places) drawn.push_back(static_cast<uint32_t>(places_.size() - 1));  // rounding
+        struct Found {
+            ErrorPlace place;
+            double z;
+        };
+        const auto found = parallel_map<Found>(drawn.size(), check_.threads, [&](size_t k) {
+            progress_.check();
+            const Place& place = places_[drawn[k]];
+            const uint32_t key = round * round_places + static_cast<uint32_t>(k);
+            const Probe a = probes_.error(place.u, 2, key, looks, paths_, progress_);
+            const Probe b = probes_.error(place.u, 3, key, looks, paths_, progress_);
+            const Color scale = scale_of(probes_.shown(place.u, 4, key, samples_second, progress_));
+            const double squared = channel_mean(a.value * b.value * scale);
+            return Found{{a.served ? a.position : b.position, static_cast<float>(squared)},
+                         squared / (static_cast<double>(places_.size()) * place.probability)};
+        });
+        for (const Found& f : found) {
+            out.places.push_back(f.place);
+            z_.push_back(f.z);
+            out.paths += 2 * looks * paths_;
+        }
+    }
+
+    // The spread of z holds the noise of gathers and the choice of places; that of the first phase's places is added.
+    void summarize(ErrorEstimate& out) const {
+        const auto n = static_cast<double>(z_.size());
+        double mean = 0, squares = 0, first = 0;
+        for (double z : z_) mean += z / n;
+        for (size_t i = 0; i < z_.size(); ++i) {
+            squares += (z_[i] - mean) * (z_[i] - mean);
+            first += z_[i] * out.places[i].squared / n;
+        }
+        const double between = std::max(0.0, first - mean * mean) / static_cast<double>(places_.size());
+        out.squared = mean;
+        out.deviation = std::sqrt(squares / (n * (n - 1)) + between);
+    }
+
+    /// Whether the interval has told the wanted error from the estimate.
+    bool decided(const ErrorEstimate& out) const {
+        constexpr double sigmas = 4;  // more than the interval has: rounds that end when it suits them are biased
+        const double wanted = check_.wanted * check_.wanted;
+        return check_.wanted > 0 && std::fabs(out.squared - wanted) > sigmas * out.deviation;
+    }
+
+    const Probes& probes_;
+    const ErrorCheck& check_;
+    Progress& progress_;
+    uint32_t count_, paths_;
+    float c_ = 0;
+    std::vector<Place> places_;
+    std::vector<double> z_;
+};
+
+}  // namespace
+
+ErrorEstimate estimate_error(const World& world, const Camera& camera, const SolvedCaches& caches,
+                             const RadianceTables* tables, const ErrorCheck& check, Progress& progress) {
+    const PixelProbes probes(world, camera, caches, tables, check.max_depth, check.seed);
+    return Estimator(probes, check, progress).run();
+}
+
+ErrorEstimate estimate_error(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
+                             const ErrorCheck& check, Progress& progress) {
+    if (points.empty()) return {};
+    const PointProbes probes(world, points, caches, check.max_depth, check.seed);
+    return Estimator(probes, check, progress).run();
+}
+
+}  // namespace eclat

@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Symbols as in [WardHeckbert92]: M rows in θ, N columns in φ; θ_j− and θ_j+ are the walls of row j, φ_k− the lower wall
+// of column k, u_k the tangent towards the middle of column k, v_k− the tangent at right angles to its wall.
+// Held to tests/core/test_hemisphere.cpp: exact gradients of a polygon's irradiance.
+
+#include "hemisphere/hemisphere.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr float degree = pi / 180;
+
+/// sin² between both walls of a row.
+float row_middle(Rows kind, int j, int rows) {
+    if (kind == Rows::cosine) return (static_cast<float>(j) + 0.5f) / static_cast<float>(rows);
+    return 0.5f * (sqr(row_wall(kind, j, rows).sin) + sqr(row_wall(kind, j + 1, rows).sin));
+}
+
+/// Projected solid angle of the cells of each row in units of π / MN.
+std::vector<float> row_weights(const HemisphereSamples& samples) {
+    std::vector<float> out(size_t(samples.rows), 1.0f);
+    if (samples.kind == Rows::cosine) return out;
+    for (int j = 0; j < samples.rows; ++j)
+        out[size_t(j)] =
+            (sqr(row_wall(samples.kind, j + 1, samples.rows).sin) - sqr(row_wall(samples.kind, j, samples.rows).sin)) *
+            static_cast<float>(samples.rows);
+    return out;
+}
+
+Vec3 tangent(const Frame& frame, float phi) { return frame.u * std::cos(phi) + frame.v * std::sin(phi); }
+
+template <class Gradient>
+void accumulate(Gradient& gradient, Vec3 direction, Color amount) {
+    for (int c = 0; c < 3; ++c) gradient.channel[c] += direction * amount[c];
+}
+
+}  // namespace
+
+int columns_for(int rows) { return static_cast<int>(std::lround(pi * static_cast<float>(rows))); }
+
+RowWall row_wall(Rows kind, int j, int rows) {
+    const float part = static_cast<float>(j) / static_cast<float>(rows);
+    if (kind == Rows::cosine) return {std::sqrt(part), safe_sqrt(1 - part)};
+    // Of the density (2 z + 1) / 2 over the height z, (z² + z) / 2 lies below z.
+    const float z = 0.5f * (std::sqrt(1 + 8 * (1 - part)) - 1);
+    return {safe_sqrt(1 - z * z), z};
+}
+
+Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind) {
+    float s2 = (static_cast<float>(j) + u.x) / static_cast<float>(rows);
+    if (kind != Rows::cosine) s2 = lerp(sqr(row_wall(kind, j, rows).sin), sqr(row_wall(kind, j + 1, rows).sin), u.x);
+    const float phi = 2 * pi * (static_cast<float>(k) + u.y) / static_cast<float>(columns);
+    const float s = std::sqrt(s2);
+    return {s * std::cos(phi), s * std::sin(phi), safe_sqrt(1 - s2)};
+}
+
+float excess_limit(const HemisphereSamples& samples) {
+    constexpr float largest_share = 0.05f;
+    const std::vector<float> weights = row_weights(samples);
+    const auto columns = static_cast<size_t>(samples.columns);
+    float limit = infinity;
+    for (bool lowered = true; lowered;) {
+        float sum = 0;
+        lowered = false;
+        for (size_t i = 0; i < samples.radiance.size(); ++i) {
+            const float brought = luminance(samples.radiance[i]) * weights[i / columns];
+            sum += std::min(brought, limit);
+            lowered = lowered || brought > limit;
+        }
+        // The limit falls until it is the stated share of the sum that it leaves.
+        const float next = largest_share * sum;
+        lowered = (limit == infinity || lowered) && next < 0.99f * limit;
+        limit = std::min(limit, next);
+    }
+    return limit;
+}
+
+Color beyond(Color radiance, float limit) {
+    const float Y = luminance(radiance);
+    return Y > limit ? radiance * (1 - limit / Y) : Color();
+}
+
+Color take_excess(HemisphereSamples& samples) {
+    const float limit = excess_limit(samples);
+    Color taken;
+    const std::vector<float> weights = row_weights(samples);
+    const auto columns = static_cast<size_t>(samples.columns);
+    for (size_t i = 0; i < samples.radiance.size(); ++i) {
+        Color& L = samples.radiance[i];
+        const float brought = luminance(L) * weights[i / columns];
+        if (brought <= limit) continue;
+        taken += L * ((1 - limit / brought) * weights[i / columns]);
+        L *= limit / brought;
+    }
+    return taken * (pi / static_cast<float>(samples.radiance.size()));
+}
+
+Color irradiance(const HemisphereSamples& samples) {
+    const std::vector<float> weights = row_weights(samples);
+    Color sum;
+    for (size_t i = 0; i < samples.radiance.size(); ++i)
+        sum += samples.radiance[i] * weights[i / static_cast<size_t>(samples.columns)];
+    return sum * (pi / static_cast<float>(samples.radiance.size()));
+}
+
+float relative_noise(const HemisphereSamples& samples) {
+    const int M = samples.rows, N = samples.columns;
+    const std::vector<float> weights = row_weights(samples);
+    float sum = 0, squares = 0;
+    for (int j = 0; j < M; ++j)
+        for (int k = 0; k < N; ++k) {
+            const float w = weights[size_t(j)];
+            const float here = w * luminance(samples.L(j, k));
+            const float beside = w * luminance(samples.L(j, (k + 1) % N));
+            const float below = w * luminance(samples.L(j + 1 < M ? j + 1 : j - 1, k));
+            // Two cells differ by twice the variance of one.
+            squares += 0.25f * (sqr(here - beside) + sqr(here - below));
+            sum += here;
+        }
+    return sum > 0 ? std::sqrt(squares) / sum : 0;
+}
+
+RotationGradient rotation_gradient(const HemisphereSamples& samples) {
+    const int M = samples.rows, N = samples.columns;
+    RotationGradient out{};
+    // ∫ sin² θ dθ over each row: exact where the row-centre tangent of [WardHeckbert92] is 10 % low.
+    std::vector<float> polar;
+    for (int j = 0; j < M; ++j) {
+        const RowWall above = row_wall(samples.kind, j, M), below = row_wall(samples.kind, j + 1, M);
+        const float lower = std::asin(above.sin), upper = std::asin(below.sin);
+        polar.push_back(0.5f * ((upper - below.sin * below.cos) - (lower - above.sin * above.cos)));
+    }
+    for (int k = 0; k < N; ++k) {
+        Color column;
+        for (int j = 0; j < M; ++j) column += samples.L(j, k) * polar[j];
+        const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(N);
+        const float azimuth = 2 * std::sin(pi / static_cast<float>(N));  // ∫ of the unit tangent over the column
+        accumulate(out, tangent(samples.frame, phi + pi / 2), column * azimuth);
+    }
+    return out;
+}
+
+TranslationGradient translation_gradient(const HemisphereSamples& samples) {
+    const int M = samples.rows, N = samples.columns;
+    TranslationGradient out{};
+    const auto jump = [&](int j, int k, int j0, int k0) {
+        const float nearest = std::min(samples.r(j, k), samples.r(j0, k0));
+        return nearest < infinity && nearest > 0 ? (samples.L(j, k) - samples.L(j0, k0)) / nearest : Color();
+    };
+    std::vector<float> row, height;
+    for (int j = 0; j < M; ++j) {
+        const RowWall above = row_wall(samples.kind, j, M);
+        row.push_back(above.sin * sqr(above.cos));
+        height.push_back(row_wall(samples.kind, j + 1, M).sin - above.sin);
+    }
+    for (int k = 0; k < N; ++k) {
+        const int before = (k + N - 1) % N;
+        // Walls between rows start at 1: the zenith is no wall.
+        Color polar, azimuthal;
+        for (int j = 1; j < M; ++j) polar += jump(j, k, j - 1, k) * row[j];  // [WardHeckbert92]
+        for (int j = 0; j < M; ++j) azimuthal += jump(j, k, j, before) * height[j];
+        const float step = 2 * pi / static_cast<float>(N), wall = step * static_cast<float>(k);
+        accumulate(out, tangent(samples.frame, wall + 0.5f * step), polar * step);
+        accumulate(out, tangent(samples.frame, wall + pi / 2), azimuthal);
+    }
+    return out;
+}
+
+void keep_off(HemisphereSamples& samples, float least) {
+    for (float& r : samples.distance) r = std::max(r, least);
+}
+
+float harmonic_mean_distance(const HemisphereSamples& samples) {
+    float sum = 0;
+    for (float r : samples.distance) sum += 1 / r;
+    return static_cast<float>(samples.distance.size()) / sum;
+}
+
+bool stands_apart(Vec3 here, Vec3 direction, Vec3 there) {
+    const float elevation = std::asin(clamp(dot(here, direction), -1, 1));
+    if (elevation > 15 * degree) return true;
+    return std::acos(clamp(dot(here, there), -1, 1)) > 4 * std::max(elevation, 0.0f) + 5 * degree;
+}
+
+float minimum_distance(const HemisphereSamples& samples) {
+    float least = infinity;
+    for (size_t i = 0; i < samples.distance.size(); ++i)
+        if (samples.apart[i]) least = std::min(least, samples.distance[i]);
+    return least;
+}
+
+int clearance_sector(const Frame& frame, Vec3 d) {
+    // Three sectors a quadrant, counted from −u; by comparisons, since every lookup asks for it.
+    const float u = dot(d, frame.u), v = dot(d, frame.v);
+    const auto third = [](float along, float across) {
+        constexpr float tan_30 = 0.57735027f;
+        return across < tan_30 * along ? 0 : tan_30 * across < along ? 1 : 2;
+    };
+    if (v < 0) return u < 0 ? third(-u, -v) : 3 + third(-v, u);
+    return u > 0 ? 6 + third(u, v) : 9 + third(v, -u);
+}
+
+std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {
+    std::array<float, 12> out;
+    out.fill(infinity);
+    const Frame frame = Frame::around(samples.frame.n);
+    for (int k = 0; k < samples.columns; ++k) {
+        const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(samples.columns);
+        float& sector = out[clearance_sector(frame, tangent(samples.frame, phi))];
+        for (int j = 0; j < samples.rows; ++j) {
+            const float s2 = row_middle(samples.kind, j, samples.rows);
+            if (s2 < 0.5f || !samples.apart[size_t(j) * samples.columns + k]) continue;
+            const float s = std::sqrt(s2);
+            sector = std::min(sector, samples.r(j, k) * s);
+        }
+    }
+    return out;
+}
+
+}  // namespace eclat

@@ -1,0 +1,26 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Irradiance at points that a user names, from records.
+
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "records/record_passes.h"
+#include "transport/point_irradiance.h"
+
+namespace eclat {
+
+struct CachedPoints {
+    std::vector<Color> irradiance;
+    size_t served = 0, gathered = 0;  // points whose indirect light the near cache knew, and the others
+};
+
+/// Indirect light from the near cache; where that does not serve a point, from a gather that ends in the far cache.
+CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
+                               const IrradianceCacheOptions& cache_options, const PointIrradianceOptions& options,
+                               Progress& progress);
+
+}  // namespace eclat

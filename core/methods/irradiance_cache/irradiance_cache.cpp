@@ -1,0 +1,95 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Irradiance caching: indirect light on diffuse surfaces, computed at few points, interpolated between them.
+// Irradiance changes slowly where surfaces are far away, so records may be sparse there and must be dense in corners.
+//
+// References   [Ward88], [WardHeckbert92], [Tabellion04], [Krivanek06], [Schwarzhaupt12]
+//
+// Symbol       name here            meaning                                      unit
+//   E_i        record.irradiance    irradiance at record i                       W m⁻²
+//   ℓ_i        record.distance      the length that its radius follows, see records/spacing.cpp   m
+//   M, N       rows, columns        rows and columns of a gather                 1
+//
+// Departures   Filled in coarse-to-fine passes against a frozen cache instead of on demand, so that it does not depend
+//              on timing. Gather rays end in a second, coarse cache of far points wherever that is not too near.
+// Bias         Interpolation blurs indirect shadows narrower than a record's radius.
+// Held to      tests/integrators/test_irradiance_cache.py
+
+#include "methods/irradiance_cache/irradiance_cache.h"
+
+#include <cmath>
+
+#include "records/camera_chains.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr uint32_t chain_stream = 4;
+constexpr float coarsest = 32;  // pixels between the candidates of the first pass
+
+/// Pixel centres, or places between them, of one class of a lattice: the three finer points of each cell of `2 · step`, or
+/// all of the first. `step`: a power of two.
+std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
+    std::vector<Vec2> out;
+    const auto dx = static_cast<float>(kind & 1), dy = static_cast<float>(kind >> 1);
+    const float period = kind == 0 ? step : 2 * step;
+    for (float y = 0.5f + dy * step; y < static_cast<float>(camera.height); y += period)
+        for (float x = 0.5f + dx * step; x < static_cast<float>(camera.width); x += period) out.push_back({x, y});
+    return out;
+}
+
+/// Pixels between the candidates of the last passes: no more than the radius of the smallest records.
+float finest_step(const IrradianceCacheOptions& options) {
+    float step = coarsest;
+    while (step > options.least_pixels) step /= 2;
+    return step;
+}
+
+}  // namespace
+
+std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
+                                         const IrradianceCacheOptions& options, Progress& progress,
+                                         const MarkCached& mark) {
+    return follow_chains<Candidate>(world, camera, pixels, chain_stream, options, progress,
+                                    [&](SeenVertex& vertex, std::vector<Candidate>& found) {
+                                        Bsdf& bsdf = vertex.point.bsdf;
+                                        if (!is_black(bsdf.diffuse_albedo(vertex.wo)))
+                                            found.push_back(vertex.candidate());
+                                        if (!mark) return LobeSet::glossy;
+                                        mark(vertex.point, vertex.wo);
+                                        bsdf.set_cached(LobeSet::diffuse);
+                                        return LobeSet::uncached;
+                                    });
+}
+
+void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
+                      const std::function<void(std::span<const Vec2>)>& pass) {
+    pass(lattice(camera, coarsest, 0));
+    for (float step = coarsest / 2; step >= finest_step(options); step /= 2)
+        for (int kind : {1, 2, 3}) pass(lattice(camera, step, kind));
+}
+
+void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near,
+                            const MarkCached& mark) {
+    constexpr int far_sources = 16;  // between the points from which the far cache is found
+    caches = empty_caches(options);
+    const auto sweep = 1 + 3 * static_cast<uint64_t>(std::ilogb(coarsest / finest_step(options)));
+    progress.begin(far_passes(options) + (before_near ? 2 : 1) * sweep);
+    solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
+              caches, progress);
+    if (before_near) before_near();
+    for_each_lattice(camera, options, [&](std::span<const Vec2> pixels) {
+        add_near(world, camera_candidates(world, camera, pixels, options, progress, mark), options, caches, progress);
+    });
+}
+
+CachedIrradiance read_near(const SolvedCaches& caches) {
+    return [&caches](const SurfacePoint& point, float) {
+        return caches.near.interpolate(point.position, point.normal_towards_shading(), point.frame.n);
+    };
+}
+
+}  // namespace eclat

@@ -1,0 +1,51 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Irradiance caching: indirect light on diffuse surfaces, computed at few points, interpolated between them.
+
+#pragma once
+
+#include <functional>
+#include <span>
+#include <vector>
+
+#include "records/record_passes.h"
+#include "scene/camera.h"
+
+namespace eclat {
+
+/// Marks the lobes of a point that another cache answers for, for light that leaves towards `wo` (in the point's frame).
+using MarkCached = std::function<void(SurfacePoint& point, Vec3 wo)>;
+
+/// Fills both caches for what `camera` sees. Whatever stops it (an exception, a cancelled progress) leaves the passes that
+/// were finished. `progress` counts passes. `before_near` may add to the caches once the far one is there, in one more sweep of
+/// passes; what the chains then need not follow, `mark` says.
+void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {},
+                            const MarkCached& mark = {});
+
+/// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all. Where records may be smaller than
+/// pixels, also for places between them, or what changes inside of a pixel would never get a record on both sides.
+void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
+                      const std::function<void(std::span<const Vec2>)>& pass);
+
+/// Light samples at a vertex that the camera sees: the cached part has no noise, so direct light's is what is left, and one
+/// more shadow ray costs less than one more camera ray with its lookup.
+constexpr int cached_light_samples = 4;
+/// Paths that go on from such a vertex where no record serves it: beside pixels without noise a single one would show as a
+/// bright dot. They are few, and stratified together.
+constexpr int cached_miss_paths = 16;
+/// … along rough lobes that no cache serves, for the same reason as with light samples: in glossy-box at α 0.2, four halve the
+/// time to the same noise, eight bring no more.
+constexpr int cached_gloss_paths = 4;
+
+/// How paths read the cache: `near` at vertices seen from the camera.
+CachedIrradiance read_near(const SolvedCaches& caches);
+
+/// Diffuse points that pixels see, at pixel centres (x, y), after mirrors and glossy bounces where there are any; not after
+/// those that `mark` marks.
+std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
+                                         const IrradianceCacheOptions& options, Progress& progress,
+                                         const MarkCached& mark = {});
+
+}  // namespace eclat

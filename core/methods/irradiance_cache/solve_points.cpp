@@ -1,0 +1,91 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Irradiance caches without a camera: for points that are given, or for all diffuse surfaces.
+//
+// Departures   Without a camera there are no pixels to bound a record's radius. A thousandth of the scene's diameter
+//              stands for one, as if the scene filled a picture of that width; the bounds in pixels keep their meaning.
+// Held to      tests/integrators/test_solve_points.py
+
+#include "methods/irradiance_cache/solve_points.h"
+
+#include <algorithm>
+#include <bit>
+
+#include "base/parallel.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr size_t first_pass = 64;  // candidates of the coarsest pass; each later one doubles what has been tried
+
+using Candidates = std::vector<Candidate>;
+
+/// Diffuse points, on each side that reflects.
+Candidates diffuse_candidates(const World& world, const SurfacePoints& surface, size_t count, uint32_t pass,
+                              uint32_t seed) {
+    Candidates out;
+    for (const auto& [hit, key] : surface.spread(count, pass, seed))
+        surface.for_each_side(hit, [&, key = key](const SurfacePoint& point, Vec3 wo) {
+            if (is_black(point.bsdf.diffuse_albedo(wo))) return;
+            out.emplace_back(point, pixel_without_camera(world), hash(key, static_cast<uint32_t>(out.size() & 1)));
+        });
+    return out;
+}
+
+}  // namespace
+
+void solve_at_points(const World& world, std::span<const PointNormal> points, const IrradianceCacheOptions& options,
+                     SolvedCaches& caches, Progress& progress) {
+    constexpr int retries = 3;  // clamping by later records may leave a point unserved that was served
+    caches = empty_caches(options);
+    size_t coarsest = 1;
+    while (points.size() / coarsest > first_pass) coarsest *= 2;
+    const auto passes = static_cast<uint64_t>(std::bit_width(coarsest));
+    progress.begin(far_passes(options) + passes + retries);
+
+    const auto every = [&](size_t step, size_t first) {
+        Candidates out;
+        for (size_t i = first; i < points.size(); i += step)
+            out.emplace_back(bare_point(world, points[i]), pixel_without_camera(world), static_cast<uint32_t>(i));
+        return out;
+    };
+    solve_far(world, every(1, 0), options, caches, progress);
+    // Each pass takes the points halfway between those of all passes before.
+    add_near(world, every(coarsest, 0), options, caches, progress);
+    for (size_t step = coarsest; step > 1; step /= 2) add_near(world, every(step, step / 2), options, caches, progress);
+    for (int retry = 0; retry < retries; ++retry) add_near(world, every(1, 0), options, caches, progress);
+}
+
+void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
+                      Progress& progress, const std::function<void(const SurfacePoints&)>& before_near) {
+    caches = empty_caches(options);
+    const SurfacePoints surface(world);
+    if (surface.empty()) return;
+    constexpr size_t far_round = 512;
+    const bool wants_far = options.max_depth < 0 && !options.far_photons;
+    const size_t far_count = wants_far ? static_cast<size_t>(options.far_records) : 0;
+    const auto far_rounds = static_cast<uint32_t>((far_count + far_round - 1) / far_round);
+    progress.begin(far_rounds + (before_near ? 2 : 1) * most_place_passes);
+    for (uint32_t round = 0; round < far_rounds; ++round)
+        add_far(world, diffuse_candidates(world, surface, far_round, most_place_passes + round, options.seed), options,
+                caches, progress);
+    if (before_near) before_near(surface);
+    double_places([&](uint32_t pass, size_t count) {
+        const auto candidates = diffuse_candidates(world, surface, count, pass, options.seed);
+        return PassCounts{candidates.size(), add_near(world, candidates, options, caches, progress)};
+    });
+}
+
+std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed) {
+    constexpr uint32_t no_pass = 1u << 20;
+    const SurfacePoints surface(world);
+    std::vector<PointNormal> out;
+    if (surface.empty()) return out;
+    for (const Candidate& c : diffuse_candidates(world, surface, count, no_pass, seed))
+        out.push_back({c.position, c.normal});
+    return out;
+}
+
+}  // namespace eclat

@@ -1,0 +1,191 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Density estimation: E = Σ k(d_p / r) Φ_p / r² over the photons nearest to a point [Jensen01], by a kernel k whose integral
+// over the unit disc is 1.
+//
+// Near a wall, an edge or a box on the floor, a part of the disc is no surface that the point shares light with: dividing
+// by all of it darkens edges, and photons behind a thin wall would light the other side. So both the sum and the area
+// take the same part only, that which can be seen from the point, just above the surface. For the area, points spread by
+// the kernel look for the surface under them, and rays from there to the centre for what stands between; photons are
+// tested by the same rays. Where light is even, the estimate is then right whatever the shape of that part.
+//
+// Symbol       name here     meaning
+//   r            radius        of the disc: the distance of the next photon after the nearest ones, or the largest one
+//   k            kernel        per unit disc
+//   A            area          of the visible part of the disc, weighted by the kernel, in units of the whole
+//
+// References   [Jensen01], [Silverman86]
+// Bias         Blur: light that varies within the disc is smeared over it.
+// Held to      tests/core/test_density.cpp
+
+#include "methods/photon_map/density.h"
+
+#include <algorithm>
+#include <array>
+#include <span>
+
+namespace eclat {
+
+namespace {
+
+constexpr float golden_angle = 2.39996323f;  // 2π (1 − 1 / φ): the spiral whose points are spread evenly for any number
+constexpr size_t probes = 128;               // a corner, a quarter of the disc, still has 32
+constexpr size_t first_probes = 16;          // that must all be clear or the others are asked too
+constexpr float rim = 0.8f;         // squared distance, in radii, beyond which photons are the rim: a fifth of them
+constexpr float lift_part = 0.02f;  // of the radius, that rays along the surface keep above it
+constexpr float least_area = 1.0f / probes;  // below it nothing is known
+
+class Estimate {
+  public:
+    Estimate(const World& world, const PhotonMap& map, const DensityPoint& at, const DensityOptions& options,
+             float radius, Progress& progress)
+        : world_(world),
+          map_(map),
+          at_(at),
+          options_(options),
+          disc_{at.position, at.normal, radius},
+          progress_(progress) {}
+
+    DensityEstimate irradiance(std::span<const Neighbor> photons) {
+        DensityEstimate out;
+        out.radius = disc_.radius;
+        double area = 1;
+        std::vector<uint8_t> hidden(photons.size(), 0);
+        if (options_.boundary) {
+            area = visible_area(0, first_probes);
+            out.clear = clear_ == first_probes && !hides_rim(photons);
+            area = out.clear ? area / first_probes : (area + visible_area(first_probes, probes)) / probes;
+            if (!out.clear) hide(photons, hidden);
+        }
+        for (size_t i = 0; i < photons.size(); ++i)
+            if (!hidden[i]) out.irradiance += contribution(photons[i]);
+        out.irradiance *= 1 / (sqr(disc_.radius) * std::max(least_area, static_cast<float>(area)));
+        return out;
+    }
+
+  private:
+    Color contribution(const Neighbor& n) const {
+        const Photon& photon = map_.photon(n);
+        const float weight = kernel_weight(options_.kernel, n.distance2 / sqr(disc_.radius));
+        // Photons arrive on the geometric surface; light is measured against the shading normal.
+        const float cosine = dot(photon.direction, at_.shading), on_surface = dot(photon.direction, photon.normal);
+        const float tilt = at_.shading == at_.normal ? 1 : clamp(cosine / std::max(on_surface, 1e-3f), 0, 4);
+        return map_.power(photon) * (weight * tilt);
+    }
+
+    Ray to_center(Vec3 position, Vec3 n) const { return ray_between(at_, {position, n, at_.offset}, disc_.radius); }
+
+    void occluded(std::span<const Ray> rays, std::span<uint8_t> out) {
+        world_.geometry.rays().occluded(rays, out);
+        progress_.count_rays(rays.size());
+    }
+
+    void hide(std::span<const Neighbor> photons, std::span<uint8_t> hidden) {
+        rays_.clear();
+        for (const auto& n : photons) rays_.push_back(to_center(map_.photon(n).position, map_.photon(n).normal));
+        occluded(rays_, hidden);
+    }
+
+    /// Whether any photon near the rim is hidden: probes are few there, but what lies behind a wall may be bright.
+    bool hides_rim(std::span<const Neighbor> photons) {
+        rays_.clear();
+        for (const auto& n : photons)
+            if (n.distance2 > rim * sqr(disc_.radius))
+                rays_.push_back(to_center(map_.photon(n).position, map_.photon(n).normal));
+        std::vector<uint8_t> hidden(rays_.size());
+        occluded(rays_, hidden);
+        return std::ranges::any_of(hidden, [](uint8_t h) { return h != 0; });
+    }
+
+    /// Sum of the kernel-weighted areas that probes [first, end) see, each the whole disc's where all is flat and clear.
+    double visible_area(size_t first, size_t end) {
+        const Frame frame = Frame::around(at_.normal);
+        std::array<Ray, probes> down;
+        std::array<float, probes> planned;  // the kernel there in the plane
+        for (size_t i = first; i < end; ++i) {
+            // The first ones are a spiral of their own.
+            const float rank = i < first_probes
+                                   ? (static_cast<float>(i) + 0.5f) / first_probes
+                                   : (static_cast<float>(i - first_probes) + 0.5f) / (probes - first_probes);
+            const float x2 = kernel_quantile2(options_.kernel, rank), distance = disc_.radius * std::sqrt(x2);
+            const float phi = golden_angle * static_cast<float>(i);
+            const Vec3 on_plane =
+                at_.position + frame.u * (distance * std::cos(phi)) + frame.v * (distance * std::sin(phi));
+            // Where the ellipsoid begins and ends above and below the plane.
+            const float height = disc_.radius * safe_sqrt(1 - x2) / Disc::flatness + 4 * at_.offset;
+            down[i - first] = {on_plane + at_.normal * height, 0, -at_.normal, 2 * height};
+            planned[i - first] = kernel_weight(options_.kernel, x2);
+        }
+        const size_t count = end - first;
+        std::array<Hit, probes> hits;
+        world_.geometry.rays().intersect(std::span(down).first(count), std::span(hits).first(count));
+        progress_.count_rays(count);
+
+        std::array<Ray, probes> back;
+        std::array<float, probes> weights;
+        size_t found = 0;
+        for (size_t i = 0; i < count; ++i) {
+            if (hits[i].missed()) continue;
+            const Vec3 position = down[i].origin + down[i].direction * hits[i].t;
+            Vec3 n = world_.geometry.geometric_normal(hits[i].triangle);
+            if (dot(n, at_.normal) < 0) n = -n;
+            const float x2 = disc_.distance2(position) / sqr(disc_.radius);
+            if (!disc_.same_side(n) || !(x2 < 1)) continue;
+            // A tilted surface has more area than its shadow on the disc.
+            weights[found] = kernel_weight(options_.kernel, x2) / (planned[i] * dot(n, at_.normal));
+            back[found++] = to_center(position, n);
+        }
+        std::array<uint8_t, probes> hidden;
+        occluded(std::span(back).first(found), std::span(hidden).first(found));
+        double sum = 0;
+        for (size_t i = 0; i < found; ++i) {
+            sum += hidden[i] ? 0 : weights[i];
+            clear_ += !hidden[i];
+        }
+        return sum;
+    }
+
+    const World& world_;
+    const PhotonMap& map_;
+    const DensityPoint& at_;
+    const DensityOptions& options_;
+    Disc disc_;
+    Progress& progress_;
+    std::vector<Ray> rays_;
+    size_t clear_ = 0;  // probes so far that saw surface, and were seen
+};
+
+}  // namespace
+
+Ray ray_between(const DensityPoint& from, const DensityPoint& to, float radius) {
+    const float lift = std::max(lift_part * radius, 8 * from.offset);
+    const Vec3 start = from.position + from.normal * lift, way = to.position + to.normal * lift - start;
+    const float distance = length(way);
+    return {start, 0, distance > 0 ? way * (1 / distance) : from.normal, distance};
+}
+
+float progressive_radius(uint32_t pass, float alpha) {
+    double squared = 1;  // double: a product of thousands
+    for (uint32_t i = 1; i <= pass; ++i) squared *= (i + static_cast<double>(alpha)) / (i + 1.0);
+    return static_cast<float>(std::sqrt(squared));
+}
+
+DensityEstimate estimate_irradiance(const World& world, const PhotonMap& map, const DensityPoint& at,
+                                    const DensityOptions& options, Progress& progress) {
+    DensityEstimate out;
+    if (map.empty()) return out;
+    thread_local std::vector<Neighbor> found;
+    Disc disc{at.position, at.normal, options.radius};
+    auto count = static_cast<size_t>(options.nearest);
+    if (options.first_map != nullptr) {
+        disc.radius = options.part_of_radius * options.first_map->nearest(disc, count, options.max_edges, found);
+        count = map.photons().size();
+    }
+    const float radius = map.nearest(disc, count, options.max_edges, found);
+    out.radius = radius;
+    if (found.empty() || !(radius > 0) || radius == infinity) return out;
+    return Estimate(world, map, at, options, radius, progress).irradiance(found);
+}
+
+}  // namespace eclat

@@ -1,0 +1,181 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Radiance caching, for a view or for all surfaces.
+//
+// References   [Krivanek05], [Gautron04], [Krivanek06]; docs/algorithms/radiance_cache.md
+//
+// Departures   As irradiance caching: coarse-to-fine passes against a frozen cache. A gather for a radiance record gives an
+//              irradiance record as well, which serves what is diffuse there.
+// Bias         What the order of the expansion leaves of lobe and light, and interpolation.
+// Held to      tests/integrators/test_radiance_cache.py
+
+#include "methods/radiance_cache/radiance_cache.h"
+
+#include <cmath>
+
+#include "base/parallel.h"
+#include "records/camera_chains.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr uint32_t chain_stream = 5;
+constexpr uint32_t glossy_pass = 1u << 21;  // of points everywhere, beside those of diffuse ones
+
+/// Where a radiance record could be wanted.
+struct GlossyCandidate {
+    Candidate at;
+    bool served = false;   // there is one
+    bool diffuse = false;  // an irradiance record serves there as well
+    PlacedLobe lobe;       // where it is not served
+};
+
+GlossyCandidate candidate_for(const Candidate& at, const SurfacePoint& point, Vec3 wo, const ReflectedFactors& factors,
+                              const RadianceCache& cache) {
+    GlossyCandidate out{
+        at, cache.serves(at.position, at.normal, factors.width), !is_black(point.bsdf.diffuse_albedo(wo)), {}};
+    if (!out.served) out.lobe = cache.placed_lobe(factors, point.frame, at.normal);
+    return out;
+}
+
+bool within_tilt(const SurfacePoint& point) {
+    return dot(point.frame.n, point.normal_towards_shading()) > std::cos(largest_radiance_tilt);
+}
+
+/// What pixels see with lobes that may be cached, at first or after mirrors and narrow lobes.
+std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera& camera, const RadianceTables& tables,
+                                               const RadianceCache& cache, std::span<const Vec2> pixels,
+                                               const RadianceCacheOptions& options, Progress& progress) {
+    return follow_chains<GlossyCandidate>(
+        world, camera, pixels, chain_stream, options.irradiance, progress,
+        [&](SeenVertex& vertex, std::vector<GlossyCandidate>& found) {
+            SurfacePoint& point = vertex.point;
+            ReflectedFactors factors;
+            tables.reflect(point.bsdf, vertex.wo, factors);
+            if (factors.order > 0 && within_tilt(point)) {
+                found.push_back(candidate_for(vertex.candidate(), point, vertex.wo, factors, cache));
+                set_cached(point.bsdf, factors);
+            }
+            point.bsdf.set_cached(LobeSet::diffuse);
+            return LobeSet::uncached;
+        });
+}
+
+/// The narrowest lobe that may be cached, of views from four heights and two sides; false where there is none.
+bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFactors& out) {
+    ReflectedFactors factors;
+    out.order = 0;
+    for (const float z : {1.0f, 0.8f, 0.5f, 0.25f})
+        for (const Vec2 side : {Vec2{1, 0}, Vec2{0, 1}}) {
+            const float across = std::sqrt(1 - z * z);
+            tables.reflect(bsdf, {across * side.x, across * side.y, z}, factors);
+            if (factors.order > 0 && (out.order == 0 || factors.width < out.width)) out = factors;
+        }
+    return out.order > 0;
+}
+
+/// The same on all surfaces.
+std::vector<GlossyCandidate> glossy_candidates(const World& world, const SurfacePoints& surface, size_t count,
+                                               uint32_t pass, const RadianceTables& tables, const RadianceCache& cache,
+                                               const RadianceCacheOptions& options) {
+    const auto places = surface.spread(count, glossy_pass | pass, options.irradiance.seed);
+    using Sides = std::vector<GlossyCandidate>;
+    const auto found = parallel_map<Sides>(places.size(), options.irradiance.threads, [&](size_t i) {
+        Sides sides;
+        uint32_t side = 0;
+        surface.for_each_side(places[i].hit, [&](const SurfacePoint& point, Vec3 wo) {
+            ReflectedFactors factors;
+            const Candidate at(point, pixel_without_camera(world), hash(places[i].key, side++));
+            if (point.bsdf.has(LobeSet::glossy) && within_tilt(point) && narrowest_lobe(tables, point.bsdf, factors))
+                sides.push_back(candidate_for(at, point, wo, factors, cache));
+        });
+        return sides;
+    });
+    std::vector<GlossyCandidate> out;
+    for (const Sides& sides : found) out.insert(out.end(), sides.begin(), sides.end());
+    return out;
+}
+
+/// A pass: radiance records for the candidates that are not served, and irradiance records of the same gathers. Returns how
+/// many were not served.
+size_t add_radiance(const World& world, std::span<const GlossyCandidate> candidates,
+                    const RadianceProjection& projection, const RadianceCacheOptions& options, SolvedCaches& caches,
+                    Progress& progress) {
+    size_t missed = 0;
+    for (const GlossyCandidate& c : candidates) {
+        caches.glossy_direct.count(c.at, c.served);
+        missed += !c.served;
+    }
+    std::vector<Candidate> places;
+    std::vector<PlacedLobe> lobes;
+    std::vector<uint8_t> diffuse;
+    for (const GlossyCandidate& c : candidates) {
+        if (c.served || !caches.glossy_direct.pays(c.at)) continue;
+        places.push_back(c.at);
+        lobes.push_back(c.lobe);
+        diffuse.push_back(c.diffuse);
+    }
+    std::vector<RadianceCoefficients> coefficients(places.size());
+    IrradianceCacheOptions spaced = options.irradiance;
+    spaced.spacing = options.spacing;
+    const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
+                          [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
+    const auto records =
+        gather_records(world, places, far_end(world, caches, spaced, progress), spaced, plan, progress);
+    std::vector<IrradianceRecord> near;
+    for (size_t i = 0; i < records.size(); ++i) {
+        // Where a lower bound widened the radius, the gradients go with it, as those of irradiance did.
+        const float raised = options.spacing * records[i].distance / records[i].radius;
+        if (raised < 1)
+            for (float& g : coefficients[i].gradients) g *= raised;
+        if (diffuse[i]) near.push_back(records[i]);
+    }
+    const int threads = options.irradiance.threads;
+    caches.radiance.insert(records, coefficients, lobes, options.spacing, threads);
+    if (options.irradiance.disagreement < infinity)
+        caches.radiance.shrink_where_records_disagree(options.irradiance.disagreement, options.spacing, threads);
+    if (!near.empty()) caches.near.insert(near, options.irradiance.spacing, threads);
+    progress.advance();
+    return missed;
+}
+
+}  // namespace
+
+void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
+                          const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
+    const auto before_near = [&] {
+        const RadianceProjection projection(options.order, Rows::balanced, options.rows);
+        caches.radiance = RadianceCache(options.irradiance.cache, options.order);
+        caches.tables = &tables;
+        for_each_lattice(camera, options.irradiance, [&](std::span<const Vec2> pixels) {
+            add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
+                         projection, options, caches, progress);
+        });
+    };
+    const auto mark = [&](SurfacePoint& point, Vec3 wo) {
+        if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
+        ReflectedFactors factors;
+        tables.reflect(point.bsdf, wo, factors);
+        set_cached(point.bsdf, factors);
+    };
+    solve_irradiance_cache(world, camera, options.irradiance, caches, progress, before_near, mark);
+    caches.tables = nullptr;
+}
+
+void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
+                               SolvedCaches& caches, Progress& progress) {
+    solve_everywhere(world, options.irradiance, caches, progress, [&](const SurfacePoints& surface) {
+        const RadianceProjection projection(options.order, Rows::balanced, options.rows);
+        caches.radiance = RadianceCache(options.irradiance.cache, options.order);
+        caches.tables = &tables;
+        double_places([&](uint32_t pass, size_t count) {
+            const auto found = glossy_candidates(world, surface, count, pass, tables, caches.radiance, options);
+            return PassCounts{found.size(), add_radiance(world, found, projection, options, caches, progress)};
+        });
+    });
+    caches.tables = nullptr;
+}
+
+}  // namespace eclat

@@ -1,0 +1,265 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Refinement of links by the light that they carry [Hanrahan91]: a link is good enough where radiosity times form factor
+// (BF) times what is uncertain about it is small, whatever the sizes. It is uncertain by how much the exchange varies over
+// the two nodes, and by what stands between them in part.
+//
+// References   [Hanrahan91] links, BF refinement; [Smits94] clusters above the surfaces that a scene is given as
+//
+// Departures   A link is one number for both directions. Clusters take part as if they were patches of their mean normal;
+//              how far their normals spread counts as uncertainty, so that light that matters is linked to flat parts.
+// Held to      tests/core/test_links.cpp
+
+#include "methods/radiosity/links.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "methods/radiosity/form_factor.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr size_t block = 1024;          // links that are looked at together, whose rays are one batch
+constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
+constexpr float shortening = 1 - 0x1p-13f;
+
+// What is not known of a link that is hidden in part, in units of what it would carry: about the deviation of a share that
+// is anywhere between nothing and all.
+constexpr float partly_hidden = 0.3f;
+
+// Of what the least sender has, relative: less counts as no light.
+constexpr float unlit = 1e-3f;
+
+// Rays that ask what stands between: few where little is carried.
+constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
+
+struct Pair {
+    float near;       // how large both are beside their distance, 0 … 1
+    float uncertain;  // relative variation of the exchange
+    float carried;    // irradiance that may be carried, the greater of both ways
+};
+
+class Refiner {
+  public:
+    Refiner(const World& world, const PatchTree& tree, const ExposedParts& exposed, std::span<const float> radiosity,
+            const LinkOptions& options, Progress& progress)
+        : world_(world),
+          tree_(tree),
+          exposed_(exposed),
+          radiosity_(radiosity),
+          options_(options),
+          progress_(progress) {}
+
+    struct Decided {
+        std::vector<Link> kept, next;
+    };
+
+    Decided decide(std::span<const Link> links) {
+        Decided out;
+        for (const Link& link : links) {
+            if (link.a == link.b) {
+                divide_self(link.a, out.next);
+                continue;
+            }
+            if (!exposed_.any(link.a) || !exposed_.any(link.b) || !may_see(tree_[link.a], tree_[link.b])) continue;
+            const Pair pair = look_at(link);
+            const float weight = pair.carried / options_.tolerance;
+            if (link.visibility < 0) {
+                ask_or_divide(link, pair, weight, out.next);
+                continue;
+            }
+            const float unsure = pair.uncertain + (partial(link.visibility) ? partly_hidden : 0);
+            if (!(weight * unsure > 1 && divide(link, out.next))) out.kept.push_back(link);
+        }
+        trace(out);
+        return out;
+    }
+
+  private:
+    struct Asked {
+        Link link;
+        Pair pair;
+        size_t first_ray, rays;
+    };
+
+    static bool partial(float visibility) { return visibility > 0 && visibility < 1; }
+
+    void ask_or_divide(const Link& link, const Pair& pair, float weight, std::vector<Link>& next) {
+        const bool ends = tree_[link.a].ends_links && tree_[link.b].ends_links;
+        const uint32_t rays = weight < 0.5f ? least_rays : ends && weight > 4 ? most_rays : usual_rays;
+        if (weight * pair.uncertain > 1 && divide(link, next)) return;
+        ask(link, pair, rays);
+    }
+
+    void divide_self(uint32_t node, std::vector<Link>& next) const {
+        if (tree_[node].ends_links || !tree_[node].is_cluster()) return;  // flat, or about
+        const uint32_t child = tree_[node].child;
+        next.push_back({child, child});
+        next.push_back({child, child + 1});
+        next.push_back({child + 1, child + 1});
+    }
+
+    /// Into links of the halves of the larger node, or of the other where that has none.
+    bool divide(const Link& link, std::vector<Link>& next) const {
+        const PatchNode &a = tree_[link.a], &b = tree_[link.b];
+        if (a.ends_links && b.ends_links) return false;
+        const bool at_a = b.ends_links || (!a.ends_links && a.radius >= b.radius);
+        for (const uint32_t half : {0u, 1u})
+            next.push_back(at_a ? Link{a.child + half, link.b} : Link{link.a, b.child + half});
+        return true;
+    }
+
+    Pair look_at(const Link& link) const {
+        const PatchNode &a = tree_[link.a], &b = tree_[link.b];
+        const Vec3 between = b.center - a.center;
+        const float d2 = length_squared(between), reach = a.radius + b.radius;
+        float cos_a = 1, cos_b = 1;
+        if (d2 > sqr(reach)) {
+            const float d = std::sqrt(d2), slack = std::asin(reach / d);
+            cos_a = best_cosine(dot(a.normal, between) / d, a.cone + slack);
+            cos_b = best_cosine(-dot(b.normal, between) / d, b.cone + slack);
+        }
+        Pair pair;
+        pair.near = d2 > 0 ? std::min(1.0f, reach / std::sqrt(d2)) : 1;
+        pair.uncertain = std::min(1.0f, pair.near + 0.5f * (a.cone + b.cone));
+        // Where neither end has light, as inside of solids, nothing matters.
+        const bool dark = std::max(radiosity_[link.a], radiosity_[link.b]) < unlit * options_.least_sender;
+        const float least = dark ? 0 : options_.least_sender;
+        const auto sent = [&](uint32_t from, const PatchNode& sender) {
+            const float form_factor = cos_a * cos_b * sender.area / (pi * d2 + sender.area);
+            return std::max(radiosity_[from], least) * form_factor;
+        };
+        pair.carried = std::max(sent(link.a, a), sent(link.b, b));
+        return pair;
+    }
+
+    /// The cosine of an angle less `slack`.
+    static float best_cosine(float cosine, float slack) {
+        return std::cos(std::max(0.0f, std::acos(clamp(cosine, -1, 1)) - slack));
+    }
+
+    void ask(const Link& link, const Pair& pair, uint32_t count) {
+        const bool near_clusters = pair.near > 0.1f && (tree_[link.a].is_cluster() || tree_[link.b].is_cluster());
+        const size_t first = rays_.size();
+        for (uint32_t i = 0; i < count; ++i) {
+            const PointPair points = exposed_.sample_pair(link.a, link.b, options_.seed, i, count);
+            const float kernel = near_clusters ? points.smooth_kernel() : points.kernel();
+            if (!(kernel > 0)) continue;
+            rays_.push_back(ray_between(points));
+            kernels_.push_back(kernel);
+        }
+        asked_.push_back({link, pair, first, count});
+    }
+
+    Ray ray_between(const PointPair& p) const {
+        const auto off = [&](Vec3 x, Vec3 n) { return x + n * (resolution * (world_.geometry.radius() + length(x))); };
+        const Vec3 from = off(p.x, p.normal_x), to = off(p.y, p.normal_y) - from;
+        const float distance = length(to);
+        return {from, 0, to / distance, distance * shortening};
+    }
+
+    void trace(Decided& out) {
+        hidden_.resize(rays_.size());
+        world_.geometry.rays().occluded(rays_, hidden_);
+        progress_.count_rays(rays_.size());
+        for (size_t i = 0; i < asked_.size(); ++i) {
+            Asked& asked = asked_[i];
+            const size_t end = i + 1 < asked_.size() ? asked_[i + 1].first_ray : rays_.size();
+            measure(asked, end);
+            Link& link = asked.link;
+            const float unsure = asked.pair.uncertain + partly_hidden;
+            if (partial(link.visibility) && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next))
+                continue;
+            out.kept.push_back(link);
+        }
+        asked_.clear();
+        rays_.clear();
+        kernels_.clear();
+    }
+
+    /// Exchange and visibility from the rays [first, end) of a link.
+    void measure(Asked& asked, size_t end) const {
+        Link& link = asked.link;
+        const PatchNode &a = tree_[link.a], &b = tree_[link.b];
+        float all = 0, seen = 0;
+        for (size_t r = asked.first_ray; r < end; ++r) {
+            all += kernels_[r];
+            if (!hidden_[r]) seen += kernels_[r];
+        }
+        link.visibility = all > 0 ? seen / all : 1;
+        if (!a.is_cluster() && !b.is_cluster()) {
+            link.exchange = patch_exchange(a, b, asked.pair.near) * link.visibility;
+        } else {
+            const float mean = seen / static_cast<float>(asked.rays);
+            link.exchange = std::min(a.area * b.area * mean, std::min(a.area, b.area));
+        }
+    }
+
+    const World& world_;
+    const PatchTree& tree_;
+    const ExposedParts& exposed_;
+    std::span<const float> radiosity_;
+    const LinkOptions& options_;
+    Progress& progress_;
+    std::vector<Asked> asked_;
+    std::vector<Ray> rays_;
+    std::vector<float> kernels_;  // of each ray
+    std::vector<uint8_t> hidden_;
+};
+
+}  // namespace
+
+std::vector<Link> first_links(const PatchTree& tree) {
+    return tree.nodes().empty() ? std::vector<Link>{} : std::vector<Link>{{0, 0}};
+}
+
+float refine_links(const World& world, const PatchTree& tree, std::span<const PatchSurface> surfaces,
+                   std::span<const float> radiosity, const LinkOptions& options, std::vector<Link>& links,
+                   Progress& progress) {
+    LinkOptions now = options;
+    const ExposedParts exposed(tree, surfaces);
+    std::vector<Link> kept, pending = std::move(links);
+    while (!pending.empty()) {
+        const double crowd = static_cast<double>(kept.size() + pending.size()) / static_cast<double>(options.most);
+        if (crowd > 1)
+            now.tolerance = std::max(now.tolerance, options.tolerance * static_cast<float>(crowd * crowd * crowd));
+        const size_t blocks = (pending.size() + block - 1) / block;
+        progress.begin(blocks);
+        const auto decided = parallel_map<Refiner::Decided>(blocks, options.threads, [&](size_t i) {
+            progress.check();
+            const size_t begin = i * block;
+            const std::span<const Link> some(pending.data() + begin, std::min(block, pending.size() - begin));
+            auto out = Refiner(world, tree, exposed, radiosity, now, progress).decide(some);
+            progress.advance();
+            return out;
+        });
+        pending.clear();
+        for (const auto& d : decided) {
+            kept.insert(kept.end(), d.kept.begin(), d.kept.end());
+            pending.insert(pending.end(), d.next.begin(), d.next.end());
+        }
+    }
+    links = std::move(kept);
+    return now.tolerance;
+}
+
+Exchanges::Exchanges(const PatchTree& tree, std::span<const Link> links) : first_(tree.nodes().size() + 1, 0) {
+    for (const Link& link : links) {
+        if (!(link.exchange > 0)) continue;
+        ++first_[link.a + 1];
+        ++first_[link.b + 1];
+    }
+    for (size_t i = 1; i < first_.size(); ++i) first_[i] += first_[i - 1];
+    senders_.resize(first_.back());
+    std::vector<size_t> next(first_.begin(), first_.end() - 1);
+    for (const Link& link : links) {
+        if (!(link.exchange > 0)) continue;
+        senders_[next[link.a]++] = {link.b, link.exchange / tree[link.a].area, link.visibility};
+        senders_[next[link.b]++] = {link.a, link.exchange / tree[link.b].area, link.visibility};
+    }
+}
+
+}  // namespace eclat

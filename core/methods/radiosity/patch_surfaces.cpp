@@ -1,0 +1,239 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "methods/radiosity/patch_surfaces.h"
+
+#include <algorithm>
+#include <numeric>
+
+#include "base/parallel.h"
+#include "sampling/sampler.h"
+#include "sampling/warp.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr uint32_t surface_stream = 61, light_stream = 62, closure_stream = 63;
+constexpr float shadow_shortening = 1 - 0x1p-13f;  // as in transport/paths.cpp
+constexpr int texture_samples = 16;
+// Of the samples of a face cluster each side takes its share, but at least this part.
+constexpr float least_share = 1.0f / 8;
+constexpr float low_ray = 0.02f;  // height of rays along a patch, in units of its radius
+// Of a patch: where less than this is, its light is not known.
+constexpr float least_exposed = 0.1f;
+constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
+
+class PatchMeter {
+  public:
+    PatchMeter(const World& world, const PatchTree& tree, const SurfaceOptions& options, Progress& progress)
+        : world_(world), tree_(tree), options_(options), progress_(progress) {}
+
+    PatchSurface measure(uint32_t patch) {
+        PatchSurface out;
+        share_ = share_of_face(patch);
+        look_at_material(patch, out);
+        look_around(patch, out);
+        if (!out.unknown()) gather_lights(patch, out);
+        return out;
+    }
+
+  private:
+    /// Key of a patch that does not depend on which others there are.
+    static uint32_t key(const PatchName& name) {
+        return hash(2 * name.triangle + name.back, static_cast<uint32_t>(name.path),
+                    static_cast<uint32_t>(name.path >> 32));
+    }
+
+    float share_of_face(uint32_t patch) const {
+        uint32_t face = patch;
+        while (tree_[face].parent != no_node && tree_[tree_[face].parent].ends_links) face = tree_[face].parent;
+        return std::max(least_share, tree_[patch].area / tree_[face].area);
+    }
+    int samples(int of_a_patch) const { return std::max(1, static_cast<int>(std::lround(share_ * of_a_patch))); }
+
+    SurfacePoint bare(const PatchNode& patch, Vec3 position) const {
+        SurfacePoint point;
+        point.position = position;
+        point.normal = patch.normal;
+        point.frame = Frame::around(patch.normal);
+        point.offset = resolution * (world_.geometry.radius() + length(position));
+        return point;
+    }
+
+    void look_at_material(uint32_t index, PatchSurface& out) const {
+        const PatchNode& patch = tree_[index];
+        const Material& material = world_.geometry.material_of(patch.triangle);
+        const uint32_t emitter = world_.emitter(patch.triangle);
+        const Frame frame = Frame::around(patch.normal);
+        Color albedo, emitted;
+        float opacity = 0;
+        const int count = samples(texture_samples);
+        for (int i = 0; i < count; ++i) {
+            Sampler sampler(options_.seed ^ hash(surface_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            const Hit hit =
+                hit_on_triangle(world_.geometry, patch.triangle, patch.point(square_to_triangle(sampler.next_2d())));
+            const Vec3 wo = frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+            const SurfacePoint point = world_.geometry.surface_point(hit, wo);
+            const Vec3 local = point.frame.to_local(wo);
+            albedo += point.bsdf.albedo(local, material.transmits ? LobeSet::diffuse : LobeSet::all);
+            if (emitter != not_emitting) emitted += world_.lights.emitted(emitter, {hit.u, hit.v}, patch.normal);
+            opacity += opacity_at(material, world_.geometry.coordinates(patch.triangle, hit.u, hit.v));
+        }
+        const float each = 1.0f / static_cast<float>(count);
+        // Below 1: a patch that reflects everything may stand among others that do.
+        out.albedo = min(albedo * each, Color(0.999f));
+        out.emitted = emitted * (pi * each);
+        out.opacity = opacity * each;
+    }
+
+    void gather_lights(uint32_t index, PatchSurface& out) {
+        const PatchNode& patch = tree_[index];
+        rays_.clear();
+        contributions_.clear();
+        const int count = samples(options_.light_samples);
+        for (int i = 0; i < count; ++i) {
+            Sampler sampler(options_.seed ^ hash(light_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            const Vec2 anywhere = square_to_triangle(sampler.next_2d());
+            const SurfacePoint point = bare(patch, patch.point(out.exposed_point(anywhere, sampler.next_1d())));
+            const float u = sampler.next_1d();
+            const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d());
+            const float cosine = dot(light.wi, patch.normal);
+            // Surfaces that emit are patches: their light comes over links.
+            if (light.triangle != no_triangle || !(light.pdf_solid_angle > 0 && cosine > 0)) continue;
+            rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
+            contributions_.push_back(light.radiance * (cosine / light.pdf_solid_angle));
+        }
+        hidden_.resize(rays_.size());
+        world_.geometry.rays().occluded(rays_, hidden_);
+        progress_.count_rays(rays_.size());
+        for (size_t i = 0; i < rays_.size(); ++i)
+            if (!hidden_[i]) out.lights += contributions_[i];
+        out.lights *= 1 / static_cast<float>(count);
+    }
+
+    void look_around(uint32_t index, PatchSurface& out) {
+        const PatchNode& patch = tree_[index];
+        rays_.clear();
+        std::vector<Vec2> where;
+        const int count = samples(options_.closure_rays);
+        for (int i = 0; i < count; ++i) {
+            Sampler sampler(options_.seed ^ hash(closure_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            where.push_back(square_to_triangle(sampler.next_2d()));
+            const SurfacePoint point = bare(patch, patch.point(where.back()));
+            rays_.push_back(point.ray(point.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
+        }
+        hits_.resize(rays_.size());
+        world_.geometry.rays().intersect(rays_, hits_);
+        progress_.count_rays(rays_.size());
+        // Each ray starts at a point of its own. One that meets the back of a surface without any starts inside a solid.
+        exposed_.clear();
+        for (size_t i = 0; i < hits_.size(); ++i) {
+            const uint32_t triangle = hits_[i].triangle;
+            const bool back =
+                !hits_[i].missed() && dot(world_.geometry.geometric_normal(triangle), rays_[i].direction) > 0;
+            if (back && world_.geometry.has_no_back(triangle)) continue;
+            exposed_.push_back({where[i], rays_[i].origin, !hits_[i].missed()});
+        }
+        out.cut = is_cut(patch);
+        if (out.cut) keep_largest_part(patch);
+        out.exposed = static_cast<float>(exposed_.size()) / static_cast<float>(count);
+        // Of independent rays; stratified ones err less.
+        const auto met =
+            std::count_if(exposed_.begin(), exposed_.end(), [](const Exposed& e) { return e.meets_patch; });
+        out.closure = exposed_.empty() ? 0 : static_cast<float>(met) / static_cast<float>(exposed_.size());
+        out.closure_error = 2 * std::sqrt(out.closure * (1 - out.closure) / std::max(1.0f, out.exposed * count));
+        if (out.exposed == 1 || out.exposed < least_exposed) return;
+        for (const Exposed& e : exposed_) {
+            if (out.point_count == PatchSurface::most_points) break;
+            out.points[out.point_count++] = {static_cast<uint8_t>(e.where.x * 255),
+                                             static_cast<uint8_t>(e.where.y * 255)};
+        }
+    }
+
+    /// Whether the points are hidden from each other, just above the patch: one half of them from the other, in pairs.
+    bool is_cut(const PatchNode& patch) {
+        rays_.clear();
+        const size_t half = exposed_.size() / 2;
+        for (size_t i = 0; i < half; ++i) look_across(patch, i, i + half);
+        trace_across();
+        return std::find(hidden_.begin(), hidden_.end(), 1) != hidden_.end();
+    }
+
+    /// Points see each other directly or by way of others: keeps the most that do.
+    void keep_largest_part(const PatchNode& patch) {
+        rays_.clear();
+        const size_t n = exposed_.size();
+        for (size_t i = 0; i < n; ++i)
+            for (size_t j = i + 1; j < n; ++j) look_across(patch, i, j);
+        trace_across();
+        std::vector<size_t> part(n), size(n, 0);
+        std::iota(part.begin(), part.end(), size_t(0));
+        size_t ray = 0;
+        for (size_t i = 0; i < n; ++i)
+            for (size_t j = i + 1; j < n; ++j)
+                if (!hidden_[ray++])
+                    std::replace(part.begin(), part.end(), std::max(part[i], part[j]), std::min(part[i], part[j]));
+        for (const size_t p : part) ++size[p];
+        const auto largest = static_cast<size_t>(std::max_element(size.begin(), size.end()) - size.begin());
+        size_t kept = 0;
+        for (size_t i = 0; i < n; ++i)
+            if (part[i] == largest) exposed_[kept++] = exposed_[i];
+        exposed_.resize(kept);
+    }
+
+    void look_across(const PatchNode& patch, size_t from, size_t to) {
+        const Vec3 above = patch.normal * (low_ray * patch.radius),
+                   along = exposed_[to].position - exposed_[from].position;
+        const float distance = length(along);
+        rays_.push_back({exposed_[from].position + above, 0, distance > 0 ? along / distance : patch.normal, distance});
+    }
+
+    void trace_across() {
+        hidden_.assign(rays_.size(), 0);
+        world_.geometry.rays().occluded(rays_, hidden_);
+        progress_.count_rays(rays_.size());
+    }
+
+    struct Exposed {
+        Vec2 where;  // barycentric weights
+        Vec3 position;
+        bool meets_patch;  // its ray; the others end in the sky
+    };
+
+    const World& world_;
+    const PatchTree& tree_;
+    const SurfaceOptions& options_;
+    Progress& progress_;
+    float share_ = 1;  // of the samples that a patch takes
+    std::vector<Ray> rays_;
+    std::vector<Color> contributions_;
+    std::vector<uint8_t> hidden_;
+    std::vector<Hit> hits_;
+    std::vector<Exposed> exposed_;  // points of the patch
+};
+
+}  // namespace
+
+void measure_surfaces(const World& world, const PatchTree& tree, std::span<const uint32_t> patches,
+                      const SurfaceOptions& options, std::span<PatchSurface> surfaces, Progress& progress) {
+    constexpr size_t block = 64;
+    progress.begin((patches.size() + block - 1) / block);
+    parallel_blocks(patches.size(), block, options.threads, [&](size_t begin, size_t end) {
+        progress.check();
+        PatchMeter meter(world, tree, options, progress);
+        for (size_t i = begin; i < end; ++i) surfaces[patches[i]] = meter.measure(patches[i]);
+        progress.advance();
+    });
+}
+
+Hit hit_on_triangle(const Geometry& geometry, uint32_t t, Vec3 position) {
+    const Vec3 p0 = geometry.vertex(t, 0), e1 = geometry.vertex(t, 1) - p0, e2 = geometry.vertex(t, 2) - p0;
+    const Vec3 d = position - p0, n = cross(e1, e2);
+    const float scale = 1 / length_squared(n);
+    const float u = clamp(dot(cross(d, e2), n) * scale, 0, 1);
+    const float v = clamp(dot(cross(e1, d), n) * scale, 0, 1 - u);
+    return {t, 0, u, v};
+}
+
+}  // namespace eclat

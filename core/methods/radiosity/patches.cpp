@@ -1,0 +1,387 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "methods/radiosity/patches.h"
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+#include "base/error.h"
+
+namespace eclat {
+
+namespace {
+
+struct Corners {
+    Vec3 v[3];
+
+    /// The corner at which the longest edge begins; the first of equals.
+    uint8_t longest() const {
+        uint8_t best = 0;
+        float length2 = -1;
+        for (uint8_t k = 0; k < 3; ++k) {
+            const float l2 = length_squared(v[(k + 1) % 3] - v[k]);
+            if (l2 > length2) length2 = l2, best = k;
+        }
+        return best;
+    }
+    float longest_edge() const {
+        const uint8_t k = longest();
+        return length(v[(k + 1) % 3] - v[k]);
+    }
+    /// The half that holds the corner at which edge k begins, or the other.
+    Corners half(uint8_t k, bool second) const {
+        const Vec3 a = v[k], b = v[(k + 1) % 3], apex = v[(k + 2) % 3], middle = (a + b) * 0.5f;
+        return second ? Corners{{middle, b, apex}} : Corners{{a, middle, apex}};
+    }
+    float area() const { return 0.5f * length(cross(v[1] - v[0], v[2] - v[0])); }
+};
+
+Corners corners_of(const Geometry& g, uint32_t triangle) {
+    return {{g.vertex(triangle, 0), g.vertex(triangle, 1), g.vertex(triangle, 2)}};
+}
+
+constexpr int deepest_count = 40;  // halvings: a million to a side
+
+/// Leaves under `corners`, counted up to `most`.
+size_t count_parts(const Corners& corners, float size, size_t most, int depth) {
+    if (most == 0) return 0;
+    if (depth == 0 || !(corners.longest_edge() > size)) return 1;
+    const uint8_t k = corners.longest();
+    const size_t first = count_parts(corners.half(k, false), size, most, depth - 1);
+    return first >= most ? first : first + count_parts(corners.half(k, true), size, most - first, depth - 1);
+}
+
+void set_corners(PatchNode& node, const Corners& corners) {
+    for (int k = 0; k < 3; ++k) node.corner[k] = corners.v[k];
+    node.longest = corners.longest();
+    node.area = corners.area();
+    node.center = (corners.v[0] + corners.v[1] + corners.v[2]) * (1.0f / 3);
+    node.radius = 0;
+    for (const Vec3& v : corners.v) node.radius = std::max(node.radius, length(v - node.center));
+}
+
+// Normals of a face cluster, from their mean at most, radians: never both sides of a wall, which may have light of their own.
+constexpr float face_cone = 1.1f;
+
+float angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
+
+}  // namespace
+
+/// Joins sides into clusters: a range of sides is split at the median along the axis on which it is widest, place and
+/// normal being axes alike, so that clusters are small and their parts face the same way.
+struct PatchTree::Builder {
+    struct Side {
+        uint32_t triangle;
+        bool back;
+        Vec3 center, normal;
+
+        float key(int axis) const { return axis < 3 ? center[axis] : normal[axis - 3]; }
+    };
+
+    /// Width of all normals, in units of the range's own width in space, at which they count alike: a half for ±1.
+    static constexpr float normal_weight = 0.25f;
+    // Where face clusters are made, those that look different ways, both sides of one triangle first of all, are parted first.
+    static constexpr float normal_weight_of_faces = 1;
+
+    PatchTree& tree;
+    std::vector<Side> sides;
+    struct Range {
+        size_t begin, end;
+    };
+    std::vector<Range> ranges;  // of sides, by node
+
+    int widest(size_t begin, size_t end) const {
+        Vec3 low{infinity, infinity, infinity}, high = -low, low_n = low, high_n = high;
+        for (size_t i = begin; i < end; ++i) {
+            low = min(low, sides[i].center), high = max(high, sides[i].center);
+            low_n = min(low_n, sides[i].normal), high_n = max(high_n, sides[i].normal);
+        }
+        const Vec3 in_space = high - low;
+        const float width = length(in_space),
+                    weight = width <= tree.face_size_ ? normal_weight_of_faces : normal_weight;
+        const Vec3 of_normals = (high_n - low_n) * (weight * width);
+        int best = 0;
+        for (int axis = 1; axis < 6; ++axis) {
+            const auto spread = [&](int a) { return a < 3 ? in_space[a] : of_normals[a - 3]; };
+            if (spread(axis) > spread(best)) best = axis;
+        }
+        // Both sides of one triangle, and the like: only normals tell them apart.
+        return length_squared(in_space) > 0 ? best : 3;
+    }
+
+    /// Which of the six directions along axes a normal is nearest to.
+    static int direction(Vec3 n) {
+        const Vec3 a{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
+        const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
+        return 2 * axis + (n[axis] < 0);
+    }
+
+    /// Sides that look different ways apart before all: a cluster brings all of its sides the same light.
+    void build_directions() {
+        const auto turned = [](const Side& a, const Side& b) { return direction(a.normal) < direction(b.normal); };
+        std::stable_sort(sides.begin(), sides.end(), turned);
+        uint32_t node = 0;
+        for (size_t begin = 0; begin < sides.size();) {
+            const auto first = sides.begin() + static_cast<ptrdiff_t>(begin);
+            const auto end = static_cast<size_t>(std::upper_bound(first, sides.end(), *first, turned) - sides.begin());
+            if (end == sides.size()) return build(node, begin, end);
+            const uint32_t child = split(node, begin, sides.size());
+            build(child, begin, end);
+            node = child + 1;
+            begin = end;
+        }
+    }
+
+    uint32_t split(uint32_t node, size_t begin, size_t end) {
+        const auto child = static_cast<uint32_t>(tree.nodes_.size());
+        tree.nodes_[node].child = child;
+        tree.nodes_[node].ends_links = false;
+        tree.nodes_.resize(child + 2);
+        tree.nodes_[child].parent = tree.nodes_[child + 1].parent = node;
+        ranges.resize(tree.nodes_.size());
+        ranges[node] = {begin, end};
+        return child;
+    }
+
+    void build(uint32_t node, size_t begin, size_t end) {
+        if (end - begin == 1) {
+            const Side& side = sides[begin];
+            PatchNode& n = tree.nodes_[node];
+            n.triangle = side.triangle;
+            n.back = side.back;
+            n.normal = side.normal;
+            tree.side_[2 * size_t(side.triangle) + side.back] = node;
+            return;
+        }
+        const size_t middle = begin + (end - begin) / 2;
+        const int axis = widest(begin, end);
+        const auto at = [&](size_t i) { return sides.begin() + static_cast<ptrdiff_t>(i); };
+        std::nth_element(at(begin), at(middle), at(end), [axis](const Side& a, const Side& b) {
+            const float p = a.key(axis), q = b.key(axis);
+            return p != q ? p < q : a.triangle != b.triangle ? a.triangle < b.triangle : a.back < b.back;
+        });
+        const uint32_t child = split(node, begin, end);
+        build(child, begin, middle);
+        build(child + 1, middle, end);
+    }
+
+    /// From the last cluster to the first.
+    void measure_clusters() {
+        std::vector<Vec3> low(tree.nodes_.size()), high(tree.nodes_.size());
+        for (size_t i = tree.nodes_.size(); i-- > 0;) {
+            PatchNode& n = tree.nodes_[i];
+            if (!n.is_cluster()) {
+                low[i] = min(n.corner[0], min(n.corner[1], n.corner[2]));
+                high[i] = max(n.corner[0], max(n.corner[1], n.corner[2]));
+                continue;
+            }
+            const PatchNode &a = tree.nodes_[n.child], &b = tree.nodes_[n.child + 1];
+            low[i] = min(low[n.child], low[n.child + 1]);
+            high[i] = max(high[n.child], high[n.child + 1]);
+            n.area = a.area + b.area;
+            n.center = (low[i] + high[i]) * 0.5f;
+            n.radius = 0.5f * length(high[i] - low[i]);
+            const Vec3 sum = a.normal * a.area + b.normal * b.area;
+            const bool sides_cancel = !(length(sum) > 1e-3f * n.area);
+            n.normal = sides_cancel ? a.normal : normalize(sum);
+            n.cone = 0;
+            if (2 * n.radius <= tree.face_size_) {
+                for (size_t s = ranges[i].begin; s < ranges[i].end; ++s)
+                    n.cone = std::max(n.cone, angle_between(n.normal, sides[s].normal));
+            } else {
+                n.cone =
+                    std::max(angle_between(n.normal, a.normal) + a.cone, angle_between(n.normal, b.normal) + b.cone);
+            }
+            if (sides_cancel || n.cone > pi) n.cone = pi;
+            for (const PatchNode* part : {&a, &b})
+                n.height =
+                    std::max(n.height, std::fabs(dot(n.normal, part->center - n.center)) + part->reach(n.normal));
+        }
+    }
+};
+
+PatchTree::PatchTree(const Geometry& geometry, float face_size, NoPatches)
+    : face_size_(face_size), side_(2 * geometry.triangle_count(), no_node) {
+    Builder builder{*this, {}, {}};
+    for (uint32_t t = 0; t < geometry.triangle_count(); ++t) {
+        const Corners corners = corners_of(geometry, t);
+        if (!(corners.area() > 0)) continue;
+        const Vec3 center = (corners.v[0] + corners.v[1] + corners.v[2]) * (1.0f / 3);
+        const Vec3 normal = geometry.geometric_normal(t);
+        builder.sides.push_back({t, false, center, normal});
+        if (!geometry.has_no_back(t)) builder.sides.push_back({t, true, center, -normal});
+    }
+    require(builder.sides.size() < no_node / 4, "radiosity: too many triangles");
+    if (builder.sides.empty()) return;
+    nodes_.reserve(2 * builder.sides.size());
+    nodes_.resize(1);
+    builder.build_directions();
+    for (PatchNode& n : nodes_)
+        if (!n.is_cluster()) set_corners(n, corners_of(geometry, n.triangle));
+    builder.measure_clusters();
+}
+
+PatchTree::PatchTree(const Geometry& geometry, float size, float face_size)
+    : PatchTree(geometry, face_size, NoPatches{}) {
+    const auto sides = static_cast<uint32_t>(nodes_.size());
+    for (uint32_t i = 0; i < sides; ++i)
+        if (!nodes_[i].is_cluster()) halve_down_to(i, size, deepest);
+    list_leaves();
+    join_faces();
+}
+
+PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names) : PatchTree(geometry, 0, NoPatches{}) {
+    const auto fail = [] { require(false, "patches: expected those of this scene, without gaps and overlaps"); };
+    for (const PatchName& name : names) {
+        const size_t side = 2 * size_t(name.triangle) + name.back;
+        if (side >= side_.size() || side_[side] == no_node || name.path == 0) fail();
+        uint32_t node = side_[side];
+        for (int bit = 62 - __builtin_clzll(name.path); bit >= 0; --bit) {
+            if (nodes_[node].is_leaf()) halve(node);
+            node = nodes_[node].child + static_cast<uint32_t>(name.path >> bit & 1);
+        }
+    }
+    list_leaves();
+    // As many leaves as names, each of them a leaf: then nothing is missing or covered twice.
+    if (leaves_.size() != names.size()) fail();
+    std::vector<uint8_t> named(nodes_.size(), 0);
+    for (const PatchName& name : names) {
+        const uint32_t node = find(name);
+        if (!nodes_[node].is_leaf() || named[node]) fail();
+        named[node] = 1;
+    }
+}
+
+uint32_t PatchTree::find(const PatchName& name) const {
+    uint32_t node = side_[2 * size_t(name.triangle) + name.back];
+    for (int bit = 62 - __builtin_clzll(name.path); bit >= 0; --bit)
+        node = nodes_[node].child + static_cast<uint32_t>(name.path >> bit & 1);
+    return node;
+}
+
+void PatchTree::halve(uint32_t node) {
+    const auto child = static_cast<uint32_t>(nodes_.size());
+    nodes_.resize(child + 2);
+    PatchNode& n = nodes_[node];
+    n.child = child;
+    n.ends_links = false;
+    const Corners corners{{n.corner[0], n.corner[1], n.corner[2]}};
+    for (const bool second : {false, true}) {
+        PatchNode& half = nodes_[child + second];
+        half.parent = node;
+        half.triangle = n.triangle;
+        half.back = n.back;
+        half.normal = n.normal;
+        set_corners(half, corners.half(n.longest, second));
+    }
+}
+
+void PatchTree::halve_down_to(uint32_t node, float size, int depth) {
+    const PatchNode& n = nodes_[node];
+    if (depth == 0 || !(Corners{{n.corner[0], n.corner[1], n.corner[2]}}.longest_edge() > size)) return;
+    halve(node);
+    const uint32_t child = nodes_[node].child;
+    halve_down_to(child, size, depth - 1);
+    halve_down_to(child + 1, size, depth - 1);
+}
+
+void PatchTree::divide(std::span<const uint32_t> patches) {
+    for (const uint32_t patch : patches) {
+        if (depth(patch) + 2 > deepest) continue;
+        halve(patch);
+        const uint32_t child = nodes_[patch].child;
+        halve(child);
+        halve(child + 1);
+    }
+    list_leaves();
+    join_faces();
+}
+
+void PatchTree::join_faces() {
+    for (size_t i = nodes_.size(); i-- > 0;) {
+        PatchNode& n = nodes_[i];
+        if (!n.is_cluster()) continue;
+        const bool whole = nodes_[n.child].ends_links && nodes_[n.child + 1].ends_links;
+        n.ends_links = whole && 2 * n.radius <= face_size_ && n.cone <= face_cone;
+    }
+}
+
+void PatchTree::list_leaves() {
+    leaves_.clear();
+    for (uint32_t i = 0; i < nodes_.size(); ++i)
+        if (nodes_[i].is_leaf()) leaves_.push_back(i);
+}
+
+int PatchTree::depth(uint32_t node) const {
+    int depth = 0;
+    for (uint32_t i = nodes_[node].parent; i != no_node && !nodes_[i].is_cluster(); i = nodes_[i].parent) ++depth;
+    return depth;
+}
+
+uint32_t PatchTree::find(uint32_t triangle, bool back, float u, float v) const {
+    uint32_t node = side_[2 * size_t(triangle) + back];
+    float w[3] = {1 - u - v, u, v};
+    while (node != no_node && !nodes_[node].is_leaf()) {
+        const uint8_t k = nodes_[node].longest;
+        const float a = w[k], b = w[(k + 1) % 3], apex = w[(k + 2) % 3];
+        // The midpoint of the edge from a to b takes over twice the lesser weight.
+        const bool second = b > a;
+        w[0] = second ? 2 * a : a - b;
+        w[1] = second ? b - a : 2 * b;
+        w[2] = apex;
+        node = nodes_[node].child + second;
+    }
+    return node;
+}
+
+PatchName PatchTree::name(uint32_t leaf) const {
+    PatchName name{nodes_[leaf].triangle, nodes_[leaf].back, 0};
+    int bit = 0;
+    uint32_t node = leaf;
+    for (uint32_t up = nodes_[node].parent; up != no_node && !nodes_[up].is_cluster(); up = nodes_[up].parent) {
+        name.path |= uint64_t(node != nodes_[up].child) << bit++;
+        node = up;
+    }
+    name.path |= uint64_t(1) << bit;
+    return name;
+}
+
+size_t count_patches(const Geometry& g, float size, size_t most) {
+    size_t count = 0;
+    for (uint32_t t = 0; t < g.triangle_count() && count < most; ++t) {
+        const Corners corners = corners_of(g, t);
+        if (corners.area() > 0)
+            count += count_parts(corners, size, most - count, deepest_count) * (g.has_no_back(t) ? 1 : 2);
+    }
+    return count;
+}
+
+size_t count_sides(const Geometry& geometry) {
+    return count_patches(geometry, infinity, std::numeric_limits<size_t>::max());
+}
+
+double total_area(const Geometry& geometry) {
+    double area = 0;  // double: the areas of millions of triangles
+    for (uint32_t t = 0; t < geometry.triangle_count(); ++t)
+        area += static_cast<double>(corners_of(geometry, t).area()) * (geometry.has_no_back(t) ? 1 : 2);
+    return area;
+}
+
+float patch_size_for(const Geometry& geometry, size_t count) {
+    constexpr int steps = 24;
+    const double area = total_area(geometry);
+    if (!(area > 0) || count_patches(geometry, infinity, count) >= count) return infinity;
+    // Halves of a square of side s have the area s² / 2 and the longest edge √2 s. Slender triangles need more.
+    float high = static_cast<float>(8 * std::sqrt(area / static_cast<double>(count)));
+    float low = high / 64;
+    while (count_patches(geometry, high, count) >= count) high *= 2;
+    for (int i = 0; i < steps; ++i) {
+        const float middle = std::sqrt(low * high);
+        (count_patches(geometry, middle, count) >= count ? low : high) = middle;
+    }
+    return high;
+}
+
+}  // namespace eclat

@@ -1,0 +1,165 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Progressive refinement over linked patches [Cohen88]: again and again the part of the scene with the most power that it
+// has not sent yet sends it. Light that arrives at a node waits there until what lies below sends in its turn, so that a step
+// costs what its links cost, however many patches lie behind them. How much power waits is known all the same: irradiance on a
+// node becomes that much power times the sum of albedo and area below.
+//
+// The patch with the most power is Southwell's choice; here it is looked for from the root down, along the greater half.
+
+#include <algorithm>
+#include <vector>
+
+#include "methods/radiosity/radiosity_system.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr uint32_t most_patches = 64;  // that send together
+
+class Shooter {
+  public:
+    explicit Shooter(const RadiositySystem& system)
+        : system_(system),
+          tree_(system.tree()),
+          waiting_(tree_.nodes().size()),
+          reflects_(waiting_.size()),
+          power_(waiting_.size()),
+          unsent_(waiting_.size()),
+          sent_(waiting_.size()),
+          patches_(waiting_.size(), 1) {
+        light.total.resize(waiting_.size());
+        for (uint32_t i = static_cast<uint32_t>(waiting_.size()); i-- > 0;) {
+            if (tree_[i].is_leaf()) {
+                const PatchSurface& s = system_.surface(i);
+                reflects_[i] = s.albedo * (tree_[i].area * system_.receives(i));
+                unsent_[i] = s.emitted + s.albedo * s.lights;
+                light.total[i] = s.lights;
+                power_[i] = unsent_[i] * tree_[i].area;
+            } else {
+                const uint32_t c = tree_[i].child;
+                reflects_[i] = reflects_[c] + reflects_[c + 1];
+                power_[i] = power_[c] + power_[c + 1];
+                patches_[i] = patches_[c] + patches_[c + 1];
+            }
+        }
+    }
+
+    float unsent_power() const { return power_.empty() ? 0 : mean(power_[0]); }
+
+    void step() {
+        const uint32_t top = choose();
+        subtree_.clear();
+        collect(top);
+        send_up(top);
+        for (const uint32_t node : subtree_) send(node, sent_[node]);
+        const Color power = sent_[top] * tree_[top].area;
+        for (uint32_t up = tree_[top].parent; up != no_node; up = tree_[up].parent) send(up, power / tree_[up].area);
+    }
+
+    /// Hands down what still waits.
+    void finish() {
+        for (uint32_t i = 0; i < waiting_.size(); ++i)
+            tree_[i].is_leaf() ? void(light.total[i] += waiting_[i] * system_.receives(i)) : push(i);
+    }
+
+    PatchLight light;
+
+  private:
+    uint32_t choose() {
+        uint32_t node = 0;
+        while (!tree_[node].is_leaf() && patches_[node] > most_patches) {
+            push(node);
+            const uint32_t c = tree_[node].child;
+            node = mean(power_[c]) >= mean(power_[c + 1]) ? c : c + 1;
+        }
+        return node;
+    }
+
+    /// Hands what waits at a node to its halves.
+    void push(uint32_t node) {
+        if (is_black(waiting_[node])) return;
+        for (const uint32_t half : {tree_[node].child, tree_[node].child + 1}) {
+            waiting_[half] += waiting_[node];
+            power_[half] += waiting_[node] * reflects_[half];
+        }
+        waiting_[node] = Color();
+    }
+
+    /// What each node under `node` has to send; it has sent it then.
+    void collect(uint32_t node) {
+        subtree_.push_back(node);
+        power_[node] = Color();
+        if (tree_[node].is_leaf()) {
+            const PatchSurface& s = system_.surface(node);
+            const Color arrived = waiting_[node] * system_.receives(node);
+            light.total[node] += arrived;
+            sent_[node] = (unsent_[node] + s.albedo * arrived) * system_.sends(node);
+            unsent_[node] = waiting_[node] = Color();
+            return;
+        }
+        push(node);
+        const uint32_t c = tree_[node].child;
+        collect(c);
+        collect(c + 1);
+        power_[node] = power_[c] = power_[c + 1] = Color();
+        const float first = tree_[c].area / (tree_[c].area + tree_[c + 1].area);
+        sent_[node] = sent_[c] * first + sent_[c + 1] * (1 - first);
+    }
+
+    /// Brings the power above `node` up to date.
+    void send_up(uint32_t node) {
+        for (uint32_t up = tree_[node].parent; up != no_node; up = tree_[up].parent) {
+            const uint32_t c = tree_[up].child;
+            power_[up] = power_[c] + power_[c + 1] + waiting_[up] * reflects_[up];
+        }
+    }
+
+    void send(uint32_t node, Color radiosity) {
+        if (is_black(radiosity)) return;
+        for (const auto& to : system_.exchanges().of(node)) {
+            const Color arrived = radiosity * (to.form_factor * tree_[node].area / tree_[to.node].area);
+            waiting_[to.node] += arrived;
+            const Color power = arrived * reflects_[to.node];
+            for (uint32_t up = to.node; up != no_node; up = tree_[up].parent) power_[up] += power;
+        }
+    }
+
+    const RadiositySystem& system_;
+    const PatchTree& tree_;
+    std::vector<Color> waiting_;   // irradiance that has not been handed to the patches below
+    std::vector<Color> reflects_;  // Σ ρ A of the patches below
+    std::vector<Color> power_;     // not sent yet by what lies below, W
+    std::vector<Color> unsent_;    // of patches: light that lights made
+    std::vector<Color> sent_;      // radiosity of this step
+    std::vector<uint32_t> patches_, subtree_;
+};
+
+}  // namespace
+
+PatchLight solve_by_shooting(const RadiositySystem& system, const SolveLimits& limits, Progress& progress) {
+    PatchLight direct = solve_by_gathering(system, {limits.residual, 1}, progress);
+    Shooter shooter(system);
+    const float all = shooter.unsent_power();
+    constexpr uint64_t whole = 1000;
+    progress.begin(whole);
+    // Each patch may send as often as it could gather.
+    const uint64_t most = uint64_t(limits.sweeps) * system.tree().leaves().size();
+    while (uint64_t(shooter.light.sweeps) < most && shooter.unsent_power() > limits.residual * all) {
+        progress.check();
+        shooter.step();
+        ++shooter.light.sweeps;
+        const float done = std::log(shooter.unsent_power() / all) / std::log(limits.residual);
+        progress.done = static_cast<uint64_t>(clamp(done, 0, 1) * static_cast<float>(whole));
+    }
+    const float residual = all > 0 ? shooter.unsent_power() / all : 0;
+    shooter.finish();
+    PatchLight out = std::move(shooter.light);
+    out.direct = std::move(direct.direct);
+    out.residual = residual;
+    return out;
+}
+
+}  // namespace eclat

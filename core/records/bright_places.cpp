@@ -1,0 +1,86 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Held to     tests/core/test_bright_places.cpp
+
+#include "records/bright_places.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/frame.h"
+#include "sampling/warp.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr size_t most_places = 64;
+constexpr float half_diagonal = 0.8660254f;  // of a cell, in units of its side
+
+}  // namespace
+
+void BrightPlaces::add(std::span<const Sighting> sightings, float cell) {
+    cell_ = cell;
+    for (const Sighting& s : sightings) {
+        std::array<int32_t, 3> key;
+        for (int axis = 0; axis < 3; ++axis) key[axis] = static_cast<int32_t>(std::floor(s.position[axis] / cell));
+        Cell& found = cells_[key];
+        found.sum = found.sum + s.position;
+        found.luminance += s.luminance;
+        found.count += 1;
+    }
+    struct Ranked {
+        float luminance;
+        const Cell* cell;
+    };
+    std::vector<Ranked> ranked;
+    for (const auto& [key, c] : cells_) ranked.push_back({c.luminance, &c});
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.luminance > b.luminance; });
+    ranked.resize(std::min(ranked.size(), most_places));
+    places_.clear();
+    for (const Ranked& r : ranked) places_.push_back({r.cell->sum / r.cell->count, r.cell->luminance / r.cell->count});
+}
+
+AimedCones BrightPlaces::seen_from(Vec3 p, Vec3 n) const {
+    AimedCones out;
+    const float radius = half_diagonal * cell_;
+    float sum = 0;
+    for (const Place& place : places_) {
+        const Vec3 d = place.position - p;
+        const float d2 = length_squared(d), sine2 = sqr(radius) / d2;
+        // What is as near as that fills so much of the hemisphere that a gather meets it by itself.
+        if (!(sine2 < 0.25f)) continue;
+        const Vec3 axis = d / std::sqrt(d2);
+        // The part of the sphere above the horizon, about.
+        const float cosine = std::min(1.0f, dot(axis, n) + std::sqrt(sine2));
+        if (cosine <= 0) continue;
+        const float chance = place.luminance * cosine * sine2;
+        if (!(chance > 0)) continue;
+        sum += chance;
+        out.cones_.push_back({axis, sine2 / (1 + safe_sqrt(1 - sine2)), chance, sum});
+    }
+    for (auto& cone : out.cones_) {
+        cone.chance /= sum;
+        cone.before /= sum;
+    }
+    return out;
+}
+
+Vec3 AimedCones::sample(float u_cone, Vec2 u) const {
+    const auto found = std::upper_bound(cones_.begin(), cones_.end() - 1, u_cone,
+                                        [](float x, const Cone& cone) { return x < cone.before; });
+    return Frame::around(found->axis).to_world(square_to_uniform_cone(u, found->one_minus_cos));
+}
+
+float AimedCones::pdf_solid_angle(Vec3 w) const {
+    float sum = 0;
+    for (const Cone& cone : cones_)
+        // 1 − cos by the chord, which does not cancel for narrow cones.
+        if (0.5f * length_squared(w - cone.axis) < cone.one_minus_cos)
+            sum += cone.chance * uniform_cone_pdf_solid_angle(cone.one_minus_cos);
+    return sum;
+}
+
+}  // namespace eclat

@@ -1,0 +1,41 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Held to      tests/integrators/test_irradiance_cache.py, tests/core/test_record_cache.cpp
+
+#include "records/camera_chains.h"
+
+#include <cmath>
+
+namespace eclat {
+
+namespace {
+
+/// Where a place in the picture, behind so many mirrors, is weighed: a square of sixteen pixels. In space, the cells of a grid
+/// would not be the same in a scene that was scaled or turned. 0 for the places of coarser passes, which say nothing of single
+/// pixels, and for those between pixels, where records were asked for that are smaller.
+uint32_t region_of(Vec2 at, int edge) {
+    constexpr uint32_t side = 16, most_columns = 1 << 14;
+    const uint32_t x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
+    const bool between = at.x != static_cast<float>(x) + 0.5f || at.y != static_cast<float>(y) + 0.5f;
+    if (between || (x % 2 == 0 && y % 2 == 0)) return 0;
+    return 1 + static_cast<uint32_t>(edge) + 4 * (x / side + most_columns * (y / side));
+}
+
+/// Of a place in the picture, as random numbers are keyed: pixel centres by their pixel.
+uint32_t key_of(Vec2 at, int edge) {
+    const auto part = [](float x) { return static_cast<uint32_t>(8 * (x - std::floor(x))) ^ 4u; };
+    const uint32_t parts = part(at.x) | part(at.y) << 3;
+    return hash(static_cast<uint32_t>(at.x), static_cast<uint32_t>(at.y), static_cast<uint32_t>(edge) | parts << 8);
+}
+
+}  // namespace
+
+Candidate seen_candidate(const SurfacePoint& point, const Camera& camera, float length, Vec2 at, int edge) {
+    Candidate out(point, camera.pixel_size_at(length), key_of(at, edge));
+    out.seen = true;
+    out.region = region_of(at, edge);
+    return out;
+}
+
+}  // namespace eclat

@@ -1,0 +1,38 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Held to     tests/core/test_direct_regions.cpp
+
+#include "records/direct_regions.h"
+
+#include "records/record_passes.h"
+
+namespace eclat {
+
+void DirectRegions::count(const Candidate& candidate, bool served) {
+    if (candidate.region == 0) return;
+    Counts& counts = counts_[candidate.region];
+    ++counts.tried;
+    if (!served) ++counts.unserved;
+}
+
+bool DirectRegions::pays(const Candidate& unserved) {
+    if (unserved.region == 0) return true;
+    const Counts& found = counts_[unserved.region];
+    const bool left = found.tried >= least_tried && 2 * found.unserved > found.tried;
+    left_ += left;
+    return !left;
+}
+
+std::vector<Candidate> DirectRegions::worth_records(std::span<const Candidate> tried,
+                                                    std::span<const Candidate> unserved) {
+    for (const Candidate& c : tried) count(c, true);
+    for (const Candidate& c : unserved)
+        if (c.region != 0) ++counts_[c.region].unserved;
+    std::vector<Candidate> out;
+    for (const Candidate& c : unserved)
+        if (pays(c)) out.push_back(c);
+    return out;
+}
+
+}  // namespace eclat

@@ -1,0 +1,225 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "records/record_cache.h"
+
+#include <algorithm>
+
+#include "base/parallel.h"
+#include "hemisphere/hemisphere.h"
+
+namespace eclat {
+
+void RecordCache::insert(std::span<const IrradianceRecord> records, float spacing, int threads) {
+    records_.insert(records_.end(), records.begin(), records.end());
+    rebuild(spacing, threads);
+}
+
+void RecordCache::rebuild(float spacing, int threads) {
+    if (options_.neighbor_clamping) clamp_to_neighbors(spacing, threads);
+    std::vector<SphereTree::Sphere> spheres;
+    spheres.reserve(records_.size());
+    for (const auto& r : records_) spheres.push_back({r.position, r.radius * r.elongation * options_.relaxation});
+    tree_ = SphereTree(spheres);
+    footings_.clear();
+    slot_of_.resize(records_.size());
+    for (uint32_t i : tree_.order()) {
+        if (i == SphereTree::vacant) {
+            footings_.push_back({});
+            continue;
+        }
+        slot_of_[i] = static_cast<uint32_t>(footings_.size());
+        const IrradianceRecord& r = records_[i];
+        const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
+        const Frame frame = Frame::around(r.normal);
+        const Vec3 axis = frame.u * std::cos(r.axis) + frame.v * std::sin(r.axis);
+        const Vec3 stretch = axis * safe_sqrt(1 - 1 / sqr(r.elongation));
+        footings_.push_back({r.position, r.radius, r.normal, nearest, stretch, spacing, r.enclosed > 0});
+    }
+    share_excess(threads);
+    double sum = 0, read = 0;
+    for (const auto& r : records_) {
+        if (r.enclosed > 0) continue;
+        sum += luminance(r.irradiance);
+        ++read;
+    }
+    mean_luminance_ = static_cast<float>(sum / std::max(1.0, read));
+}
+
+// Each record reads the weighted mean of what its surroundings found in excess: the sum of all stays about the same, its
+// noise falls with their number. How wide they are depends on the noise of all, never on a record's own: one that met
+// nothing bright knows of no noise.
+void RecordCache::share_excess(int threads) {
+    constexpr float widest = 4, narrowest = 0.5f;  // in units of a record's radius
+    constexpr float noisiest = 0.1f;               // of the irradiance, for which it takes the widest
+    const auto& order = tree_.order();
+    shared_excess_ = parallel_map<Color>(order.size(), threads, [&](size_t slot) {
+        Color sum;
+        if (order[slot] == SphereTree::vacant || footings_[slot].enclosed) return sum;
+        const Footing& here = footings_[slot];
+        const auto for_each_in = [&](float surroundings, auto&& f) {
+            tree_.for_each_near(here.position, surroundings * here.radius, [&](uint32_t other, float d2) {
+                const float w = weight_of(other, here.position, here.normal, d2, surroundings);
+                if (w > 0) f(records_[order[other]], w);
+            });
+        };
+        float noise = 0, light = 0, weights = 0;
+        for_each_in(widest, [&](const IrradianceRecord& r, float w) {
+            noise += r.excess_noise * w;
+            light += luminance(r.irradiance + r.excess) * w;
+        });
+        if (!(noise > 0)) return records_[order[slot]].excess;
+        for_each_in(clamp(widest * noise / (noisiest * light), narrowest, widest),
+                    [&](const IrradianceRecord& r, float w) {
+                        sum += r.excess * w;
+                        weights += w;
+                    });
+        return sum * (1 / weights);
+    });
+}
+
+std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
+    float sum = 0, weights = 0;
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
+        const float w = weight_of(slot, p, normal, d2, options_.relaxation);
+        if (w <= 0) return;
+        sum += records_[tree_.order()[slot]].noise * w;
+        weights += w;
+    });
+    if (weights == 0) return std::nullopt;
+    return sum / weights;
+}
+
+float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
+    return footings_[slot].enclosed ? 0 : footing_at(slot, p, n, distance2, relaxation);
+}
+
+float RecordCache::footing_at(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
+    const Footing& footing = footings_[slot];
+    const float w = weight(footing, p, n, options_.weight, relaxation);
+    if (w <= 0 || distance2 <= sqr(footing.clearance) || options_.weight == Weight::split_sphere) return w;
+    // The lower bound of the radius may reach through a thin wall: what stands in that direction ends the validity.
+    const int sector = clearance_sector(Frame::around(footing.normal), p - footing.position);
+    return distance2 <= sqr(records_[tree_.order()[slot]].clearance[sector]) ? w : 0;
+}
+
+// Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
+// What one record sees in a gap reaches its neighbours. One round over the unclamped distances is exact: by the triangle
+// inequality a chain of clamps is never shorter than the direct one.
+void RecordCache::clamp_to_neighbors(float spacing, int threads) {
+    std::vector<SphereTree::Sphere> points;
+    for (const auto& r : records_) points.push_back({r.position, 0});
+    const SphereTree tree(points);
+    const auto& order = tree.order();
+    const auto clamped = parallel_map<float>(records_.size(), threads, [&](size_t i) {
+        const IrradianceRecord& record = records_[i];
+        float distance = record.distance;
+        // A neighbour at distance d can only matter if d < R_i − R_j < R_i, and no farther than the upper bound lets
+        // the radius reach.
+        const float reach = std::min(distance, record.largest_radius / spacing);
+        tree.for_each_near(record.position, reach, [&](uint32_t slot, float d2) {
+            const IrradianceRecord& other = records_[order[slot]];
+            if (other.enclosed == 0) distance = std::min(distance, other.distance + std::sqrt(d2));
+        });
+        return distance;
+    });
+    for (size_t i = 0; i < records_.size(); ++i) {
+        IrradianceRecord& r = records_[i];
+        r.radius = clamp(spacing * clamped[i], r.least_radius, r.largest_radius);
+    }
+}
+
+size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing, int threads) {
+    constexpr float deviations = 2;  // what noise explains with a chance of 95 %
+    const auto error = [&](uint32_t from, uint32_t at) {
+        const IrradianceRecord &a = records_[from], &b = records_[at];
+        const float there = luminance(b.irradiance + shared_excess(at));
+        const float read = luminance(extrapolate(a, b.position, b.normal) + shared_excess(from));
+        // The floor is that of the measure of error.
+        const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
+        const float explained = deviations * std::sqrt(sqr(a.own_noise) + sqr(b.own_noise)) * there;
+        return std::fabs(read - there) / (explained + tolerance * unit);
+    };
+    const auto reach = [&](uint32_t) { return Disagreement::Reach{1, options_.relaxation}; };
+    return shrink_where_records_disagree({error, reach}, spacing, threads);
+}
+
+// A record's value at its own place is no extrapolation, so that is where its neighbours' are judged. The error of a
+// first-order extrapolation grows with the square of the distance, so it is the tolerated one where that is shorter by the
+// root of their ratio.
+size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads) {
+    const auto& order = tree_.order();
+    // 0 where record `from` does not reach.
+    const auto error = [&](uint32_t from, uint32_t at, float d2) {
+        const IrradianceRecord& b = records_[at];
+        if (b.enclosed > 0 || weight_of(slot_of_[from], b.position, b.normal, d2, disagreement.reach(at).read) <= 0)
+            return 0.0f;
+        return disagreement.error(from, at);
+    };
+    const auto distances = parallel_map<float>(records_.size(), threads, [&](size_t i) {
+        const auto here = static_cast<uint32_t>(i);
+        float distance = records_[i].distance;
+        const float reach = records_[i].radius * records_[i].elongation * options_.relaxation;
+        tree_.for_each_near(records_[i].position, reach, [&](uint32_t slot, float d2) {
+            const uint32_t other = order[slot];
+            if (other == here) return;
+            const float mine = error(here, other, d2);
+            if (mine <= 1 || mine < error(other, here, d2)) return;
+            distance = std::min(distance, std::sqrt(d2 / mine) / (spacing * disagreement.reach(other).placed));
+        });
+        return distance;
+    });
+    size_t shrunk = 0;
+    for (size_t i = 0; i < records_.size(); ++i) {
+        // At the lower bound nothing changes any more.
+        shrunk += distances[i] < records_[i].distance && records_[i].radius > records_[i].least_radius;
+        IrradianceRecord& r = records_[i];
+        r.distance = distances[i];
+        r.radius = std::min(r.radius, clamp(spacing * r.distance, r.least_radius, r.largest_radius));
+    }
+    if (shrunk > 0) rebuild(spacing, threads);
+    return shrunk;
+}
+
+bool RecordCache::serves(Vec3 p, Vec3 normal) const {
+    bool served = false;
+    tree_.for_each_around(p,
+                          [&](uint32_t slot, float d2) { served = served || footing_at(slot, p, normal, d2, 1) > 0; });
+    return served;
+}
+
+float RecordCache::density(Vec3 p, Vec3 normal) const {
+    float sum = 0;
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) { sum += weight_of(slot, p, normal, d2, 1); });
+    return sum;
+}
+
+Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shading) const {
+    Color E = record.irradiance;
+    const Vec3 turn = cross(record.normal, shading), shift = p - record.position;
+    for (int c = 0; c < 3; ++c) {
+        const float value = E[c];  // both gradients, first order [WardHeckbert92]
+        float change = 0;
+        if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
+        if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
+        E[c] = clamp(value + change, 0.05f * value, 20 * value);  // no farther than it is plausible
+    }
+    return E;
+}
+
+std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius) const {
+    Color sum;
+    float weights = 0, radii = 0;
+    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
+        const float w = weight_of(slot, p, normal, d2, options_.relaxation);
+        if (w <= 0) return;
+        sum += (extrapolate(records_[tree_.order()[slot]], p, shading) + shared_excess_[slot]) * w;
+        weights += w;
+        radii += w * footings_[slot].radius;
+    });
+    if (weights == 0) return std::nullopt;  // a miss, not darkness
+    if (mean_radius) *mean_radius = radii / weights;
+    return sum / weights;
+}
+
+}  // namespace eclat

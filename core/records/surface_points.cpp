@@ -1,0 +1,60 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Held to      tests/integrators/test_solve_points.py
+
+#include "records/surface_points.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "sampling/sampler.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr uint32_t surface_stream = 33;
+
+}  // namespace
+
+SurfacePoints::SurfacePoints(const World& world) : world_(world) {
+    const Geometry& g = world.geometry;
+    double sum = 0;  // double: the areas of millions of triangles
+    for (uint32_t t = 0; t < g.triangle_count(); ++t) {
+        const Vec3 a = g.vertex(t, 0);
+        sum += 0.5 * length(cross(g.vertex(t, 1) - a, g.vertex(t, 2) - a));
+        cumulative_.push_back(sum);
+    }
+}
+
+std::vector<SurfacePoints::Place> SurfacePoints::spread(size_t count, uint32_t pass, uint32_t seed) const {
+    const uint32_t key = hash(seed ^ hash(surface_stream), pass);
+    const double shift = to_unit_float(hash(key, 0));
+    std::vector<Place> out;
+    for (size_t i = 0; i < count; ++i) {
+        const double at = (static_cast<double>(i) + shift) / static_cast<double>(count) * cumulative_.back();
+        const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at);
+        const auto triangle = static_cast<uint32_t>(found - cumulative_.begin());
+        const double below = triangle == 0 ? 0 : cumulative_[triangle - 1];
+        const double area = *found - below;  // 0 only if a last triangle without area stands in for rounding
+        const auto within = area > 0 ? static_cast<float>(clamp((at - below) / area, 0.0, 1.0)) : 0.0f;
+        const float across = to_unit_float(reverse_bits(static_cast<uint32_t>(i)) ^ hash(key, 1));
+        const float s = std::sqrt(within);
+        out.push_back({{triangle, 0, s * (1 - across), s * across}, hash(key, static_cast<uint32_t>(i))});
+    }
+    return out;
+}
+
+void double_places(const std::function<PassCounts(uint32_t number, size_t count)>& pass) {
+    constexpr size_t first_pass = 64;
+    constexpr uint32_t least_passes = 7;    // 4096 places: fewer say nothing about the rest
+    constexpr double unserved_part = 2e-3;  // of a pass; misses so rare cost less, answered while reading
+    for (uint32_t number = 0; number < most_place_passes; ++number) {
+        const PassCounts found = pass(number, first_pass << number);
+        const double few = unserved_part * static_cast<double>(found.tried);
+        if (number + 1 >= least_passes && static_cast<double>(found.unserved) < few) break;
+    }
+}
+
+}  // namespace eclat

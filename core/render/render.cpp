@@ -1,0 +1,138 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "render/render.h"
+
+#include "base/parallel.h"
+
+namespace eclat {
+
+namespace {
+
+constexpr int tile_size = 32;
+
+/// Offset within a filter around the pixel's centre: importance-sampled, so that every sample counts alike and only
+/// for its own pixel.
+float filter_offset(Filter filter, float u) {
+    if (filter == Filter::box) return u;
+    // Tent of radius 1 around the centre.
+    return 0.5f + (u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u));
+}
+
+/// One tile: batches of paths, each for one sample of one of its pixels.
+class Tile {
+  public:
+    Tile(const Camera& camera, const Estimator& estimate, const RenderRange& range, int tx, int ty, Film& film)
+        : camera_(camera),
+          estimate_(estimate),
+          range_(range),
+          x0_(tx * tile_size),
+          y0_(ty * tile_size),
+          x1_(std::min(camera.width, x0_ + tile_size)),
+          y1_(std::min(camera.height, y0_ + tile_size)),
+          uneven_(!range.end_samples.empty()),
+          film_(film) {
+        if (!uneven_) return;
+        first_sample_ = range.end_sample, end_sample_ = range.first_sample;
+        for (int y = y0_; y < y1_; ++y)
+            for (int x = x0_; x < x1_; ++x) {
+                first_sample_ = std::min(first_sample_, range.first_samples[pixel(x, y)]);
+                end_sample_ = std::max(end_sample_, range.end_samples[pixel(x, y)]);
+            }
+    }
+
+    uint64_t work() const { return end_sample_ > first_sample_ ? end_sample_ - first_sample_ : 0; }
+
+    void render(Progress& progress) {
+        for (uint32_t sample = first_sample_; sample < end_sample_; ++sample) {
+            for (int y = y0_; y < y1_; ++y)
+                for (int x = x0_; x < x1_; ++x)
+                    if (!uneven_ || takes(x, y, sample)) push(x, y, sample);
+            if (!uneven_ || rays_.size() >= size_t(tile_size) * tile_size) trace(progress);
+            progress.advance();
+        }
+        trace(progress);
+    }
+
+  private:
+    struct Place {
+        int x, y;
+        uint32_t sample;
+    };
+
+    size_t pixel(int x, int y) const {
+        return static_cast<size_t>(y) * static_cast<size_t>(camera_.width) + static_cast<size_t>(x);
+    }
+
+    bool takes(int x, int y, uint32_t sample) const {
+        return sample >= range_.first_samples[pixel(x, y)] && sample < range_.end_samples[pixel(x, y)];
+    }
+
+    void push(int x, int y, uint32_t sample) {
+        Sampler sampler(range_.seed, static_cast<uint32_t>(y) * 65536u + static_cast<uint32_t>(x), sample);
+        const Vec2 u = sampler.next_2d(), lens = sampler.next_2d();
+        const float px = static_cast<float>(x) + filter_offset(range_.filter, u.x);
+        const float py = static_cast<float>(y) + filter_offset(range_.filter, u.y);
+        rays_.push_back({camera_.ray(px, py, lens), sampler});
+        places_.push_back({x, y, sample});
+    }
+
+    void trace(Progress& progress) {
+        progress.check();
+        results_.resize(rays_.size());
+        estimate_(rays_, results_, progress);
+        for (size_t i = 0; i < places_.size(); ++i) {
+            const auto [x, y, sample] = places_[i];
+            if (x < range_.x0 || x >= range_.x1 || y < range_.y0 || y >= range_.y1) continue;
+            const PathResult& r = results_[i];
+            film_.add(x, y, sample,
+                      {r.radiance, r.direct, r.albedo, r.normal, r.distance < infinity ? r.distance : 0, r.cache_missed,
+                       r.gloss_cached, r.gloss_traced});
+        }
+        rays_.clear();
+        places_.clear();
+    }
+
+    const Camera& camera_;
+    const Estimator& estimate_;
+    const RenderRange& range_;
+    int x0_, y0_, x1_, y1_;  // in pixels of the whole picture
+    uint32_t first_sample_ = range_.first_sample, end_sample_ = range_.end_sample;
+    bool uneven_;
+    Film& film_;
+    std::vector<PathRay> rays_;
+    std::vector<Place> places_;  // of each ray
+    std::vector<PathResult> results_;
+};
+
+}  // namespace
+
+void render(const Camera& camera, const Estimator& estimate, const RenderRange& range, Film& film, Progress& progress) {
+    std::vector<std::pair<int, int>> tiles;
+    for (int ty = range.y0 / tile_size; ty * tile_size < range.y1; ++ty)
+        for (int tx = range.x0 / tile_size; tx * tile_size < range.x1; ++tx) tiles.emplace_back(tx, ty);
+    const size_t pixels = size_t(camera.width) * static_cast<size_t>(camera.height);
+    require(range.end_samples.empty() || (range.first_samples.size() == pixels && range.end_samples.size() == pixels),
+            "first_samples, end_samples: expected " + std::to_string(pixels) + " pixels");
+    if (!range.tile_order.empty()) {
+        require(range.tile_order.size() == tiles.size(),
+                "tile_order: expected " + std::to_string(tiles.size()) + " tiles");
+        const auto in_order = tiles;
+        for (size_t i = 0; i < tiles.size(); ++i) tiles[i] = in_order[range.tile_order[i] % in_order.size()];
+    }
+    const auto tile = [&](size_t i) { return Tile(camera, estimate, range, tiles[i].first, tiles[i].second, film); };
+    uint64_t work = 0;
+    for (size_t i = 0; i < tiles.size(); ++i) work += tile(i).work();
+    progress.begin(work);
+    parallel_for(tiles.size(), range.threads, [&](size_t i) { tile(i).render(progress); });
+}
+
+void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
+            Progress& progress) {
+    const Estimator estimate = [&](std::span<const PathRay> rays, std::span<PathResult> results, Progress& counted) {
+        trace_paths(world, rays, options, results, counted);
+    };
+    render(camera, estimate, range, film, progress);
+}
+
+}  // namespace eclat

@@ -1,0 +1,97 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Arguments that the verbs share, checked once: each function returns the value to use or raises EclatError."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+
+from eclat.errors import EclatError
+from eclat.images.image import check_size
+from eclat.scene import Camera, FloatArray, Scene
+
+DEFAULT_SIZE = (1280, 720)
+MAX_SAMPLES = 1 << 24
+
+
+def chosen_camera(scene: Scene, camera: int | Camera) -> Camera:
+    """A camera as it is, or the scene's by its number."""
+    if isinstance(camera, Camera):
+        return camera
+    if not 0 <= camera < len(scene.cameras):
+        raise EclatError(f"camera {camera} of {len(scene.cameras)}: {scene.name or 'the scene'} has no such camera")
+    return scene.cameras[camera]
+
+
+def picture_size(camera: Camera, size: tuple[int, int] | None) -> tuple[int, int]:
+    """Width and height: the wanted ones, else the camera's, else `DEFAULT_SIZE`."""
+    width, height = size or camera.size or DEFAULT_SIZE
+    check_size(width, height)
+    return int(width), int(height)
+
+
+def checked_crop(crop: tuple[int, int, int, int] | None, width: int, height: int) -> tuple[int, int, int, int]:
+    """(x0, y0, x1, y1) in pixels, the whole picture for None."""
+    if crop is None:
+        return (0, 0, width, height)
+    x0, y0, x1, y1 = crop
+    if not (0 <= x0 < x1 <= width and 0 <= y0 < y1 <= height):
+        raise EclatError(f"crop {crop} must lie inside the picture of {width}x{height} pixels")
+    return (x0, y0, x1, y1)
+
+
+def checked_seed(seed: int) -> int:
+    """A seed of 32 bits."""
+    if not 0 <= seed < 2**32:
+        raise EclatError(f"seed must be between 0 and {2**32 - 1}, got {seed}")
+    return seed
+
+
+def thread_count(threads: int | None) -> int:
+    """Threads as the core counts them: 0 means all processors."""
+    if threads is None:
+        return 0
+    if not 1 <= threads <= 1024:
+        raise EclatError(f"threads must be between 1 and 1024, got {threads}")
+    return threads
+
+
+def checked_samples(samples: int) -> int:
+    """Samples of a pixel or a point."""
+    if not 1 <= samples <= MAX_SAMPLES:
+        raise EclatError(f"samples must be between 1 and {MAX_SAMPLES}, got {samples}")
+    return samples
+
+
+def checked_max_depth(max_depth: int) -> int:
+    """Edges of a path: −1 (no limit) or at least 1."""
+    if max_depth == 0 or max_depth < -1:
+        raise EclatError(f"max_depth must be -1 (unlimited) or at least 1, got {max_depth}")
+    return max_depth
+
+
+def checked_time(time: float | None) -> float | None:
+    """Seconds, above 0, or None."""
+    if time is not None and not (math.isfinite(time) and time > 0):
+        raise EclatError(f"time must be a finite number of seconds above 0, got {time}")
+    return time
+
+
+def points_with_normals(points: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Points (N, 3) and unit normals (N, 3), both float64; N may be 0."""
+    points = np.atleast_2d(np.asarray(points, np.float64))
+    normals = np.atleast_2d(np.asarray(normals, np.float64))
+    if points.shape != normals.shape or points.ndim != 2 or (points.size and points.shape[1] != 3):
+        raise EclatError(f"points and normals must both be (N, 3), got {points.shape} and {normals.shape}")
+    points, normals = points.reshape(-1, 3), normals.reshape(-1, 3)
+    lengths = np.linalg.norm(normals, axis=1)
+    bad = ~np.isfinite(points).all(axis=1) | ~np.isfinite(lengths) | (lengths == 0)
+    if bad.any():
+        row = int(np.argmax(bad))
+        raise EclatError(
+            f"points and normals must be finite, and normals not zero; "
+            f"got {points[row].tolist()} and {normals[row].tolist()} at index {row}"
+        )
+    return points, normals / lengths[:, None]

@@ -1,0 +1,161 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures as bytes: the table of formats, and how each is written and read."""
+
+from __future__ import annotations
+
+import io
+import json
+import os
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from PIL import Image as PillowImage
+from PIL import PngImagePlugin
+
+from eclat.errors import EclatError, did_you_mean
+from eclat.images.exr import decode_exr, encode_exr
+from eclat.images.tone import to_display
+
+CheckSize = Callable[[int, int, str], None]
+
+
+@dataclass(frozen=True, eq=False)
+class Content:
+    """What a file holds: (H, W, 3) pixels, layers by name, metadata."""
+
+    pixels: NDArray[np.float32]
+    layers: dict[str, NDArray[np.float32]] = field(default_factory=dict)
+    metadata: dict[str, Any] = field(default_factory=dict)
+
+
+@dataclass(frozen=True)
+class Format:
+    """One row of the table: how to write, how to read (None: holds no radiance)."""
+
+    encode: Callable[[Content, Mapping[str, str], float, str], bytes]
+    decode: Callable[[bytes, str, CheckSize], Content] | None
+    not_finite: str = "they are written as they are"
+
+
+def format_of(path: str | os.PathLike[str]) -> Format:
+    """The format by suffix. Raises EclatError for one that is not in `FORMATS`."""
+    suffix = Path(path).suffix
+    if suffix.lower() not in FORMATS:
+        got = f"{suffix!r}{did_you_mean(suffix.lower(), FORMATS)}" if suffix else "a name without one"
+        raise EclatError(f"{os.fspath(path)}: expected a suffix of {', '.join(FORMATS)}, got {got}")
+    return FORMATS[suffix.lower()]
+
+
+def read(path: str | os.PathLike[str], check_size: CheckSize) -> Content:
+    """The content of a radiance file. Raises EclatError for any fault of it, before allocating what it claims."""
+    name = os.fspath(path)
+    decode = format_of(path).decode
+    if decode is None:
+        raise EclatError(f"{name}: expected radiance (.exr, .pfm, .npy); this format holds display values only")
+    try:
+        data = Path(path).read_bytes()
+    except FileNotFoundError:
+        raise EclatError(f"{name}: file not found") from None
+    except OSError as error:
+        raise EclatError(f"{name}: cannot be read: {error.strerror or error}") from None
+    return decode(data, name, check_size)
+
+
+def metadata_text(metadata: Mapping[str, Any]) -> str:
+    """JSON of the metadata. Raises EclatError where JSON cannot hold it."""
+    try:
+        return json.dumps(dict(metadata), ensure_ascii=False)
+    except (TypeError, ValueError) as error:
+        raise EclatError(f"image metadata: expected what JSON can hold: {error}") from None
+
+
+def encode_png(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
+    """8-bit sRGB, said so in the file; metadata as international text under the keyword `eclat`."""
+    information = PngImagePlugin.PngInfo()
+    # Rendering intent 0, "perceptual", is the one meant for pictures; this chunk says that the values are sRGB.
+    information.add(b"sRGB", b"\x00")
+    if content.metadata:
+        information.add_itxt("eclat", metadata_text(content.metadata), zip=True)
+    file = io.BytesIO()
+    picture = PillowImage.fromarray(to_display(content.pixels, exposure, tone_mapping))
+    picture.save(file, format="PNG", pnginfo=information)
+    return file.getvalue()
+
+
+def read_png_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
+    """The metadata that `encode_png` stored. Raises EclatError when the file has none."""
+    try:
+        with PillowImage.open(path, formats=("PNG",)) as picture:
+            metadata = json.loads(str(picture.info["eclat"]))
+            if isinstance(metadata, dict):
+                return metadata
+    except (OSError, ValueError, KeyError, SyntaxError, RecursionError):
+        pass
+    raise EclatError(f"{os.fspath(path)}: expected a PNG file with the text field 'eclat', which Éclat writes")
+
+
+def _encode_exr(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
+    metadata_text(content.metadata)
+    return encode_exr(content.pixels, content.layers, content.metadata, layers)
+
+
+def _decode_exr(data: bytes, name: str, check_size: CheckSize) -> Content:
+    return Content(*decode_exr(data, name, check_size))
+
+
+def _encode_pfm(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
+    """Portable float map: rows from the bottom up; a negative scale says little-endian."""
+    height, width, _ = content.pixels.shape
+    return f"PF\n{width} {height}\n-1.0\n".encode() + content.pixels[::-1].astype("<f4").tobytes()
+
+
+def _decode_pfm(data: bytes, name: str, check_size: CheckSize) -> Content:
+    header, fields = data.split(maxsplit=4)[:4], 4
+    try:
+        kind, width, height, scale = header[0], int(header[1]), int(header[2]), float(header[3])
+    except (IndexError, ValueError):
+        kind, width, height, scale = b"", 0, 0, 0.0
+    if kind not in (b"PF", b"Pf") or not np.isfinite(scale) or scale == 0:
+        raise EclatError(f"{name}: expected a PFM header (PF, width, height, scale), got {data[:20]!r}")
+    check_size(width, height, name)
+    channels = 3 if kind == b"PF" else 1
+    # One white space ends the header; searching anew would swallow pixels that look like white space.
+    start = 0
+    for token in header[:fields]:
+        start = data.index(token, start) + len(token)
+    body, size = data[start + 1 :], width * height * channels * 4
+    if len(body) != size:
+        raise EclatError(f"{name}: expected {size:,} bytes of pixels after the header, got {len(body):,}")
+    values = np.frombuffer(body, dtype="<f4" if scale < 0 else ">f4").reshape(height, width, channels)[::-1]
+    return Content(np.broadcast_to(values.astype(np.float32), (height, width, 3)))
+
+
+def _encode_npy(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
+    file = io.BytesIO()
+    np.save(file, content.pixels, allow_pickle=False)
+    return file.getvalue()
+
+
+def _decode_npy(data: bytes, name: str, check_size: CheckSize) -> Content:
+    try:
+        pixels = np.load(io.BytesIO(data), allow_pickle=False)
+    except (ValueError, EOFError, OSError, TypeError, SyntaxError, MemoryError) as error:
+        raise EclatError(f"{name}: expected a .npy file of numbers: {error}") from None
+    if not isinstance(pixels, np.ndarray) or pixels.dtype.kind not in "fiu" or pixels.ndim != 3 or pixels.shape[2] != 3:
+        got = f"{pixels.dtype} {pixels.shape}" if isinstance(pixels, np.ndarray) else "an archive"
+        raise EclatError(f"{name}: expected numbers of shape (height, width, 3), got {got}")
+    check_size(pixels.shape[1], pixels.shape[0], name)
+    return Content(pixels.astype(np.float32))
+
+
+FORMATS: dict[str, Format] = {
+    ".exr": Format(_encode_exr, _decode_exr),
+    ".png": Format(encode_png, None, "they are shown in magenta"),
+    ".pfm": Format(_encode_pfm, _decode_pfm),
+    ".npy": Format(_encode_npy, _decode_npy),
+}

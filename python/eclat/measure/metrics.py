@@ -1,0 +1,182 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""How far a picture is from the truth: the relative error that all our figures use, and FLIP.
+
+Symbol    name here    meaning                                                             unit
+  x       x            the picture that is judged, (H, W, 3) linear radiance               W·sr⁻¹·m⁻²
+  A, B    a, b         two independent references; x, A and B come from unrelated seeds
+  R       reference    (A + B) / 2
+  c       c            keeps dark pixels from dominating                                   (W·sr⁻¹·m⁻²)²
+
+With A = R + n_A and B = R + n_B, noise that is independent and zero on average, the mean of (x − A)(x − B) is that of
+(x − R)²: the noise of the references puts no floor under the error. It only adds variance, so that for tiny errors the
+mean may come out below zero, which then counts as zero.
+"""
+
+from __future__ import annotations
+
+import importlib
+import importlib.util
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from eclat.errors import EclatError
+from eclat.images.tone import to_display
+
+Float64 = NDArray[np.float64]
+
+TARGET_C = 0.01
+"""c of the target scenes, whose exposure is fixed by their numbers."""
+
+RELATIVE_C = 0.01
+"""Elsewhere c is this times the mean of R², so that exposure cancels."""
+
+EDGE_DEGREES = 10.0
+EDGE_DEPTH = 0.02
+EDGE_PIXELS = 2
+
+PIXELS_PER_DEGREE = 67.0
+"""Of FLIP: a 0.7 m wide 4K screen seen from 0.7 m, the default of its authors [Andersson et al. 2020]."""
+
+
+def relative_rmse(
+    x: ArrayLike, a: ArrayLike, b: ArrayLike, c: float | None = None, mask: NDArray[np.bool_] | None = None
+) -> float:
+    """sqrt(max(0, mean((x − A)(x − B) / (R² + c)))) over channels and pixels.
+
+    Parameters
+    ----------
+    x, a, b : (H, W, 3) linear radiance. With one reference only, give it twice: its noise then counts as error of x.
+    c : default `RELATIVE_C` · mean(R²), over all pixels also where there is a mask.
+    mask : (H, W), True where pixels count; for instance `away_from_edges`.
+
+    Returns
+    -------
+    The error, 0.01 being 1 %. NaN where x or a reference is not finite at a pixel that counts.
+
+    Raises
+    ------
+    EclatError : shapes differ, or no pixel counts.
+
+    Examples
+    --------
+    >>> grey = np.full((4, 4, 3), 0.5)
+    >>> round(relative_rmse(1.01 * grey, grey, grey, c=0.0), 6)
+    0.01
+    """
+    x, a, b = _same_shape(x, a, b)
+    reference = (a + b) / 2
+    scale = reference**2 + _c(reference, c)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        # Where everything is black, 0 / 0 is no error.
+        squares = np.where((scale == 0) & (x == a) & (x == b), 0.0, (x - a) * (x - b) / scale)
+    counted = squares if mask is None else squares[np.asarray(mask, dtype=bool)]
+    if counted.size == 0:
+        raise EclatError("relative error: expected at least one pixel to count, got none")
+    mean = float(counted.mean())
+    return mean if np.isnan(mean) else max(0.0, mean) ** 0.5
+
+
+def signed_error(x: ArrayLike, reference: ArrayLike, c: float | None = None) -> Float64:
+    """(H, W): the mean over channels of (x − R) / sqrt(R² + c); above 0 where x is too bright. c as above."""
+    x, reference = _same_shape(x, reference)
+    with np.errstate(divide="ignore", invalid="ignore"):
+        error = (x - reference) / np.sqrt(reference**2 + _c(reference, c))
+    return np.asarray(np.where(x == reference, 0.0, error).mean(axis=-1))
+
+
+def away_from_edges(depth: ArrayLike, normal: ArrayLike) -> NDArray[np.bool_]:
+    """(H, W): True for pixels with no edge within `EDGE_PIXELS` pixels (in a square).
+
+    An edge lies between two neighbours, also diagonal ones, whose normals differ by more than `EDGE_DEGREES` or whose
+    depths differ by more than `EDGE_DEPTH` of the nearer one, or of which one only meets a surface.
+
+    Parameters
+    ----------
+    depth : (H, W) metres; infinite or 0 where nothing is met.
+    normal : (H, W, 3), of any length; zero where nothing is met.
+
+    Raises
+    ------
+    EclatError : shapes do not fit.
+    """
+    z, n = np.asarray(depth, np.float64), np.asarray(normal, np.float64)
+    if z.ndim != 2 or n.shape != (*z.shape, 3):
+        raise EclatError(f"edges: expected depth (H, W) and normals (H, W, 3), got {z.shape} and {n.shape}")
+    hit = np.isfinite(z) & (z > 0)
+    z = np.where(hit, z, 0.0)
+    length = np.linalg.norm(n, axis=-1, keepdims=True)
+    n = np.divide(n, length, out=np.zeros_like(n), where=length > 0)
+    edge = np.zeros(z.shape, dtype=bool)
+    # Each pair of neighbours once: right, down, and the two diagonals downwards.
+    for rows, columns in ((0, 1), (1, 0), (1, 1), (1, -1)):
+        here, there = _shifted(z.shape, rows, columns)
+        differs = np.abs(z[here] - z[there]) > EDGE_DEPTH * np.minimum(z[here], z[there])
+        turned = (n[here] * n[there]).sum(axis=-1) < np.cos(np.radians(EDGE_DEGREES))
+        differs |= (turned & hit[here]) | (hit[here] != hit[there])
+        edge[here] |= differs
+        edge[there] |= differs
+    # Both pixels of the pair are marked, so the edge itself is half a pixel from them: grow by one pixel less.
+    return ~_dilated(edge, EDGE_PIXELS - 1)
+
+
+def flip(x: ArrayLike, reference: ArrayLike, exposure: float = 0.0) -> tuple[Float64, float]:
+    """LDR-FLIP of two pictures as shown at `exposure` stops: the (H, W) map in 0..1, and its mean.
+
+    Andersson et al. 2020, *FLIP: A Difference Evaluator for Alternating Images*, at `PIXELS_PER_DEGREE`.
+
+    Raises
+    ------
+    EclatError : shapes differ, or the package flip-evaluator is absent.
+    """
+    x, reference = _same_shape(x, reference)
+    if not has_flip():
+        raise EclatError("FLIP needs the package flip-evaluator, which is not installed: pip install flip-evaluator")
+    flip_evaluator = importlib.import_module("flip_evaluator")
+    shown, truth = (to_display(p, exposure).astype(np.float32) / np.float32(255) for p in (x, reference))
+    error, mean, _ = flip_evaluator.evaluate(
+        truth, shown, "LDR", applyMagma=False, parameters={"ppd": PIXELS_PER_DEGREE}
+    )
+    return np.asarray(error, dtype=np.float64).reshape(x.shape[:2]), float(mean)
+
+
+def has_flip() -> bool:
+    """Whether `flip` can work."""
+    return importlib.util.find_spec("flip_evaluator") is not None
+
+
+def _same_shape(*arrays: ArrayLike) -> tuple[Float64, ...]:
+    pictures = tuple(np.asarray(array, dtype=np.float64) for array in arrays)
+    shapes = [picture.shape for picture in pictures]
+    if len(shapes[0]) != 3 or shapes[0][2] != 3 or len(set(shapes)) != 1:
+        got = ", ".join(str(shape) for shape in shapes)
+        raise EclatError(f"error: expected pictures of one shape (height, width, 3), got {got}")
+    return pictures
+
+
+def _c(reference: Float64, c: float | None) -> float:
+    return RELATIVE_C * float((reference**2).mean()) if c is None else c
+
+
+def _shifted(shape: tuple[int, ...], rows: int, columns: int) -> tuple[Any, Any]:
+    """Indices of all pixels that have a neighbour at (rows, columns), and of those neighbours."""
+    height, width = shape
+    top, bottom = slice(0, height - rows), slice(rows, height)
+    if columns >= 0:
+        return (top, slice(0, width - columns)), (bottom, slice(columns, width))
+    return (top, slice(-columns, width)), (bottom, slice(0, width + columns))
+
+
+def _dilated(mask: NDArray[np.bool_], pixels: int) -> NDArray[np.bool_]:
+    grown = mask.copy()
+    for axis in (0, 1):
+        source = grown.copy()
+        for shift in range(1, pixels + 1):
+            ahead = [slice(None), slice(None)]
+            behind = [slice(None), slice(None)]
+            ahead[axis], behind[axis] = slice(shift, None), slice(None, -shift)
+            grown[tuple(ahead)] |= source[tuple(behind)]
+            grown[tuple(behind)] |= source[tuple(ahead)]
+    return grown

@@ -1,0 +1,193 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""How many samples a picture takes: a given number, until an error is met, or until time is up.
+
+A picture's error is estimated from its two halves, the first n/2 samples of each pixel and the last. They must not be
+the even and the odd samples: consecutive Sobol points are stratified against each other, one in each half of every
+dimension, so that even and odd means differ by up to three times their true error. The first and the last 2^k points
+are a net each, so that their means err (almost) independently.
+"""
+
+from __future__ import annotations
+
+import math
+import time as clock
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+from numpy.typing import NDArray
+
+from eclat import _core
+from eclat.bridge.running import ProgressReport
+from eclat.measure.metrics import RELATIVE_C
+from eclat.sampling.adaptive_sampling import AdaptiveSamples, Counts
+
+FIRST_PASS = 4
+FIRST_ADAPTIVE_PASS = 2
+"""Two such passes already tell where the next one is needed."""
+
+MOST_SAMPLES = 1 << 14
+"""After which a picture is given up as not converging: at that many even fireflies have become rare."""
+
+EXPECTED_SAMPLES = 64
+"""What progress is measured against until there is an estimate."""
+
+SLICE_SECONDS = 0.5
+"""Between two pictures that are kept for the case of an interrupt."""
+
+RenderRange = Callable[[Counts, Counts, ProgressReport | None], float]
+"""Adds samples [first, end) to the film, two arrays over pixels or over one for all; returns the rays it took."""
+
+
+@dataclass(frozen=True)
+class Goal:
+    """When to stop: at `samples` (the mean over pixels, where they take unlike numbers), else when `deadline` (of
+    `time.perf_counter`) is near, else at `max_error`."""
+
+    samples: int | None
+    max_error: float
+    deadline: float | None
+
+
+class Sampling:
+    """Takes the samples of one picture.
+
+    `taken` and `rays` say how far it is, `noise` what error it estimates for its whole passes (NaN before the first
+    estimate). With `keep_partial`, `partial` is a copy of the film after `partial_taken` samples of every pixel.
+    Values depend on the number of samples only, never on how passes divide them: those that go where `adaptive` says
+    always double, up to the last one.
+    """
+
+    def __init__(
+        self,
+        film: _core.Film,
+        render_range: RenderRange,
+        keep_partial: bool,
+        report: ProgressReport | None,
+        adaptive: AdaptiveSamples | None = None,
+    ) -> None:
+        self.film, self.render_range, self.keep_partial, self.report = film, render_range, keep_partial, report
+        self.adaptive = adaptive
+        self._first = FIRST_PASS if adaptive is None else FIRST_ADAPTIVE_PASS
+        self.taken, self.rays, self.noise = 0, 0.0, math.nan
+        self.partial: _core.Film | None = None
+        self.partial_taken = 0
+        self._counts = _everywhere(0) if adaptive is None else adaptive.counts
+        self._deadline = math.inf
+        self._seconds_per_sample: float | None = None
+        self._seconds_of_look = 0.0
+
+    def run(self, goal: Goal) -> None:
+        """Sample until the goal is reached."""
+        if goal.samples is not None:
+            self._expected = goal.samples
+            if self.adaptive is not None:
+                while self.taken < goal.samples:
+                    self._pass(min(goal.samples, max(self._first, 2 * self.taken)))
+            else:
+                self._pass(goal.samples // 2)
+                self._pass(goal.samples)
+        elif goal.deadline is not None:
+            self._until(goal.deadline)
+        else:
+            self._until_error(goal.max_error)
+
+    def _until_error(self, max_error: float) -> None:
+        self._expected = EXPECTED_SAMPLES
+        while True:
+            self._pass(max(self._first, 2 * self.taken))
+            if not math.isnan(self.noise):
+                if self.noise <= max_error or self.taken >= MOST_SAMPLES:
+                    return
+                # Noise falls at least with the square root, and the number of samples doubles.
+                wanted = self.taken * (self.noise / max_error) ** 2
+                doublings = math.ceil(math.log2(max(2.0, min(wanted, MOST_SAMPLES) / self.taken)))
+                self._expected = self.taken << doublings
+
+    def _until(self, deadline: float) -> None:
+        self._deadline = deadline
+        while self.taken == 0 or self._affordable() >= 1:
+            self._expected = self.taken + max(1, self._affordable())
+            self._pass(max(self._first, 2 * self.taken))
+
+    def _affordable(self) -> int:
+        """Samples for which there is time, with that of looking at the picture after them left over."""
+        if self._seconds_per_sample is None or self._deadline == math.inf:
+            return EXPECTED_SAMPLES
+        left = self._deadline - clock.perf_counter() - self._seconds_of_look
+        return max(0, int(left / max(self._seconds_per_sample, 1e-9)))
+
+    def _step(self, end: int) -> int:
+        """How many samples are taken before the next look at the clock."""
+        step, pace = end - self.taken, self._seconds_per_sample
+        if self._deadline < math.inf:
+            # Half of what fits, then half of the rest: when the last sample ends is known from ones just taken.
+            step = min(step, 1 if pace is None else max(1, self._affordable() // 2))
+        if self.keep_partial:
+            step = min(step, 1 if pace is None else max(1, int(SLICE_SECONDS / max(pace, 1e-9))))
+        return step
+
+    def _pass(self, end: int) -> None:
+        """Take samples until there are `end` of each pixel, or on average; fewer where the deadline is near."""
+        half = self.film.radiance if self.taken and end == 2 * self.taken else None
+        while self.taken < end and (self.taken == 0 or self._affordable() >= 1):
+            step = self._step(end)
+            first, last = _everywhere(self.taken), _everywhere(self.taken + step)
+            if self.adaptive is not None:
+                # What a pixel takes grows with the mean, so that parts of a pass add up to it.
+                first, last = self._counts, self.adaptive.unevenly(self.taken + step)
+                self._counts = last
+            before = clock.perf_counter()
+            self.rays += self.render_range(first.ravel(), last.ravel(), self._overall(step))
+            self._seconds_per_sample = (clock.perf_counter() - before) / step
+            self.taken += step
+            if self.keep_partial:
+                self.partial, self.partial_taken = self.film.copy(), self.taken
+        before = clock.perf_counter()
+        if self.adaptive is not None:
+            self.adaptive.observe(self._counts, self.film.radiance)
+            self.noise = self.adaptive.noise()
+        elif half is not None and self.taken == end:
+            self.noise = estimated_error(half, self.film.radiance)
+        self._seconds_of_look = clock.perf_counter() - before
+
+    def _overall(self, step: int) -> ProgressReport | None:
+        """Reports of one call, as a part of all samples that are expected, and with the rays of all calls."""
+        report = self.report
+        if report is None:
+            return None
+
+        def overall(phase: str, fraction: float, statistics: dict[str, float]) -> None:
+            done = (self.taken + fraction * step) / max(self._expected, self.taken + step)
+            report(phase, done, statistics | {"rays": self.rays + statistics["rays"], "samples": float(self.taken)})
+
+        return overall
+
+
+def _everywhere(samples: int) -> Counts:
+    return np.array([samples], dtype=np.uint32)
+
+
+def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> float:
+    """Relative error (that of `metrics.relative_rmse`) of a picture's noise, from the picture of half its samples.
+
+    sqrt(mean((x₁ − x₂)² / 4 / (R² + c))) with x₁, x₂ the means of the first and the last half, whose own mean is the
+    picture: it errs by half their difference. For R², which is not known, stands the mean of x₁ x₂ over 3 × 3 pixels:
+    its expectation is right, while that of the picture's own square contains the noise that it is to measure, so
+    that noisy pictures would look better than they are.
+
+    Parameters
+    ----------
+    half, mean : (H, W, 3) means of the first half of the samples of each pixel, and of all.
+    """
+    first = np.asarray(half, dtype=np.float64)
+    last = 2 * np.asarray(mean, dtype=np.float64) - first
+    padded = np.pad(first * last, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    square = np.maximum(sliding_window_view(padded, (3, 3), axis=(0, 1)).mean(axis=(-1, -2)), 0.0)
+    scale = square + RELATIVE_C * square.mean()
+    difference = ((first - last) / 2) ** 2
+    # Where everything is black there is no error.
+    relative = np.divide(difference, scale, out=np.where(difference > 0, np.inf, 0.0), where=scale > 0)
+    return float(np.sqrt(relative.mean()))

@@ -1,0 +1,289 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""What a scene needs to become a picture: the user's overrides, and stand-ins for a missing camera or light."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+
+from eclat.daylight.sky import sun_direction, sun_sky, upright_frame
+from eclat.errors import EclatError, warn
+from eclat.images.tone import srgb_decode
+from eclat.loaders.files import read_bytes
+from eclat.loaders.images import read_image_file
+from eclat.measure.photometry import LUMENS_PER_WATT
+from eclat.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    FloatArray,
+    Material,
+    Mesh,
+    Scene,
+    grey,
+    look_at,
+)
+from eclat.scenes.geometry import icosphere
+from eclat.stage.framing import framed_camera, sky_above, sphere_directions, surface
+
+Point = tuple[float, float, float]
+
+DAYLIGHT_SCALE = (0.01, 0.04)
+"""Of true daylight, in the open and in a room, where the sun is the only light: then no exposure is needed."""
+GROUND_ALBEDO = 0.2
+SUN_ELEVATION = 48.0
+SUN_ASIDE = 50.0
+"""Degrees: how far to the side the default sun stands, behind the camera."""
+
+
+def complete(
+    scene: Scene,
+    *,
+    camera_from: Point | None = None,
+    camera_to: Point | None = None,
+    camera_up: Point | None = None,
+    fov: float | None = None,
+    sun: tuple[float, float] | None = None,
+    environment: Path | Point | None = None,
+    size: tuple[int, int] | None = None,
+    rays_escape: Callable[[Scene, Camera], bool] | None = None,
+) -> Scene:
+    """The scene with the user's overrides, and with a camera and light in any case.
+
+    Parameters
+    ----------
+    camera_from, camera_to, camera_up
+        Replace the cameras' place, the point they look at (without `camera_from` or a camera: the scene's middle), up.
+    fov
+        Vertical field of view in degrees.
+    sun
+        Azimuth from north and elevation in degrees: sun and sky instead of the scene's suns and environment.
+    environment
+        An EXR, HDR, PFM or other image, or a constant radiance, instead of the scene's.
+    size
+        Width and height in pixels.
+    rays_escape
+        Whether any ray from the camera leaves the scene; without it 64 rays are tried here.
+
+    Returns
+    -------
+    Scene
+        Whatever was missing is made up, with a warning: a view that shows the scene; sun and sky, or in a closed
+        room a small lamp that gives a radiance of about 1 W·sr⁻¹·m⁻².
+
+    Raises
+    ------
+    EclatError
+        For numbers out of range, a camera that looks at itself, an image that cannot be read.
+    """
+    scene = _with_camera(scene, camera_from, camera_to, camera_up, fov, size)
+    if environment is not None:
+        scene = replace(scene, environment=_environment(environment, scene.up))
+    if sun is not None:
+        scene = _with_sun(scene, sun, keep_environment=environment is not None)
+    if not has_light(scene):
+        scene = _with_light(scene, rays_escape or _rays_escape)
+    return scene
+
+
+def has_light(scene: Scene) -> bool:
+    """Whether anything shines."""
+    return bool(scene.lights) or scene.environment is not None or any(_emits(m.material) for m in scene.meshes)
+
+
+def _emits(material: Material) -> bool:
+    parts = [*material.children, *([] if material.back is None else [material.back])]
+    own = material.emission is not None and max(material.emission.constant) > 0
+    return own or any(_emits(part) for part in parts)
+
+
+def _with_camera(
+    scene: Scene,
+    origin: Point | None,
+    target: Point | None,
+    up: Point | None,
+    fov: float | None,
+    size: tuple[int, int] | None,
+) -> Scene:
+    for name, vector in (("from", origin), ("to", target), ("up", up)):
+        if vector is not None and not np.isfinite(vector).all():
+            raise EclatError(f"camera-{name}: expected three finite numbers, got {vector}")
+    if up is not None and not np.any(up):
+        raise EclatError(f"camera-up: expected a direction, got {up}")
+    if fov is not None and not 0 < fov < 180:
+        raise EclatError(f"fov: expected degrees between 0 and 180, got {fov}")
+    if size is not None and min(size) < 1:
+        raise EclatError(f"size: expected at least 1×1 pixels, got {size[0]}×{size[1]}")
+    cameras = scene.cameras
+    if not cameras:
+        camera, kind = framed_camera(scene)
+        if origin is None:
+            warn(f"the scene has no camera; {_VIEWS[kind]}")
+        elif target is None:
+            target = _middle(scene)
+        cameras = (camera,)
+    return replace(scene, cameras=tuple(_overridden(c, scene, origin, target, up, fov, size) for c in cameras))
+
+
+_VIEWS = {
+    "room": "it looks like a room, so it is seen from inside",
+    "stage": "it looks like a room without a wall, so it is seen from there",
+    "object": "it is seen from outside",
+    "nothing": "and nothing to see",
+}
+
+
+def _overridden(
+    camera: Camera,
+    scene: Scene,
+    origin: Point | None,
+    target: Point | None,
+    up: Point | None,
+    fov: float | None,
+    size: tuple[int, int] | None,
+) -> Camera:
+    if origin is not None or target is not None or up is not None:
+        matrix = np.asarray(camera.to_world, dtype=np.float64)
+        eye = matrix[:3, 3] if origin is None else np.array(origin)
+        ahead = eye - matrix[:3, 2] if target is None else np.array(target)
+        try:
+            placed = look_at(_point(eye), _point(ahead), up or scene.up)
+        except ValueError:
+            raise EclatError(
+                f"camera-from, camera-to: expected two different points, got {_point(eye)} twice"
+            ) from None
+        camera = replace(camera, to_world=placed)
+    if fov is not None:
+        camera = replace(camera, fov=fov, fov_axis="y", projection="perspective")
+    return camera if size is None else replace(camera, size=size)
+
+
+def _with_sun(scene: Scene, sun: tuple[float, float], keep_environment: bool) -> Scene:
+    others = tuple(
+        light for light in scene.lights if not (isinstance(light, DirectionalLight) and light.angular_radius > 0)
+    )
+    scene = replace(scene, lights=others, environment=scene.environment if keep_environment else None)
+    return _with_daylight(scene, sun, "sun" if keep_environment else "sunsky")
+
+
+def _with_daylight(scene: Scene, sun: tuple[float, float], parts: Literal["sun", "sunsky"]) -> Scene:
+    """True daylight beside other lights, else scaled to suit a picture."""
+    scale = LUMENS_PER_WATT if scene.photometric else 1.0
+    if not has_light(scene):
+        outdoors, indoors = DAYLIGHT_SCALE
+        scale *= indoors + (outdoors - indoors) * _openness(scene, scene.cameras[0])
+    to_sun = sun_direction(*sun, scene.up)
+    light, sky = sun_sky(to_sun, up=scene.up, albedo=GROUND_ALBEDO, sun_scale=scale, sky_scale=scale, parts=parts)
+    lights = scene.lights if light is None else (*scene.lights, light)
+    return replace(scene, lights=lights, environment=sky or scene.environment)
+
+
+def _environment(source: Path | Point, up: Point) -> Environment:
+    if isinstance(source, tuple):
+        if not np.isfinite(source).all() or min(source) < 0:
+            raise EclatError(f"environment: expected three finite numbers ≥ 0, got {source}")
+        return Environment(np.array(source, dtype=np.float32).reshape(1, 1, 3))
+    path = Path(source)
+    data = read_bytes(path, where="environment")
+    try:
+        image, linear = read_image_file(path, data)
+    except EclatError as error:
+        raise EclatError(f"environment: {path}: {error}") from None
+    colour: FloatArray = image.astype(np.float32) / 255 if image.dtype == np.uint8 else image.astype(np.float32)
+    colour = np.repeat(colour, 3, axis=2) if colour.shape[2] == 1 else colour[..., :3]
+    if not linear:
+        warn(f"environment: {path.name} has no range beyond white; its sun, if it shows one, will be dim")
+        colour = srgb_decode(colour).astype(np.float32)
+    good = np.isfinite(colour) & (colour >= 0)
+    if not good.all():
+        warn(
+            f"environment: {path.name} has {int((~good).sum())} values that are negative or not finite; they are 0 now"
+        )
+        colour = np.where(good, colour, np.float32(0))
+    return Environment(np.ascontiguousarray(colour), upright_frame(up))
+
+
+def _with_light(scene: Scene, rays_escape: Callable[[Scene, Camera], bool]) -> Scene:
+    camera = scene.cameras[0]
+    if len(surface(scene)) == 0 or rays_escape(scene, camera):
+        warn("the scene has no light; it gets sun and sky")
+        ahead = -np.asarray(upright_frame(scene.up).T @ np.asarray(camera.to_world)[:3, 2])
+        azimuth = math.degrees(math.atan2(ahead[0], -ahead[2])) + 180 + SUN_ASIDE
+        return _with_daylight(scene, (azimuth, SUN_ELEVATION), "sunsky")
+    warn("the scene has no light, and the camera is in a closed room: it gets a lamp under the ceiling")
+    return replace(scene, meshes=(*scene.meshes, _lamp(scene, camera)))
+
+
+def _lamp(scene: Scene, camera: Camera) -> Mesh:
+    """A small sphere, placed by walking along free rays only, so that it cannot be inside of a wall."""
+    corners = surface(scene)
+    matrix = np.asarray(camera.to_world, dtype=np.float64)
+    up = upright_frame(scene.up)[:, 1]
+    place = matrix[:3, 3]
+    ahead = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
+    for direction, part in ((ahead, 0.12), (up, 0.72)):
+        free = float(_distances(corners, place, direction[None])[0])
+        place = place + direction * (part * free if math.isfinite(free) else 0.0)
+    distances = _distances(corners, place, sphere_directions(128))
+    distances = distances[np.isfinite(distances)]
+    radius = 0.15 * float(distances.min())
+    # In a cavity of area A and reflectance ½, a flux of π A gives a radiance near 1; A is about 4π times the mean
+    # square distance, the flux π · 4π radius² times the lamp's radiance.
+    radiance = float(np.mean(distances**2)) / radius**2 * (LUMENS_PER_WATT if scene.photometric else 1.0)
+    ball = icosphere(2)
+    glow = Material("diffuse", {"reflectance": grey(0.0)}, name="default lamp", emission=grey(radiance))
+    return Mesh(place + radius * ball.positions, ball.triangles, glow, name="default lamp")
+
+
+def _openness(scene: Scene, camera: Camera) -> float:
+    """The share of rays from the camera that leave the scene."""
+    corners = surface(scene)
+    if len(corners) == 0:
+        return 1.0
+    origin = np.asarray(camera.to_world, dtype=np.float64)[:3, 3]
+    return float(np.isinf(_distances(corners, origin, sphere_directions(64))).mean())
+
+
+def _rays_escape(scene: Scene, camera: Camera) -> bool:
+    """Whether rays from the camera leave the scene, or rays upwards from what they meet: an arcade hides the sky."""
+    return _openness(scene, camera) > 0 or sky_above(scene, camera)
+
+
+def _distances(corners: FloatArray, origins: FloatArray, directions: FloatArray) -> FloatArray:
+    """Distances (N,) to the triangles (T, 3, 3) along unit directions (N, 3) from one origin or N; infinite for a miss.
+
+    [MollerTrumbore97], some thousand triangles at a time. Edges count as hit: a crack must not look like a window.
+    """
+    nearest = np.full(len(directions), np.inf)
+    # Seen from the first origin, for the digits of scenes far from zero.
+    centre = np.atleast_2d(origins)[0]
+    start_at = np.broadcast_to(origins, directions.shape) - centre
+    moment = np.cross(directions, start_at)
+    for start in range(0, len(corners), 4096):
+        a, b, c = np.moveaxis(corners[start : start + 4096] - centre, 1, 0)
+        normal = np.cross(b - a, c - a)
+        # Scalar triple products of direction, edges and origin, expanded so that all is matrix products.
+        u = directions @ np.cross(c, a).T + moment @ (c - a).T
+        v = directions @ np.cross(a, b).T + moment @ (a - b).T
+        slope = directions @ normal.T
+        with np.errstate(divide="ignore", invalid="ignore"):
+            u, v = u / slope, v / slope
+            t = (np.einsum("tk,tk->t", a, normal) - start_at @ normal.T) / slope
+            hit = (u >= -1e-9) & (v >= -1e-9) & (u + v <= 1 + 1e-9) & (t > 0) & np.isfinite(t)
+        nearest = np.minimum(nearest, np.where(hit, t, np.inf).min(axis=1))
+    return nearest
+
+
+def _middle(scene: Scene) -> Point:
+    corners = surface(scene).reshape(-1, 3)
+    return _point((corners.min(axis=0) + corners.max(axis=0)) / 2) if len(corners) else (0.0, 0.0, 0.0)
+
+
+def _point(vector: FloatArray) -> Point:
+    return float(vector[0]), float(vector[1]), float(vector[2])

@@ -1,0 +1,231 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Where to stand and look when a scene has no camera: outside of an object, inside of a room.
+
+Works on a coarse grid of occupied cells, so that a million triangles cost a second. Lengths are in cells, heights
+along +y: the scene is rotated upright first, and nothing depends on its size or place.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.daylight.sky import upright_frame
+from eclat.scene import Camera, FloatArray, Scene, look_at
+
+CELLS = 96
+"""Along the longest side."""
+ROOM_FOV, OBJECT_FOV = 65.0, 40.0
+THREE_QUARTER = np.array([0.55, 0.38, 0.74])
+"""From where one looks at an object: to its right, from above, in front (+z)."""
+
+
+@dataclass(frozen=True, eq=False)
+class Grid:
+    """Which cells hold surface, and the mean normal there; cell (0, 0, 0) begins at `low`."""
+
+    occupied: NDArray[np.bool_]
+    normals: NDArray[np.float32]
+    low: FloatArray
+    cell: float
+
+    def march(self, origins: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """First occupied cell along rays (N, 3): distance, infinite where they leave, and facing of its surface.
+
+        Facing is the cosine between the cell's mean normal and the way back; above 0 one sees the front.
+        """
+        count = len(origins)
+        distance, facing = np.full(count, np.inf), np.zeros(count)
+        alive = np.arange(count)
+        shape = np.array(self.occupied.shape)
+        for step in np.arange(1.0, float(np.linalg.norm(shape)), 0.5):
+            index = np.floor(origins[alive] + step * directions[alive]).astype(np.int64)
+            inside = ((index >= 0) & (index < shape)).all(axis=1)
+            alive, index = alive[inside], index[inside]
+            hit = self.occupied[tuple(index.T)]
+            distance[alive[hit]] = step
+            normal = self.normals[tuple(index[hit].T)]
+            facing[alive[hit]] = -np.einsum("ij,ij->i", normal, directions[alive[hit]])
+            alive = alive[~hit]
+            if len(alive) == 0:
+                break
+        return distance, facing
+
+
+def surface(scene: Scene) -> FloatArray:
+    """The corners (T, 3, 3) of all finite triangles."""
+    corners = [m.positions[m.triangles].astype(np.float64) for m in scene.meshes if len(m.triangles)]
+    everything = np.concatenate(corners) if corners else np.zeros((0, 3, 3))
+    finite: FloatArray = everything[np.isfinite(everything).all(axis=(1, 2))]
+    return finite
+
+
+def framed_camera(scene: Scene) -> tuple[Camera, str]:
+    """A camera that shows the scene, and what that is: "room", "stage" (a room without a wall), "object", "nothing"."""
+    upright = upright_frame(scene.up)
+    corners = surface(scene) @ upright
+    if len(corners) == 0:
+        return Camera(look_at((0, 0, 5), (0, 0, 0)), fov=OBJECT_FOV, fov_axis="smaller"), "nothing"
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    grid = _grid(corners, low, high)
+    if grid is not None:
+        eyes = _eyes(grid)
+        side = _open_side(grid) if len(eyes) else None
+        if side is not None:
+            return Camera(_placed(upright, *_stage_view(low, high, side)), fov=OBJECT_FOV, fov_axis="smaller"), "stage"
+        view = _room_view(grid, eyes)
+        if view is not None:
+            return Camera(_placed(upright, *view), fov=ROOM_FOV, fov_axis="x"), "room"
+    return Camera(_placed(upright, *_object_view(corners, low, high)), fov=OBJECT_FOV, fov_axis="smaller"), "object"
+
+
+def sky_above(scene: Scene, camera: Camera) -> bool:
+    """Whether the sky shines on what the camera can see, itself perhaps hidden from it by a roof."""
+    upright = upright_frame(scene.up)
+    corners = surface(scene) @ upright
+    if len(corners) == 0:
+        return True
+    grid = _grid(corners, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
+    if grid is None:
+        return True
+    eye = (np.asarray(camera.to_world, dtype=np.float64)[:3, 3] @ upright - grid.low) / grid.cell
+    around = sphere_directions(512)
+    distance, _ = grid.march(np.tile(eye, (512, 1)), around)
+    seen = np.isfinite(distance) & (distance > 2)
+    # Back from the surface by more than a cell, since a ray that starts in an occupied one would end there.
+    places = eye + (distance[seen] - 2)[:, None] * around[seen]
+    upwards = np.array([0.0, 1.0, 0.0]) + 0.7 * sphere_directions(16)
+    upwards /= np.linalg.norm(upwards, axis=1, keepdims=True)
+    distance, _ = grid.march(np.repeat(places, 16, axis=0), np.tile(upwards, (len(places), 1)))
+    # Less than this may be a crack between cells.
+    return bool(np.isinf(distance).sum() > 0.005 * max(len(distance), 1))
+
+
+def _placed(upright: FloatArray, origin: FloatArray, target: FloatArray) -> FloatArray:
+    o, t = (tuple(float(c) for c in p) for p in (origin, target))
+    matrix = np.eye(4)
+    matrix[:3, :3] = upright
+    placed: FloatArray = matrix @ look_at((o[0], o[1], o[2]), (t[0], t[1], t[2]))
+    return placed
+
+
+def _object_view(corners: FloatArray, low: FloatArray, high: FloatArray) -> tuple[FloatArray, FloatArray]:
+    centre = (low + high) / 2
+    radius = float(np.linalg.norm(corners.reshape(-1, 3) - centre, axis=1).max())
+    radius = max(radius, 1e-6 * float(np.abs(centre).max()), 1e-12)
+    away = THREE_QUARTER / np.linalg.norm(THREE_QUARTER)
+    return centre + away * (1.03 * radius / math.sin(math.radians(OBJECT_FOV / 2))), centre
+
+
+def _grid(corners: FloatArray, low: FloatArray, high: FloatArray) -> Grid | None:
+    """Marks cells by points spread over the triangles, about 8 for each square of a cell's side; None for a point."""
+    cell = float(np.max(high - low)) / CELLS
+    if cell == 0:
+        return None
+    shape = np.floor((high - low) / cell).astype(np.int64) + 1
+    local = (corners - low) / cell
+    cross = np.cross(local[:, 1] - local[:, 0], local[:, 2] - local[:, 0])
+    # Each point stands for about the same area, so that sums of normals are means over the surface.
+    points = np.ceil(4 * np.linalg.norm(cross, axis=1)).astype(np.int64) + 1
+    which = np.repeat(np.arange(len(local)), points)
+    u, v = np.random.default_rng(1).random((2, len(which)))
+    fold = u + v > 1
+    u, v = np.where(fold, 1 - u, u), np.where(fold, 1 - v, v)
+    a, b, c = (local[which, k] for k in range(3))
+    index = np.floor(a + u[:, None] * (b - a) + v[:, None] * (c - a)).astype(np.int64)
+    index = np.clip(index, 0, shape - 1)
+    flat = np.ravel_multi_index((index[:, 0], index[:, 1], index[:, 2]), tuple(shape))
+    weight = cross[which] / points[which, None]
+    cells = int(np.prod(shape))
+    sums = np.stack([np.bincount(flat, weight[:, k], cells) for k in range(3)], axis=1)
+    normals = sums / np.maximum(np.linalg.norm(sums, axis=1, keepdims=True), 1e-30)
+    occupied = np.bincount(flat, minlength=cells) > 0
+    return Grid(occupied.reshape(shape), normals.astype(np.float32).reshape(*shape, 3), low, cell)
+
+
+def _open_side(grid: Grid) -> tuple[int, int] | None:
+    """The horizontal axis (0 or 2) and sign of the one side on which a room has no wall, as of a doll's house."""
+    found = []
+    for axis in (0, 2):
+        middle = grid.occupied.shape[axis] // 2
+        for sign, half in ((-1, slice(None, middle)), (1, slice(middle, None))):
+            wall = np.take(grid.occupied, np.arange(grid.occupied.shape[axis])[half], axis=axis)
+            shadow = np.asarray(wall.any(axis=axis))
+            # Edges of floor and ceiling are seen end on; what stands inside may hide some of the opening.
+            if shadow[2:-2, 2:-2].mean() < 0.35:
+                found.append((axis, sign))
+    return found[0] if len(found) == 1 else None
+
+
+def _stage_view(low: FloatArray, high: FloatArray, side: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
+    axis, sign = side
+    centre, half = (low + high) / 2, (high - low) / 2
+    opening = centre.copy()
+    opening[axis] += sign * half[axis]
+    eye = opening.copy()
+    eye[axis] += sign * 1.03 * max(half[1], half[2 - axis]) / math.tan(math.radians(OBJECT_FOV / 2))
+    return eye, opening
+
+
+def _room_view(grid: Grid, eyes: FloatArray) -> tuple[FloatArray, FloatArray] | None:
+    """Eye and target in a room, along its longest free view; None for what one should see from outside."""
+    if len(eyes) == 0:
+        return None
+    angles = np.arange(48) * (2 * math.pi / 48)
+    fan = np.stack([np.sin(angles), np.zeros(48), np.cos(angles)], axis=1)
+    distance, _ = grid.march(np.repeat(eyes, 48, axis=0), np.tile(fan, (len(eyes), 1)))
+    # An arcade's open side must not win against the room: what leaves the scene counts as a near wall.
+    distance = np.where(np.isfinite(distance), distance, 4.0).reshape(len(eyes), 48)
+    breadth = np.mean([np.roll(distance, k, axis=1) for k in range(-3, 4)], axis=0)
+    clearance = distance.min(axis=1, keepdims=True)
+    score = np.where(
+        clearance >= 2.5, breadth + 0.5 * np.minimum(distance, 3 * breadth) + 2 * np.minimum(clearance, 6), -1.0
+    )
+    best = int(np.argmax(score))
+    if score.flat[best] < 0:
+        return None
+    row, column = divmod(best, 48)
+    eye = eyes[row]
+    target = eye + fan[column] * breadth[row, column] * (1.0, 0.0, 1.0)
+    return grid.low + grid.cell * eye, grid.low + grid.cell * target
+
+
+def _eyes(grid: Grid) -> FloatArray:
+    """Places to stand inside: surroundings mostly closed and seen from the front, floor below, at eye height."""
+    shape = np.array(grid.occupied.shape)
+    if shape.min() < 6:
+        return np.zeros((0, 3))
+    fractions = np.linspace(0.06, 0.94, 13)
+    x, y, z = np.meshgrid(fractions * shape[0], np.array([0.3, 0.5]) * shape[1], fractions * shape[2], indexing="ij")
+    places = np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    places = places[~grid.occupied[tuple(np.floor(places).astype(np.int64).T)]]
+    down, level = grid.march(places, np.tile([0.0, -1.0, 0.0], (len(places), 1)))
+    up, _ = grid.march(places, np.tile([0.0, 1.0, 0.0], (len(places), 1)))
+    up = np.minimum(up, shape[1] - places[:, 1])
+    stands = np.isfinite(down)
+    places, down, up = places[stands], down[stands], up[stands]
+    # A room has a floor; the inside of a pot is round.
+    if len(places) == 0 or (level[stands] > 0.97).mean() < 0.5:
+        return np.zeros((0, 3))
+    height = np.minimum(0.4 * (down + up), 0.12 * math.hypot(float(shape[0]), float(shape[2])))
+    eyes = places + np.stack([0 * height, np.maximum(height, 2.0) - down, 0 * height], axis=1)
+    eyes = eyes[~grid.occupied[tuple(np.floor(eyes).astype(np.int64).T)]]
+    directions = sphere_directions(48)
+    distance, facing = grid.march(np.repeat(eyes, 48, axis=0), np.tile(directions, (len(eyes), 1)))
+    hits = np.isfinite(distance).reshape(-1, 48)
+    front = (hits & (facing.reshape(-1, 48) > 0)).sum(axis=1) / np.maximum(hits.sum(axis=1), 1)
+    inside = (hits.mean(axis=1) >= 0.7) & (front >= 0.6)
+    # A few such places may hide under any object, say among a chair's legs; a room is one almost everywhere.
+    return eyes[inside] if len(eyes) and inside.mean() >= 0.35 else np.zeros((0, 3))
+
+
+def sphere_directions(count: int) -> FloatArray:
+    """Directions spread evenly, on a Fibonacci spiral."""
+    k = np.arange(count) + 0.5
+    y, angle = 1 - 2 * k / count, math.pi * (3 - math.sqrt(5)) * k
+    r = np.sqrt(1 - y * y)
+    return np.stack([r * np.cos(angle), y, r * np.sin(angle)], axis=1)
