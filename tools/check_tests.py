@@ -1,7 +1,9 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Each source file has its test: one of the same name, or a row in tools/tests.toml that says where or why not.
+"""Each source file has its test: one of the same name in the same room, or a row in tools/tests.toml that says where or
+why not. The rooms of tests/core and tests/python are those of core/ and python/eclat/; what a whole method does may be
+tested in tests/methods/ instead.
 
 Prints sources without either, rows that name files which do not exist or that nothing needs any more, and exits with 1
 if there are any. Tests known to be missing are printed too, but do not fail.
@@ -25,13 +27,19 @@ def sources() -> list[str]:
     return sorted(p.relative_to(ROOT).as_posix() for p in [*core, *python])
 
 
-def has_own_test(source: str) -> bool:
+def own_tests(source: str) -> list[str]:
+    """The places, relative to the root, where a test of this source may stand."""
     path = Path(source)
+    if path.suffix in (".h", ".cpp"):
+        return [f"tests/core/{path.relative_to('core').parent}/test_{path.stem}.cpp"]
     # A package's front door is tested under the package's name.
     stem = path.parent.name if path.name == "__init__.py" else path.stem
-    if path.suffix == ".h":
-        return (ROOT / f"tests/core/test_{stem}.cpp").exists()
-    return any((ROOT / "tests").glob(f"*/test_{stem}.py"))
+    room = path.relative_to("python/eclat").parent.as_posix()
+    return [f"tests/python/{room}/test_{stem}.py".replace("/./", "/"), f"tests/methods/test_{stem}.py"]
+
+
+def has_own_test(source: str) -> bool:
+    return any((ROOT / test).exists() for test in own_tests(source))
 
 
 def main() -> int:
@@ -43,7 +51,7 @@ def main() -> int:
         patterns = [p for section in ("covered", "plain", "missing") for p in table[section] if fnmatch(source, p)]
         needed.update(patterns)
         if not patterns:
-            problems.append(f"{source}: no test of its name in tests/, and no row in tools/tests.toml")
+            problems.append(f"{source}: no {' or '.join(own_tests(source))}, and no row in tools/tests.toml")
     for section in ("covered", "plain", "missing"):
         for pattern in table[section]:
             if pattern not in needed:

@@ -9,7 +9,7 @@
 // Everything here is double precision: coefficients are made once and stored as float by their users.
 //
 // References   [Gautron04] hemispherical harmonics, [IvanicRuedenberg96, IvanicRuedenberg98] rotation
-// Held to      tests/core/test_harmonics.cpp, tests/core/test_rotation.cpp, tests/core/test_projection.cpp,
+// Held to      tests/core/harmonics/test_harmonics.cpp, tests/core/harmonics/test_rotation.cpp, tests/core/harmonics/test_projection.cpp,
 //              tests/python/test_harmonics.py
 
 #pragma once

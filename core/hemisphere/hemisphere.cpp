@@ -3,7 +3,7 @@
 
 // Symbols as in [WardHeckbert92]: M rows in θ, N columns in φ; θ_j− and θ_j+ are the walls of row j, φ_k− the lower wall
 // of column k, u_k the tangent towards the middle of column k, v_k− the tangent at right angles to its wall.
-// Held to tests/core/test_hemisphere.cpp: exact gradients of a polygon's irradiance.
+// Held to tests/core/hemisphere/test_hemisphere.cpp: exact gradients of a polygon's irradiance.
 
 #include "hemisphere/hemisphere.h"
 

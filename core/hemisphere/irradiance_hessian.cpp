@@ -18,7 +18,7 @@
 //
 // Departure   [Schwarzhaupt12] adds up closed-form Hessians of whole triangles, which takes the ring below the last row of
 //             samples for black. Here an edge counts only where radiance jumps, so the last row reaches down to the horizon.
-// Held to     tests/core/test_irradiance_hessian.cpp: finite differences of Lambert's polygon formula.
+// Held to     tests/core/hemisphere/test_irradiance_hessian.cpp: finite differences of Lambert's polygon formula.
 
 #include "hemisphere/irradiance_hessian.h"
 

@@ -14,7 +14,7 @@
 // Departures   [Krivanek05] differentiates each sample by itself and misses what hides and appears. Here each wall between two
 //              cells moves with the nearer of the two surfaces, as for irradiance in [WardHeckbert92], with B on the wall:
 //              integrated along it between rows, and over the row between columns.
-// Held to      tests/core/test_radiance_projection.cpp
+// Held to      tests/core/hemisphere/test_radiance_projection.cpp
 
 #pragma once
 

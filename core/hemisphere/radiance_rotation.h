@@ -6,7 +6,7 @@
 // spherical harmonics and back: the light is continued smoothly below the record's horizon (docs/algorithms/radiance_cache.md).
 //
 // References   [IvanicRuedenberg96] generators; harmonics/rotation.h has the same series in double precision
-// Held to      tests/core/test_radiance_rotation.cpp
+// Held to      tests/core/hemisphere/test_radiance_rotation.cpp
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to     tests/core/test_bright_places.cpp
+// Held to     tests/core/records/test_bright_places.cpp
 
 #include "records/bright_places.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to      tests/integrators/test_irradiance_cache.py, tests/core/test_record_cache.cpp
+// Held to      tests/methods/test_irradiance_cache.py, tests/core/records/test_record_cache.cpp
 
 #include "records/camera_chains.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to     tests/core/test_direct_regions.cpp
+// Held to     tests/core/records/test_direct_regions.cpp
 
 #include "records/direct_regions.h"
 

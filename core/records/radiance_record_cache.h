@@ -12,7 +12,7 @@
 //
 // Departures   The factors f are turned into each record's frame instead of the light into the query's: three times fewer
 //              numbers. A record's radius is multiplied by the lobe's width at the query.
-// Held to      tests/core/test_radiance_record_cache.cpp, tests/integrators/test_radiance_cache.py
+// Held to      tests/core/records/test_radiance_record_cache.cpp, tests/methods/test_radiance_cache.py
 
 #pragma once
 

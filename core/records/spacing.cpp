@@ -15,7 +15,7 @@
 // the records of a model in millimetres 32 times denser than those of the same in metres; this one has no unit. By option
 // that sum is balanced, with w² in place of the threshold.
 //
-// Held to     tests/core/test_spacing.cpp
+// Held to     tests/core/records/test_spacing.cpp
 
 #include "records/spacing.h"
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to      tests/integrators/test_solve_points.py
+// Held to      tests/methods/test_solve_points.py
 
 #include "records/surface_points.h"
 

@@ -11,7 +11,7 @@
 //
 // The width is the radius of the patch of sky that a lobe averages, by the participation ratio of f cos; it scales how far
 // from a record that lobe may be evaluated. It varies continuously with the direction, which the order does not.
-// Held to      tests/core/test_radiance_tables.cpp
+// Held to      tests/core/tables/test_radiance_tables.cpp
 
 #pragma once
 

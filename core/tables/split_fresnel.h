@@ -5,7 +5,7 @@
 // interface's coefficients serves all colours: F(c) = F0 (1 − w) + F90 w − dip c (1 − c)⁶ with w = (1 − c)⁵.
 //
 // References   [Schlick94] the first two, exact for metallic-roughness; [LazanyiSzirmay05] the third, for metals
-// Departures   The dip's factor is the least-squares one over c in [0, 1]. What is left: tests/core/test_brdf_table.cpp.
+// Departures   The dip's factor is the least-squares one over c in [0, 1]. What is left: tests/core/tables/test_brdf_table.cpp.
 
 #pragma once
 

@@ -3,7 +3,7 @@
 
 // The nodes of a table of reflection, over view direction and roughness, and which of them surround a query: what brdf_table.h
 // fills and radiance_tables.h reads in single precision.
-// Held to      tests/core/test_brdf_table.cpp
+// Held to      tests/core/tables/test_brdf_table.cpp
 
 #pragma once
 

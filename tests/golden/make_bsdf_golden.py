@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Writes bsdf_mitsuba.csv: values and densities of BSDFs by Mitsuba 3, which `tests/core/test_bsdf_golden.cpp` expects.
+"""Writes bsdf_mitsuba.csv: values and densities of BSDFs by Mitsuba 3, which `tests/core/bsdf/test_bsdf_golden.cpp` expects.
 
 Run as `python tests/golden/make_bsdf_golden.py`. The names of the models are those of the C++ test, which holds the
 same parameters. Directions follow our convention: wo towards the viewer (Mitsuba's si.wi), wi towards the light.

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Records or paths for points: a choice by counts, said in the statistics. What points receive is tested in
-tests/integrators/test_solve_points.py."""
+tests/methods/test_solve_points.py."""
 
 from __future__ import annotations
 

@@ -14,7 +14,7 @@
 // Departures   Filled in coarse-to-fine passes against a frozen cache instead of on demand, so that it does not depend
 //              on timing. Gather rays end in a second, coarse cache of far points wherever that is not too near.
 // Bias         Interpolation blurs indirect shadows narrower than a record's radius.
-// Held to      tests/integrators/test_irradiance_cache.py
+// Held to      tests/methods/test_irradiance_cache.py
 
 #include "methods/irradiance_cache/irradiance_cache.h"
 

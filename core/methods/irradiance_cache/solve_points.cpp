@@ -5,7 +5,7 @@
 //
 // Departures   Without a camera there are no pixels to bound a record's radius. A thousandth of the scene's diameter
 //              stands for one, as if the scene filled a picture of that width; the bounds in pixels keep their meaning.
-// Held to      tests/integrators/test_solve_points.py
+// Held to      tests/methods/test_solve_points.py
 
 #include "methods/irradiance_cache/solve_points.h"
 

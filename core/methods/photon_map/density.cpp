@@ -17,7 +17,7 @@
 //
 // References   [Jensen01], [Silverman86]
 // Bias         Blur: light that varies within the disc is smeared over it.
-// Held to      tests/core/test_density.cpp
+// Held to      tests/core/methods/photon_map/test_density.cpp
 
 #include "methods/photon_map/density.h"
 

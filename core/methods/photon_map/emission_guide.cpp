@@ -11,7 +11,7 @@
 // emissions, so that what was missed while learning is still found; it was asked as often while learning as it will be later,
 // so that there is about one such photon in a map, if any.
 //
-// Held to      tests/core/test_emission_guide.cpp
+// Held to      tests/core/methods/photon_map/test_emission_guide.cpp
 
 #include "methods/photon_map/emission_guide.h"
 

@@ -18,7 +18,7 @@
 //
 // References   [Jensen01], [Christensen99] irradiance precomputed at photons
 // Bias         Blur of caustics; what gather rays see is blurred too. docs/algorithms/photon_map.md
-// Held to      tests/integrators/test_photon_map.py, tests/integrators/test_caustics.py
+// Held to      tests/methods/test_photon_map.py, tests/methods/test_caustics.py
 
 #include "methods/photon_map/photon_gathering.h"
 

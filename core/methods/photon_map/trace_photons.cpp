@@ -6,7 +6,7 @@
 //
 // Departures   A path scatters by its diffuse or by its glossy lobes, chosen by their albedo, so that each photon is
 //              either a caustic one or not, whatever the material.
-// Held to      tests/core/test_trace_photons.cpp, tests/integrators/test_photon_map.py
+// Held to      tests/core/methods/photon_map/test_trace_photons.cpp, tests/methods/test_photon_map.py
 
 #include "methods/photon_map/trace_photons.h"
 

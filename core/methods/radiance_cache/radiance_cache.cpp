@@ -8,7 +8,7 @@
 // Departures   As irradiance caching: coarse-to-fine passes against a frozen cache. A gather for a radiance record gives an
 //              irradiance record as well, which serves what is diffuse there.
 // Bias         What the order of the expansion leaves of lobe and light, and interpolation.
-// Held to      tests/integrators/test_radiance_cache.py
+// Held to      tests/methods/test_radiance_cache.py
 
 #include "methods/radiance_cache/radiance_cache.h"
 

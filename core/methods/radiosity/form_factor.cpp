@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // References   [Lambert1760] the form factor of a polygon, [Hanrahan91] estimates that decide about links
-// Held to      tests/core/test_form_factor.cpp
+// Held to      tests/core/methods/radiosity/test_form_factor.cpp
 
 #include "methods/radiosity/form_factor.h"
 

@@ -9,7 +9,7 @@
 //
 // Departures   A link is one number for both directions. Clusters take part as if they were patches of their mean normal;
 //              how far their normals spread counts as uncertainty, so that light that matters is linked to flat parts.
-// Held to      tests/core/test_links.cpp
+// Held to      tests/core/methods/radiosity/test_links.cpp
 
 #include "methods/radiosity/links.h"
 

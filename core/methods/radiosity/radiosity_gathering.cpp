@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to      tests/integrators/test_radiosity.py
+// Held to      tests/methods/test_radiosity.py
 
 #include "methods/radiosity/radiosity_gathering.h"
 

@@ -3,7 +3,7 @@
 
 // References   [Goral84], [Hanrahan91], [Lischinski93]; [Knight14] scaling a symmetric
 //              matrix to given row sums
-// Held to      tests/core/test_radiosity_system.cpp, tests/integrators/test_radiosity.py
+// Held to      tests/core/methods/radiosity/test_radiosity_system.cpp, tests/methods/test_radiosity.py
 
 #include "methods/radiosity/radiosity_system.h"
 

@@ -16,7 +16,7 @@ import pytest
 from eclat.loaders.mitsuba import load_xml
 from eclat.scene import Scene
 
-FOLDER = Path(os.environ.get("ECLAT_SCENES", Path(__file__).resolve().parents[3] / "shared" / "scenes"))
+FOLDER = Path(os.environ.get("ECLAT_SCENES", Path(__file__).resolve().parents[5] / "shared" / "scenes"))
 
 # scene: meshes, at least so many triangles, (width, height), a text in each warning
 SCENES = {
