@@ -11,19 +11,14 @@ from typing import Any
 
 import numpy as np
 import OpenEXR
-from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
+from eclat.images.exr_planes import REC_709, Float32, read_planes
 
 PREFIX = "eclat."
 """Before the name of each attribute that holds a piece of metadata as JSON."""
 
-REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
-"""Chromaticities x, y of red, green, blue and white [ITU-R BT.709, table 1]."""
-
 _MAGIC = b"\x76\x2f\x31\x01"
-
-Float32 = NDArray[np.float32]
 
 
 def encode_exr(
@@ -55,7 +50,7 @@ def encode_exr(
 def decode_exr(
     data: bytes, name: str, check_size: Callable[[int, int, str], None]
 ) -> tuple[Float32, dict[str, Float32], dict[str, Any]]:
-    """Pixels, layers and metadata of the first part of a file; grey (`Y`) files become RGB.
+    """Pixels, layers and metadata of the first part of a file, on its display window; grey (`Y`) files become RGB.
 
     Raises
     ------
@@ -64,24 +59,19 @@ def decode_exr(
     if data[:4] != _MAGIC:
         raise EclatError(f"{name}: expected an OpenEXR file, got one that starts with {data[:4]!r}")
     try:
-        header = OpenEXR.File(io.BytesIO(data), header_only=True).header()
-        low, high = header["dataWindow"]
-        check_size(int(high[0]) - int(low[0]) + 1, int(high[1]) - int(low[1]) + 1, name)
-        file = OpenEXR.File(io.BytesIO(data), separate_channels=True)
-        arrays = {key: np.asarray(channel.pixels) for key, channel in file.channels().items()}
-    except EclatError:
-        raise
+        planes = read_planes(data, name, lambda width, height: check_size(width, height, name))
+    except EclatError as error:
+        raise EclatError(f"{name}: {str(error).removeprefix(f'{name}: ')}") from None
     except Exception as error:  # The library raises plain RuntimeError, ValueError and TypeError alike.
         raise EclatError(f"{name}: expected an OpenEXR file that can be read: {error}") from None
-    shape = (int(high[1]) - int(low[1]) + 1, int(high[0]) - int(low[0]) + 1)
-    layers = _layers({key: array for key, array in arrays.items() if array.shape == shape}, name)
+    layers = _layers(planes.channels, name)
     pixels = layers.pop("", None)
     if pixels is None:
-        known = ", ".join(sorted(arrays)) or "none"
+        known = ", ".join(sorted(planes.channels)) or "none"
         raise EclatError(f"{name}: expected channels R, G, B or Y, got {known}")
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, axis=2)
-    return pixels, layers, _metadata(header, name)
+    return pixels, layers, _metadata(planes.header, name)
 
 
 def _channels(prefix: str, letters: str, array: Float32) -> dict[str, Float32]:
@@ -89,12 +79,12 @@ def _channels(prefix: str, letters: str, array: Float32) -> dict[str, Float32]:
     return {f"{prefix}{letter}": np.ascontiguousarray(planes[..., i]) for i, letter in enumerate(letters)}
 
 
-def _layers(arrays: Mapping[str, NDArray[Any]], name: str) -> dict[str, Float32]:
+def _layers(arrays: Mapping[str, Float32], name: str) -> dict[str, Float32]:
     """Channels joined by what stands before their last dot; the picture itself has the empty name."""
     groups: dict[str, dict[str, Float32]] = {}
     for key, array in arrays.items():
         layer, _, letter = key.rpartition(".")
-        groups.setdefault(layer, {})[letter] = array.astype(np.float32)
+        groups.setdefault(layer, {})[letter] = array
     layers: dict[str, Float32] = {}
     ignored: list[str] = []
     for layer, planes in groups.items():

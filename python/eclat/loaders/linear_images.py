@@ -12,36 +12,43 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.errors import EclatError
+from eclat.errors import EclatError, warn
 
 MAX_PIXELS = 1 << 27
 """16384 × 8192."""
 
+_GAMUT = 1e-3
+"""A negative share of the largest channel that is rounding (of 16-bit floats, or of primaries)."""
 _HEADER_LIMIT = 1 << 16
 _HDR_SIZE = re.compile(rb"([-+])Y +(\d{1,7}) +\+X +(\d{1,7})\s*$")
 _PFM_HEADER = re.compile(rb"(PF|Pf)\s+(\d{1,7})\s+(\d{1,7})\s+([-+0-9.eE]{1,20})\s")
 
 
 def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
-    """(H, W, C) of an OpenEXR file: RGB, RGBA or one channel, of its unnamed or else its first layer."""
-    import OpenEXR
+    """(H, W, C) of an OpenEXR file: RGB, RGBA or one channel, of its unnamed or else its first layer.
 
-    try:
-        with OpenEXR.File(str(path), header_only=True) as file:
-            low, high = (np.asarray(corner, dtype=np.int64) for corner in file.header()["dataWindow"])
-        width, height = (int(v) for v in high - low + 1)
+    Colours are in Rec. 709 and cover the display window (see `read_planes`). Where other primaries were converted,
+    what lies outside Rec. 709's gamut is cut at zero, with a warning, since no surface or light is negative.
+    """
+    from eclat.images.exr_planes import read_planes
+
+    def check(width: int, height: int) -> None:
         # The best lossless packing of a constant picture still spends a byte on some thousand texels.
         check_size(width, height, len(data), texels_per_byte=1 << 14)
-        with OpenEXR.File(str(path), separate_channels=True) as file:
-            channels = {name: channel.pixels for name, channel in file.channels().items()}
-            planes = [np.asarray(plane, dtype=np.float32) for plane in _color_channels(channels)]
+
+    try:
+        found = read_planes(data, path.name, check)
+        image = np.stack(_color_channels(found.channels), axis=-1)
     except EclatError:
         raise
     except (RuntimeError, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:
         raise EclatError(f"the image cannot be decoded: {error}") from None
-    if any(plane.shape != (height, width) for plane in planes):
-        raise EclatError(f"expected channels of {width} × {height} texels, got {sorted({p.shape for p in planes})}")
-    return np.stack(planes, axis=-1)
+    outside = (image[..., :3] < -_GAMUT * np.abs(image[..., :3]).max(axis=-1, keepdims=True)).any(axis=-1)
+    if found.converted:
+        if outside.any():
+            warn(f"{path.name}: {int(outside.sum())} texels lie outside the colours of Rec. 709; they are cut at 0")
+        np.maximum(image, 0, out=image)
+    return np.asarray(image, dtype=np.float32)
 
 
 def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
@@ -53,8 +60,6 @@ def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
     header, size = data[:end], _HDR_SIZE.match(data[end + 2 : line_end])
     if size is None:
         raise EclatError(f"expected a Radiance size like '-Y 512 +X 1024', got {data[end + 2 : line_end][:40]!r}")
-    if b"xyze" in header:
-        raise EclatError("expected RGBE texels, got XYZE ones, which are not supported")
     height, width = int(size[2]), int(size[3])
     # A run of two bytes holds 127 values of one of four components.
     check_size(width, height, len(data), texels_per_byte=64)
@@ -69,7 +74,33 @@ def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
     if not exposure > 0:
         raise EclatError(f"expected an EXPOSURE above 0, got {exposure:g}")
     colors = texels[..., :3].astype(np.float32) * (scale * (texels[..., 3] > 0))[..., None] / np.float32(exposure)
-    return np.asarray(colors, dtype=np.float32)
+    return _rec_709(np.asarray(colors, dtype=np.float32), header)
+
+
+def _rec_709(colors: NDArray[np.float32], header: bytes) -> NDArray[np.float32]:
+    """Colours of a Radiance picture whose header says XYZ or other primaries in Rec. 709, cut at zero.
+
+    Radiance's own primaries (x, y within 0.02 of Rec. 709's) and its white of equal energy stay as they are: nearly
+    all programs write the texels of Rec. 709 under that header, or leave the line out.
+    """
+    from eclat.images.exr_planes import REC_709, rgb_to_xyz
+
+    line = re.search(rb"^PRIMARIES=((?:\s*[-+0-9.eE]{1,20}){8})\s*$", header, re.M)
+    to_xyz, standard = None, rgb_to_xyz(REC_709)
+    assert standard is not None
+    if b"xyze" in header:
+        to_xyz = np.eye(3)
+    elif line is not None:
+        try:
+            given = tuple(map(float, line[1].split()))
+        except ValueError:
+            return colors
+        if np.abs(np.subtract(given, REC_709))[:6].max() > 0.02:
+            to_xyz = rgb_to_xyz(given)
+    if to_xyz is None:
+        return colors
+    matrix = (np.linalg.inv(standard) @ to_xyz).astype(np.float32)
+    return np.asarray(np.maximum(colors @ matrix.T, 0), dtype=np.float32)
 
 
 def decode_pfm(path: Path, data: bytes) -> NDArray[np.float32]:

@@ -1,0 +1,173 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The channels of an OpenEXR file as pictures are: on the display window, in Rec. 709, luminance-chroma undone.
+
+All three are lawful in a file without being said in its channels: the data may cover a part of the picture or go
+beyond it, the primaries may be others, and colours may be stored as Y, RY, BY with chroma at half the resolution.
+"""
+
+from __future__ import annotations
+
+import io
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+import OpenEXR
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError, warn
+
+REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
+"""Chromaticities x, y of red, green, blue and white [ITU-R BT.709, table 1]."""
+
+_SAME = 2e-3
+"""Chromaticities that differ by less are the same ones, written with fewer digits."""
+
+Float32 = NDArray[np.float32]
+Float64 = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Planes:
+    """What the first part of a file holds: its header, (H, W) channels by name, whether colours were converted."""
+
+    header: dict[str, Any]
+    channels: dict[str, Float32]
+    converted: bool
+
+
+def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None]) -> Planes:
+    """The channels of the first part of `data`, each as large as the display window, zero where the file has no data.
+
+    Layers of R, G, B (or Y, RY, BY) come as R, G, B with Rec. 709 primaries. As other programs do, a change of
+    primaries keeps XYZ as they are, without adaptation to another white.
+
+    Parameters
+    ----------
+    where : the file, for warnings.
+    check_size : raises EclatError for a width and height that are not to be read.
+
+    Raises
+    ------
+    EclatError : what `check_size` raises, or a data window outside the display window.
+    Exception : of any kind, from the library, for a broken file.
+    """
+    header = dict(OpenEXR.File(io.BytesIO(data), header_only=True).header())
+    window, display = _window(header["dataWindow"]), _window(header.get("displayWindow", header["dataWindow"]))
+    for x0, y0, x1, y1 in (window, display):
+        check_size(x1 - x0, y1 - y0)
+    if max(window[0], display[0]) >= min(window[2], display[2]) or max(window[1], display[1]) >= min(
+        window[3], display[3]
+    ):
+        raise EclatError(f"expected data inside the display window {display}, got the data window {window}")
+    file = OpenEXR.File(io.BytesIO(data), separate_channels=True)
+    channels = {}
+    for name, channel in file.channels().items():
+        plane = _full_size(np.asarray(channel.pixels), (channel.xSampling, channel.ySampling), window)
+        if plane is not None:
+            channels[name] = _placed(plane, window, display)
+    to_xyz = _rgb_to_xyz(header.get("chromaticities"), where)
+    _undo_luminance_chroma(channels, to_xyz[1])
+    converted = not np.array_equal(to_xyz, _rgb_to_xyz(None, where))
+    if converted:
+        _convert(channels, np.linalg.inv(_rgb_to_xyz(None, where)) @ to_xyz)
+    return Planes(header, channels, converted)
+
+
+def rgb_to_xyz(chromaticities: tuple[float, ...]) -> Float64 | None:
+    """The 3×3 matrix of primaries given as x, y of red, green, blue, white; of white's Y 1. None for impossible ones.
+
+    [SMPTE RP 177]
+    """
+    if len(chromaticities) != 8 or not np.isfinite(chromaticities).all():
+        return None
+    x, y = np.asarray(chromaticities, dtype=np.float64).reshape(4, 2).T
+    columns = np.array([x, y, 1 - x - y])
+    primaries, white = columns[:, :3], columns[:, 3]
+    if white[1] <= 0 or abs(np.linalg.det(primaries)) < 1e-6:
+        return None
+    return np.asarray(primaries * np.linalg.solve(primaries, white / white[1]), dtype=np.float64)
+
+
+def _rgb_to_xyz(chromaticities: Any, where: str) -> Float64:
+    """The matrix of the header's attribute, Rec. 709's where it is absent, the same, or (with a warning) impossible."""
+    standard = rgb_to_xyz(REC_709)
+    assert standard is not None
+    if chromaticities is None:
+        return standard
+    given = tuple(float(value) for value in np.ravel(chromaticities))
+    if len(given) == 8 and np.abs(np.subtract(given, REC_709)).max() < _SAME:
+        return standard
+    found = rgb_to_xyz(given)
+    if found is None:
+        warn(f"{where}: the chromaticities {given} are no primaries; those of Rec. 709 are used")
+        return standard
+    return found
+
+
+def _window(corners: Any) -> tuple[int, int, int, int]:
+    """(x0, y0, x1, y1), the far corner not included."""
+    (x0, y0), (x1, y1) = corners
+    return int(x0), int(y0), int(x1) + 1, int(y1) + 1
+
+
+def _full_size(
+    plane: NDArray[Any], sampling: tuple[int, int], window: tuple[int, int, int, int]
+) -> NDArray[Any] | None:
+    """The plane at one value a pixel of `window`; None where it has another size than its sampling says."""
+    x0, y0, x1, y1 = window
+    for axis, step, start, end in ((1, sampling[0], x0, x1), (0, sampling[1], y0, y1)):
+        if step == 1:
+            if plane.ndim != 2 or plane.shape[axis] != end - start:
+                return None
+            continue
+        # Samples lie at the multiples of the sampling [OpenEXR file layout, channels]; between them, straight lines.
+        places = np.arange(-(-start // step), (end - 1) // step + 1) * step
+        if plane.ndim != 2 or not 0 < plane.shape[axis] <= len(places):
+            return None
+        places = places[: plane.shape[axis]]
+        at = np.clip(np.arange(start, end), places[0], places[-1])
+        low = (at - places[0]) // step
+        high = np.minimum(low + 1, len(places) - 1)
+        weight = ((at - places[low]) / step).astype(np.float32)
+        weight = weight if axis == 1 else weight[:, None]
+        first, second = np.take(plane, low, axis=axis), np.take(plane, high, axis=axis)
+        plane = first * (1 - weight) + second * weight
+    return plane
+
+
+def _placed(plane: NDArray[Any], window: tuple[int, int, int, int], display: tuple[int, int, int, int]) -> Float32:
+    """`plane`, which covers `window`, cut to the `display` window and filled up with zeros."""
+    plane = plane.astype(np.float32)
+    if window == display:
+        return plane
+    (x0, y0, x1, y1), (dx0, dy0, dx1, dy1) = window, display
+    result = np.zeros((dy1 - dy0, dx1 - dx0), np.float32)
+    left, top, right, bottom = max(x0, dx0), max(y0, dy0), min(x1, dx1), min(y1, dy1)
+    result[top - dy0 : bottom - dy0, left - dx0 : right - dx0] = plane[top - y0 : bottom - y0, left - x0 : right - x0]
+    return result
+
+
+def _layers_of(channels: dict[str, Float32], letters: tuple[str, ...]) -> list[str]:
+    """What stands before each set of channels of these `letters`: "" or a layer's name with its dot."""
+    starts = [name.removesuffix(letters[0]) for name in channels if name.rpartition(".")[2] == letters[0]]
+    return [start for start in starts if all(f"{start}{letter}" in channels for letter in letters)]
+
+
+def _undo_luminance_chroma(channels: dict[str, Float32], weights: Float64) -> None:
+    """Y, RY = (R − Y)/Y, BY = (B − Y)/Y become R, G, B, where Y is R, G, B times `weights` [OpenEXR, ImfRgbaYca]."""
+    for start in _layers_of(channels, ("Y", "RY", "BY")):
+        y, ry, by = (channels.pop(f"{start}{letter}") for letter in ("Y", "RY", "BY"))
+        red, blue = (ry + 1) * y, (by + 1) * y
+        wr, wg, wb = (np.float32(weight) for weight in weights)
+        channels |= {f"{start}R": red, f"{start}G": (y - wr * red - wb * blue) / wg, f"{start}B": blue}
+
+
+def _convert(channels: dict[str, Float32], matrix: Float64) -> None:
+    for start in _layers_of(channels, ("R", "G", "B")):
+        names = [f"{start}{letter}" for letter in "RGB"]
+        red, green, blue = (channels[name] for name in names)
+        for name, (r, g, b) in zip(names, matrix.astype(np.float32), strict=True):
+            channels[name] = r * red + g * green + b * blue
