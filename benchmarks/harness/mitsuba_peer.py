@@ -16,6 +16,8 @@ VARIANT = "llvm_ad_rgb"
 FLIP_X_AND_Z = np.diag([-1.0, 1.0, -1.0, 1.0])
 """Their cameras look along local +z with +x to the left, ours along −z with +x to the right."""
 
+_NEEDED_LLVM = "LLVM 17 or newer: apt-get install libllvm19"
+
 SAMPLES = (4, 16, 64, 256)
 """A pixel, of the race's levels."""
 
@@ -31,9 +33,12 @@ def start() -> Any:
         import drjit
 
         drjit.eval(mitsuba.Float(1) + drjit.arange(mitsuba.Float, 2))
+        found = drjit.detail.llvm_version()
     except Exception as error:
-        needed = "LLVM 17 or newer: apt-get install libllvm19"
-        raise UnavailableError(f"Mitsuba's {VARIANT} needs {needed} ({error})") from error
+        raise UnavailableError(f"Mitsuba's {VARIANT} needs {_NEEDED_LLVM} ({error})") from error
+    # An older one starts, and then aborts the process over the kernels of larger scenes.
+    if found[0] < 17:
+        raise UnavailableError(f"Mitsuba's {VARIANT} needs {_NEEDED_LLVM} (found {'.'.join(map(str, found))})")
     return mitsuba
 
 

@@ -33,17 +33,18 @@ class Case:
     of_blocks: float
     of_mean: float
     method: type[eclat.IrradianceCache] = eclat.IrradianceCache
+    marks: tuple[pytest.MarkDecorator, ...] = ()
 
 
 CASES = [
-    Case("veach-door/scene.xml", 256, of_blocks=0.08, of_mean=0.045),
-    Case("sponza-dabrovic/sun.xml", 64, of_blocks=0.02, of_mean=0.01),
+    Case("veach-door/scene.xml", 256, of_blocks=0.08, of_mean=0.045, marks=(pytest.mark.full,)),
+    Case("sponza-dabrovic/sun.xml", 64, of_blocks=0.02, of_mean=0.01, marks=(pytest.mark.full,)),
     Case("sibenik/nave.xml", 96, of_blocks=0.04, of_mean=0.02),
     Case("bitterli-veach-bidir/scene.xml", 256, of_blocks=0.06, of_mean=0.045, method=eclat.RadianceCache),
 ]
 
 
-@pytest.mark.parametrize("case", CASES, ids=lambda c: c.file.split("/")[0])
+@pytest.mark.parametrize("case", [pytest.param(c, id=c.file.split("/")[0], marks=c.marks) for c in CASES])
 @pytest.mark.filterwarnings("ignore::eclat.EclatWarning")
 def test_the_bias_is_no_more_than_stated(scenes: Path, case: Case) -> None:
     if not (scenes / case.file).is_file():
