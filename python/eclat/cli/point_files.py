@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
+from eclat.loaders.text_files import utf8
 
 EXPECTED = "six numbers x y z nx ny nz"
 HEADING = "irradiance_r,irradiance_g,irradiance_b,lux"
@@ -80,7 +81,7 @@ def _from_text(data: bytes, label: str) -> tuple[list[int], Float64]:
     """Line numbers (from 1) and rows of a text."""
     lines: list[int] = []
     rows: list[list[float]] = []
-    for number, line in enumerate(data.decode("utf-8-sig", errors="replace").splitlines(), 1):
+    for number, line in enumerate(utf8(data, label).decode("utf-8", errors="replace").splitlines(), 1):
         fields = line.replace(",", " ").replace(";", " ").split()
         if not fields or fields[0].startswith("#"):
             continue

@@ -12,7 +12,7 @@ from typing import Literal
 
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.loaders.files import read_bytes, read_texture, resolve, stand_in
-from eclat.loaders.obj_text import decoded, logical_lines
+from eclat.loaders.text_files import decoded, logical_lines
 from eclat.loaders.triangles import LARGEST
 from eclat.scene import Texture
 
@@ -137,7 +137,7 @@ def _parse(path: Path) -> dict[str, Entry]:
     entries: dict[str, Entry] = {}
     current: Entry | None = None
     ignored: dict[str, int] = {}
-    for number, line in logical_lines(read_bytes(path, where=path.name)):
+    for number, line in logical_lines(read_bytes(path, where=path.name), path.name):
         words = decoded(line).split(None, 1)
         if not words or words[0].startswith("#"):
             continue

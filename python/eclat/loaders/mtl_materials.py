@@ -21,6 +21,9 @@ illum 0, 1, or Ks = 0              `diffuse` of reflectance Kd
 else                               `phong`: Kd, Ks, exponent Ns
 =================================  ====================================================================================
 
+A black Kd or Ke, or a Pr, Pm, Ns or d of 0, beside its map would hide the map, which no file wants that names it:
+exporters write what the map replaced. The map counts alone then, with a warning. A black Ks stays black, and it is
+said: beside Kd there is no telling how much a specular map of its own should reflect.
 Kd + Ks > 1 makes energy: both are scaled, with a warning. Elsewhere d (or 1 − Tr) is the probability that a ray
 meets the surface. A bump map's white texel is 1 % of the texture's width on the surface high, times -bm: with
 stone and brick photographs this gives slopes of about 0.3.
@@ -93,9 +96,9 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
 def _lobes(library: Library, entry: Entry) -> tuple[Value, Value]:
     """Diffuse and specular reflectance, together at most 1."""
     illum = number(entry, "illum")
-    diffuse, specular = _kd(library, entry), _color(library, entry, "ks", 1.0 if "map_ks" in entry.statements else 0.0)
-    if illum is not None and illum < 2:
-        specular = grey(0)
+    diffuse, specular = _kd(library, entry), grey(0)
+    if illum is None or illum >= 2:
+        specular = _color(library, entry, "ks", 1.0 if "map_ks" in entry.statements else 0.0)
     if illum == 5 and not {"ks", "map_ks"} & entry.statements.keys():
         specular = grey(1)
         diffuse = grey(0) if "kd" not in entry.statements else diffuse
@@ -192,10 +195,13 @@ def _opacity(library: Library, entry: Entry, *, solid: bool) -> Value:
                 f"{entry.where('tr')}: Tr 1 alone would be invisible; taken for the opposite, as some exporters mean it"
             )
             opacity = 1.0
-    if opacity == 0:
-        warn(f"{entry.path.name}, material {entry.name!r}: d is 0, its surfaces are invisible")
     key = "map_d" if "map_d" in entry.statements else "map_tr"
     found = texture_map(entry, key)
+    if opacity == 0 and found is not None:
+        _say_hidden(entry, "d")
+        opacity = 1.0
+    elif opacity == 0:
+        warn(f"{entry.path.name}, material {entry.name!r}: d is 0, its surfaces are invisible")
     if found is None:
         return grey(opacity)
     texture = read_map(library, entry, key, found, srgb=False)
@@ -245,9 +251,21 @@ def _color(library: Library, entry: Entry, key: str, default: float) -> Value:
     found = texture_map(entry, f"map_{key}")
     if found is None:
         return Value(constant)
+    if not any(constant) and key == "ks":
+        warn(f"{entry.where(f'map_{key}')}: Ks is black and hides map_Ks; the material is diffuse")
+        return Value(constant)
+    if not any(constant):
+        _say_hidden(entry, key)
+        constant = (1.0, 1.0, 1.0)
     texture = read_map(library, entry, f"map_{key}", found, srgb=True)
     channel = 0 if texture.image.shape[2] == 1 else _CHANNELS.get(found.channel)
     return Value(constant, texture, channel, uv_transform=found.uv_transform)
+
+
+def _say_hidden(entry: Entry, key: str) -> None:
+    name = "d" if key == "d" else key.capitalize()
+    place = entry.where(key) if key in entry.statements else f"{entry.path.name}, material {entry.name!r}"
+    warn(f"{place}: {name} is 0 and would hide its map; the map counts alone")
 
 
 def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: int | None = None) -> Value:
@@ -255,6 +273,9 @@ def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: 
     found = texture_map(entry, key)
     if found is None:
         return grey(constant)
+    if constant == 0:
+        _say_hidden(entry, key.removeprefix("map_"))
+        constant = _MIRROR_EXPONENT if key == "map_ns" else 1.0
     texture = read_map(library, entry, key, found, srgb=False)
     if channel is None or channel >= texture.image.shape[2]:
         channel = _channel(found, texture)

@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wavefront OBJ: triangles and polygons, with the materials of its MTL files.
 
-World space is the file's, lengths count as metres. Faces without `vn` are flat, those with `vn` are smooth whatever
-the smoothing groups say (the format has it so). Curves, surfaces, lines and points are left out with a warning.
-`obj_text` reads the statements, `mtl` and `mtl_materials` the materials; this file makes meshes of them.
+World space is the file's, lengths count as metres. Corners with `vn` have that normal whatever the smoothing groups say
+(the format has it so); those without are smooth among the faces of their smoothing group, flat where they have none.
+Curves, surfaces, lines and points are left out with a warning. `obj_text` reads the statements, `mtl` and
+`mtl_materials` the materials; this file makes meshes of them.
 """
 
 from __future__ import annotations
@@ -58,8 +59,8 @@ def load_obj(
     ----------
     face_normals : ignore `vn`, everything is flat.
     materials : read MTL files; without, all triangles come as one mesh with a default material.
-    smooth : where the file has no normals at all, compute them (as Mitsuba does) instead of flat shading; vertices
-        that differ in `vt` stay apart.
+    smooth : where the file has no normals at all, compute them for all vertices (as Mitsuba does), which knows no
+        smoothing groups; vertices that differ in `vt` stay apart.
     flip_v : OBJ's v grows upwards, ours downwards; False keeps the file's numbers.
 
     Raises
@@ -67,6 +68,8 @@ def load_obj(
     EclatError : unreadable files, malformed lines, indices out of range, coordinates that are not finite, no triangle.
     """
     text = read_obj_text(read_bytes(path, where=path.name), path.name)
+    if smooth:
+        text = replace(text, face_smoothing=np.zeros_like(text.face_smoothing))
     if not materials:
         text = replace(text, face_materials=np.zeros_like(text.face_materials), material_names=[""])
     vertices = _merge_corners(text, path.name, face_normals=face_normals, flip_v=flip_v)
@@ -110,7 +113,7 @@ def _merge_corners(text: ObjText, where: str, *, face_normals: bool, flip_v: boo
         normals=np.vstack([normals, np.zeros((1, 3))])[n].astype(np.float32),
         uvs=uvs,
         has_uv=t >= 0,
-        colors=None if text.colors is None else _linear_colors(text.colors)[v],
+        colors=None if text.colors is None else _linear_colors(text.colors, where)[v],
         triangles=inverse.reshape(-1, 3),
         polygons=polygons,
     )
@@ -119,12 +122,14 @@ def _merge_corners(text: ObjText, where: str, *, face_normals: bool, flip_v: boo
 def _complete_normals(
     text: ObjText, corners: IntArray, polygons: IntArray, normals: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Where a material has normals, its corners without (or with one of length zero) get their face's.
+    """Corners without a normal (or with one of length zero) get their smoothing group's; where they have none but
+    their material has normals, their face's.
 
     `corners` are the triangles', three for each of `polygons`. Returns their normal indices, and the longer table.
     """
     index = corners[:, 2].copy()
     index[index >= 0] = np.where(normals[index[index >= 0]].any(axis=1), index[index >= 0], -1)
+    index, normals = _smooth_groups(text, corners, polygons, index, normals)
     material = np.repeat(text.face_materials[polygons], 3)
     wanted = np.zeros(len(text.material_names), dtype=bool)
     wanted[material[index >= 0]] = True
@@ -142,11 +147,31 @@ def _complete_normals(
     return index, np.vstack([normals, geometry.normalized(areas)])
 
 
-def _linear_colors(colors: FloatArray) -> NDArray[np.float32]:
+def _smooth_groups(
+    text: ObjText, corners: IntArray, polygons: IntArray, index: IntArray, normals: FloatArray
+) -> tuple[IntArray, FloatArray]:
+    """The mean normal of a vertex over the faces of one smoothing group, for corners without; as `_complete_normals`.
+
+    Faces are joined where they name the same vertex, whatever their material and texture coordinates.
+    """
+    group = np.repeat(text.face_smoothing[polygons], 3)
+    if not ((group > 0) & (index < 0)).any():
+        return index, normals
+    count = int(group.max()) + 1
+    smoothed = group > 0
+    keys, places = np.unique(corners[smoothed, 0] * count + group[smoothed], return_inverse=True)
+    means = geometry.smooth_normals(text.positions[keys // count], places.reshape(-1, 3))
+    own = np.full(len(group), -1)
+    own[smoothed] = len(normals) + places.ravel()
+    return np.where(index < 0, own, index), np.vstack([normals, means])
+
+
+def _linear_colors(colors: FloatArray, where: str) -> NDArray[np.float32]:
     """(V, 4) linear RGBA; the files' numbers are sRGB, white where a vertex has none."""
     known = np.isfinite(colors.sum(axis=1))
+    white = geometry.white_of(colors[known], "vertex colours", where)
     return np.column_stack(
-        [geometry.linear_from_srgb(np.where(known[:, None], colors, 1)), np.ones(len(colors), np.float32)]
+        [geometry.linear_from_srgb(np.where(known[:, None], colors / white, 1)), np.ones(len(colors), np.float32)]
     )
 
 

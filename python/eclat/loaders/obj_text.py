@@ -4,14 +4,13 @@
 
 from __future__ import annotations
 
-import re
-from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
+from eclat.loaders.text_files import decoded, logical_lines
 from eclat.loaders.triangles import check_positions, finite_rows
 
 IntArray = NDArray[np.int64]
@@ -20,7 +19,6 @@ _ABSENT = int(np.iinfo(np.int64).min)
 _LARGEST_INDEX = 1 << 40
 """No file holds as many vertices; a larger index would overflow sums below."""
 
-_CONTINUED = re.compile(rb"\\[ \t]*(?:\r\n|\r|\n)")
 _KINDS = ("v", "vt", "vn")
 
 
@@ -43,6 +41,8 @@ class ObjText:
     """(F,) places in `material_names`, where "" means that no `usemtl` came before."""
     face_groups: IntArray
     """(F,) places in `group_names`."""
+    face_smoothing: IntArray
+    """(F,) smoothing groups as numbers from 1, 0 for none."""
     material_names: list[str]
     group_names: list[str]
     libraries: list[tuple[int, str]]
@@ -61,6 +61,8 @@ class _Statements:
     """How many v, vt, vn came before each face: negative indices count from there."""
     face_materials: list[int] = field(default_factory=list)
     face_groups: list[int] = field(default_factory=list)
+    face_smoothing: list[int] = field(default_factory=list)
+    smoothing: dict[bytes, int] = field(default_factory=lambda: {b"": 0, b"0": 0, b"off": 0})
     materials: dict[bytes, int] = field(default_factory=lambda: {b"": 0})
     groups: dict[bytes, int] = field(default_factory=lambda: {b"": 0})
     libraries: list[tuple[int, bytes]] = field(default_factory=list)
@@ -74,7 +76,7 @@ def read_obj_text(data: bytes, where: str) -> ObjText:
     ------
     EclatError : no vertices or faces, malformed lines, indices out of range, coordinates that are not finite.
     """
-    found = _sort_lines(data)
+    found = _sort_lines(data, where)
     if found.ignored:
         kinds = ", ".join(f"{decoded(key)[:20]!r} (line {line})" for key, line in list(found.ignored.items())[:8])
         more = f" and {len(found.ignored) - 8} more kinds" if len(found.ignored) > 8 else ""
@@ -96,44 +98,19 @@ def read_obj_text(data: bytes, where: str) -> ObjText:
         counts=counts,
         face_materials=np.array(found.face_materials, dtype=np.int64),
         face_groups=np.array(found.face_groups, dtype=np.int64),
+        face_smoothing=np.array(found.face_smoothing, dtype=np.int64),
         material_names=[decoded(name) for name in found.materials],
         group_names=[decoded(name) for name in found.groups],
         libraries=[(line, decoded(name)) for line, name in found.libraries],
     )
 
 
-def decoded(text: bytes) -> str:
-    """UTF-8, else Latin-1, which never fails."""
-    try:
-        return text.decode("utf-8")
-    except UnicodeDecodeError:
-        return text.decode("latin-1")
-
-
-def logical_lines(data: bytes) -> Iterator[tuple[int, bytes]]:
-    """Numbered lines (from 1), those that end with a backslash joined to the next; any line ending, BOM removed."""
-    data = data.removeprefix(b"\xef\xbb\xbf")
-    if not _CONTINUED.search(data):
-        yield from enumerate(data.splitlines(), 1)
-        return
-    number, parts = 0, []
-    for number, line in enumerate(data.splitlines(), 1):
-        bare = line.rstrip(b" \t")
-        if bare.endswith(b"\\"):
-            parts.append(bare[:-1])
-        else:
-            yield number - len(parts), b" ".join([*parts, line])
-            parts = []
-    if parts:
-        yield number - len(parts) + 1, b" ".join(parts)
-
-
-def _sort_lines(data: bytes) -> _Statements:
+def _sort_lines(data: bytes, where: str) -> _Statements:
     found = _Statements()
     rows, lines = found.rows, found.lines
     v, vt, vn = rows[b"v"], rows[b"vt"], rows[b"vn"]
-    material = group = 0
-    for number, line in logical_lines(data):
+    material = group = smoothing = 0
+    for number, line in logical_lines(data, where):
         words = line.split(None, 1)
         if not words:
             continue
@@ -148,13 +125,17 @@ def _sort_lines(data: bytes) -> _Statements:
             found.face_seen.append((len(v), len(vt), len(vn)))
             found.face_materials.append(material)
             found.face_groups.append(group)
+            found.face_smoothing.append(smoothing)
         elif key == b"usemtl":
             material = found.materials.setdefault(rest.strip(), len(found.materials))
         elif key == b"g" or key == b"o":
             group = found.groups.setdefault(b" ".join(rest.split()), len(found.groups))
         elif key == b"mtllib":
             found.libraries.append((number, rest.strip()))
-        elif key != b"s" and not key.startswith(b"#"):
+        elif key == b"s":
+            name = rest.partition(b"#")[0].strip().lower()
+            smoothing = found.smoothing.setdefault(name, len(found.smoothing) - 2)
+        elif not key.startswith(b"#"):
             found.ignored.setdefault(key, number)
     return found
 
@@ -239,6 +220,15 @@ def _corners(found: _Statements, where: str) -> tuple[IntArray, IntArray]:
         )
     seen = np.repeat(np.array(found.face_seen, dtype=np.int64), counts, axis=0)
     totals = np.array([len(found.rows[kind.encode()]) for kind in _KINDS])
+    # Cinema 4D writes index 0 where a corner has no normal; indices count from 1.
+    zero = indices[:, 1:] == 0
+    if zero.any():
+        corner, column = (int(i) for i in np.argwhere(zero)[0])
+        warn(
+            f"{where}: {int(zero.any(axis=1).sum())} face corners have the index 0 of vt or vn (the first in line "
+            f"{lines[corner]}, {_KINDS[column + 1]}), where indices count from 1; it is taken for a missing one"
+        )
+        indices[:, 1:][zero] = _ABSENT
     given = indices != _ABSENT
     places = np.where(indices > 0, indices - 1, seen + np.where(given, indices, 0))
     wrong = given & ((indices == 0) | (places < 0) | (places >= totals))

@@ -3,7 +3,8 @@
 """PLY: one mesh with polygons or triangle strips, vertex normals, colours and texture coordinates.
 
 World space is the file's, lengths count as metres. Colours of integer type are sRGB, of floating type linear.
-`ply_header` and `ply_data` read the format; this file knows which names mean what.
+Textures are those that comments name (`comment TextureFile skin.png`).
+`ply_header` and `ply_data` read the format, `ply_textures` the textures; this file knows which names mean what.
 """
 
 from __future__ import annotations
@@ -17,19 +18,24 @@ from eclat.errors import EclatError, warn
 from eclat.loaders import triangles as geometry
 from eclat.loaders.files import read_bytes
 from eclat.loaders.ply_data import Columns, Lists, read_elements
-from eclat.loaders.ply_header import read_header
+from eclat.loaders.ply_header import Header, read_header
+from eclat.loaders.ply_textures import FaceCorners, textured
+from eclat.loaders.text_files import utf8
 from eclat.scene import FloatArray, Material, Mesh, Scene, grey
 
 _UV_NAMES = (("s", "t"), ("u", "v"), ("texture_u", "texture_v"), ("texture_s", "texture_t"), ("s0", "t0"))
 _COLOR_NAMES = (("red", "green", "blue"), ("diffuse_red", "diffuse_green", "diffuse_blue"), ("r", "g", "b"))
 _ALPHA_NAMES = ("alpha", "diffuse_alpha", "a")
 _FACE_ATTRIBUTES = {"texcoord", "texnumber", "red", "green", "blue", "alpha"}
+_TEXTURE_ATTRIBUTES = {"texcoord", "texnumber"}
 _INDEX_NAMES = ("vertex_indices", "vertex_index")
 
 
 def load_ply_scene(path: Path) -> Scene:
-    """The scene in a PLY file: one grey or vertex-coloured mesh, without camera and lights."""
-    return Scene(meshes=(load_ply(path, flip_v=True),), name=path.stem)
+    """The scene in a PLY file: one mesh, grey, vertex-coloured or textured (one for each texture); no camera, no lights."""
+    header, elements = _read(path)
+    faces, mesh = _mesh(path, elements, face_normals=False, flip_v=True, textured=bool(header.textures))
+    return Scene(meshes=tuple(textured(mesh, header.textures, faces, elements.get("face", {}), path)), name=path.stem)
 
 
 def load_ply(path: Path, *, face_normals: bool = False, flip_v: bool = False) -> Mesh:
@@ -44,18 +50,36 @@ def load_ply(path: Path, *, face_normals: bool = False, flip_v: bool = False) ->
     ------
     EclatError : unreadable or truncated files, indices out of range, coordinates that are not finite, no triangle.
     """
+    return _mesh(path, _read(path)[1], face_normals=face_normals, flip_v=flip_v)[1]
+
+
+def _read(path: Path) -> tuple[Header, dict[str, Columns]]:
     where = path.name
-    data = read_bytes(path, where=where)
-    elements = read_elements(data, read_header(data, where), where)
+    data = utf8(read_bytes(path, where=where), where)
+    header = read_header(data, where)
+    return header, read_elements(data, header, where)
+
+
+def _mesh(
+    path: Path, elements: dict[str, Columns], *, face_normals: bool, flip_v: bool, textured: bool = False
+) -> tuple[FaceCorners, Mesh]:
+    where = path.name
     vertex = elements.get("vertex", {})
     positions = _columns(vertex, ("x", "y", "z"))
     if positions is None or not len(positions):
         raise EclatError(f"{where}: expected vertices with coordinates x, y, z, got none")
     geometry.check_positions(positions, where)
-    triangles = _triangles(elements, positions, where)
+    triangles, faces = _triangles(elements, positions, where)
+    unread = elements.get("face", {}).keys() & (_FACE_ATTRIBUTES - (_TEXTURE_ATTRIBUTES if textured else set()))
+    if unread:
+        names = ", ".join(sorted(unread))
+        warn(f"{where}: attributes of faces are ignored, only those of vertices are read: {names}")
+    ignored = sorted(elements.keys() - {"vertex", "face", "tristrips"})
+    if ignored:
+        warn(f"{where}: elements that are not understood are ignored: {', '.join(map(repr, ignored[:8]))}")
     colors = _colors(vertex, where)
     reflectance = grey(0.5 if colors is None else 1.0)
-    return Mesh(
+    return faces, Mesh(
         positions=positions,
         triangles=triangles.astype(np.int32),
         material=Material(parameters={"reflectance": reflectance}, vertex_colors=colors is not None),
@@ -95,49 +119,57 @@ def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
         rgb = _columns(vertex, names)
         if rgb is None:
             continue
-        white = _white(vertex, names[0])
         rgb = geometry.finite_rows(rgb, "vertex colours", where)
+        white = _white(vertex, names, rgb, where)
         linear = rgb if white is None else geometry.linear_from_srgb(rgb / white)
         alpha = np.ones(len(rgb), dtype=np.float32)
         for name in _ALPHA_NAMES:
             column = _columns(vertex, (name,))
             if column is not None:
-                alpha = geometry.finite_rows(column, "alphas", where)[:, 0] / np.float32(_white(vertex, name) or 1)
+                alpha = geometry.finite_rows(column, "alphas", where)[:, 0]
+                alpha = alpha / np.float32(_white(vertex, (name,), alpha, where) or 1)
                 break
         return np.column_stack([np.maximum(linear, 0), np.clip(alpha, 0, 1)]).astype(np.float32)
     return None
 
 
-def _white(vertex: Columns, name: str) -> float | None:
-    """The largest number of an integer property's type, None for a floating one."""
-    column = vertex[name]
-    if isinstance(column, Lists) or column.dtype.kind == "f":
-        return None
-    return float(np.iinfo(column.dtype).max)
+def _white(vertex: Columns, names: tuple[str, ...], values: FloatArray, where: str) -> float | None:
+    """The number of white: an integer type's largest, None for floating ones in 0..1; 255 where bytes came as others."""
+    columns = [column for column in map(vertex.__getitem__, names) if not isinstance(column, Lists)]
+    what = f"vertex colours ({', '.join(names)})"
+    if any(column.dtype.kind == "f" for column in columns):
+        white = geometry.white_of(values, what, where, linear=True)
+        return None if white == 1 else white
+    largest = float(max(np.iinfo(column.dtype).max for column in columns))
+    if largest > 255 and 1 < values.max(initial=0) <= 255:
+        warn(f"{where}: {what} are {columns[0].dtype} and reach {values.max():g}; they are taken for numbers of 0..255")
+        return 255.0
+    return largest
 
 
-def _triangles(elements: dict[str, Columns], positions: FloatArray, where: str) -> NDArray[np.int64]:
-    """(T, 3) from faces and strips, those without area dropped."""
+def _triangles(
+    elements: dict[str, Columns], positions: FloatArray, where: str
+) -> tuple[NDArray[np.int64], FaceCorners]:
+    """(T, 3) from faces and strips, those without area dropped, and where in the faces they come from."""
     parts: list[NDArray[np.int64]] = []
+    places, polygons, counts = np.zeros((0, 3), np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
     short = 0
     faces = _index_lists(elements.get("face", {}))
     if faces is not None:
         indices = _checked(faces, len(positions), "face", where)
-        short = int((faces.counts < 3).sum())
-        parts.append(indices[geometry.triangulate(positions, indices, faces.counts, where)[0]])
+        counts = faces.counts
+        short = int((counts < 3).sum())
+        places, polygons = geometry.triangulate(positions, indices, counts, where)
+        parts.append(indices[places])
     strips = _index_lists(elements.get("tristrips", {}))
     if strips is not None:
         parts.append(_from_strips(_checked(strips, len(positions), "tristrips", where), strips.counts))
-    unread = sorted(elements.get("face", {}).keys() & _FACE_ATTRIBUTES)
-    if unread:
-        warn(f"{where}: attributes of faces are ignored, only those of vertices are read: {', '.join(unread)}")
-    ignored = sorted(elements.keys() - {"vertex", "face", "tristrips"})
-    if ignored:
-        warn(f"{where}: elements that are not understood are ignored: {', '.join(map(repr, ignored[:8]))}")
     if not sum(map(len, parts)):
         raise EclatError(f"{where}: expected a mesh with faces or triangle strips, got {len(positions)} vertices alone")
     triangles = np.concatenate(parts)
-    return triangles[geometry.drop_slivers(positions, triangles, where, short_polygons=short)]
+    keep = geometry.drop_slivers(positions, triangles, where, short_polygons=short)
+    own = keep[: len(places)]
+    return triangles[keep], FaceCorners(places[own], polygons[own], counts)
 
 
 def _index_lists(columns: Columns) -> Lists | None:

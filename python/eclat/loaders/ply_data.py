@@ -12,8 +12,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
-from eclat.loaders.obj_text import decoded
 from eclat.loaders.ply_header import Element, Header, Property
+from eclat.loaders.text_files import decoded, plain_numbers
 
 Numbers = NDArray[Any]
 """Integers or floats, one per row."""
@@ -44,7 +44,7 @@ def read_elements(data: bytes, header: Header, where: str) -> dict[str, Columns]
     """
     result: dict[str, Columns] = {}
     if header.encoding == "ascii":
-        words: list[bytes] = data[header.size :].split()
+        words: list[bytes] = plain_numbers(data[header.size :]).split()
         place = 0
         for element in header.elements:
             columns, place = _read_text(words, place, element, where)

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 from typing import Literal
 
 from eclat.errors import EclatError
-from eclat.loaders.obj_text import decoded
+from eclat.loaders.text_files import decoded
 
 Encoding = Literal["ascii", "<", ">"]
 
@@ -53,6 +53,8 @@ class Header:
     encoding: Encoding
     elements: tuple[Element, ...]
     size: int
+    textures: tuple[str, ...] = ()
+    """Files that comments name, `comment TextureFile skin.png`, as MeshLab and its kin do."""
 
 
 def read_header(data: bytes, where: str) -> Header:
@@ -64,10 +66,13 @@ def read_header(data: bytes, where: str) -> Header:
         raise EclatError(f"{where}: expected a PLY header that ends with 'end_header', got none")
     encoding: Encoding | None = None
     elements: list[Element] = []
+    textures: list[str] = []
     for number, line in enumerate(data[: end.start() + 1].splitlines()[1:], 2):
         words = decoded(line).split()
         place = f"{where}, line {number}"
         match words:
+            case ["comment" | "obj_info", word, _, *_] if word.lower().rstrip(":") == "texturefile":
+                textures.append(decoded(line).split(None, 2)[2].strip())
             case [] | ["comment" | "obj_info", *_]:
                 continue
             case ["format", name, *_]:
@@ -87,7 +92,7 @@ def read_header(data: bytes, where: str) -> Header:
             raise EclatError(f"{place}: expected at most {_MOST} elements and properties of each, got more")
     if encoding is None:
         raise EclatError(f"{where}: expected a 'format' statement in the PLY header, got none")
-    return Header(encoding, tuple(elements), _data_start(data, end))
+    return Header(encoding, tuple(elements), _data_start(data, end), tuple(textures[:_MOST]))
 
 
 def _data_start(data: bytes, end: re.Match[bytes]) -> int:

@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError
 from eclat.loaders import triangles as geometry
 from eclat.loaders.files import read_bytes
-from eclat.loaders.obj_text import decoded
+from eclat.loaders.text_files import decoded
 from eclat.scene import Material, Mesh
 
 _MAGIC = 0x041C

@@ -16,6 +16,10 @@ IntArray = NDArray[np.integer]
 LARGEST = float(np.finfo(np.float32).max)
 """The core computes in float32; what lies beyond is infinite there."""
 
+_BYTES = 16.0
+"""Colours beyond it are numbers of 0..255: as factors of white they would mean nothing on a surface."""
+_ROUNDING = 1e-3
+
 _SLIVER = 1e-9
 """A triangle lower than this share of its longest edge has no normal left in float32 (whose rounding is 6e-8)."""
 
@@ -146,6 +150,21 @@ def vertex_normals(
     if missing.any():
         units[missing] = smooth_normals(positions, triangles)[missing]
     return units.astype(np.float32)
+
+
+def white_of(colors: FloatArray, what: str, where: str, *, linear: bool = False) -> float:
+    """The number that means white in colours which should lie in 0..1: 1, or, with a warning, 255 where they say so.
+
+    Numbers between `_BYTES` and 255 are colours in bytes, and so are whole ones beyond 1. Other colours beyond 1 are
+    lawful where they are `linear`; elsewhere it is said that they will be cut.
+    """
+    largest = float(colors.max(initial=0))
+    if _BYTES < largest <= 255 or (1 < largest <= _BYTES and not linear and not (colors % 1).any()):
+        warn(f"{where}: {what} reach {largest:g}; they are taken for numbers of 0..255")
+        return 255.0
+    if largest > 1 + _ROUNDING and not linear:
+        warn(f"{where}: {what} reach {largest:g}, expected 0..1; what lies above is cut")
+    return 1.0
 
 
 def linear_from_srgb(values: FloatArray) -> NDArray[np.float32]:

@@ -28,9 +28,11 @@ def read(tmp_path: Path, text: str | bytes) -> tuple[np.ndarray, np.ndarray]:
         "1 2 3 0 0 1\n4 5 6 0 1 0",
         "1,2,3,0,0,1\r\n4,5,6,0,1,0\r\n",
         "\ufeff# Radiance\nx;y;z;nx;ny;nz\n1;2;3;0;0;1\n\n4\t5\t6\t0\t1\t0\n",
+        "1,2,3,0,0,1\r\n4,5,6,0,1,0\r\n".encode("utf-16"),
+        "1 2 3 0 0 1\n4 5 6 0 1 0\n".encode("utf-16-be"),
     ],
 )
-def test_ways_to_write_the_same(tmp_path: Path, text: str) -> None:
+def test_ways_to_write_the_same(tmp_path: Path, text: str | bytes) -> None:
     points, normals = read(tmp_path, text)
     np.testing.assert_array_equal(points, [[1, 2, 3], [4, 5, 6]])
     np.testing.assert_array_equal(normals, [[0, 0, 1], [0, 1, 0]])

@@ -289,3 +289,30 @@ def test_real_materials(scenes: Path) -> None:
     kinds = {mesh.material.name: mesh.material.kind for mesh in box}
     assert (kinds["leftSphere"], kinds["rightSphere"], kinds["water"]) == ("conductor", "dielectric", "dielectric")
     assert sum(mesh.material.emission is not None for mesh in box) == 1
+
+
+def png(folder: Path, value: int = 128) -> None:
+    Image.fromarray(np.full((2, 2, 3), value, np.uint8)).save(folder / "t.png")
+
+
+def test_maps_behind_black_constants_are_shown(tmp_path: Path) -> None:
+    png(tmp_path)
+    with pytest.warns(EclatWarning, match="line 2, material 'm': Kd is 0 and would hide its map; the map counts alone"):
+        material = material_of(tmp_path, "Kd 0 0 0\nillum 1\nmap_Kd t.png\n")
+    value = material.parameters["reflectance"]
+    assert value.constant == (1, 1, 1) and value.texture is not None
+    with pytest.warns(EclatWarning, match="Ke is 0 and would hide its map"):
+        emission = material_of(tmp_path, "Kd 1 1 1\nKe 0 0 0\nmap_Ke t.png\n").emission
+    assert emission is not None and emission.constant == (1, 1, 1) and emission.texture is not None
+    for statement, name in (("Pr 0\nmap_Pr t.png\n", "roughness"), ("Pm 0\nmap_Pm t.png\n", "metallic")):
+        with pytest.warns(EclatWarning, match=f"{statement[:2]} is 0 and would hide its map"):
+            assert material_of(tmp_path, statement).parameters[name].constant == (1, 1, 1)
+    with pytest.warns(EclatWarning, match="d is 0 and would hide its map"):
+        assert material_of(tmp_path, "d 0\nmap_d t.png\n").opacity.constant == (1, 1, 1)
+
+
+def test_a_black_specular_colour_hides_its_map_and_it_is_said(tmp_path: Path) -> None:
+    png(tmp_path)
+    with pytest.warns(EclatWarning, match="Ks is black and hides map_Ks; the material is diffuse"):
+        material = material_of(tmp_path, "Kd 0.8 0.8 0.8\nKs 0 0 0\nmap_Ks t.png\n")
+    assert material.kind == "diffuse" and material.parameters["reflectance"].constant == (0.8, 0.8, 0.8)

@@ -224,3 +224,105 @@ def test_every_real_obj_loads(scenes: Path) -> None:
             check_mesh(mesh)
         ignoring_material = load_obj(path, materials=False)
         assert sum(len(mesh.triangles) for mesh in meshes) == len(ignoring_material[0].triangles)
+
+
+PYRAMID = "v 0 0 1\nv 1 0 0\nv 0 1 0\nv -1 0 0\nv 0 -1 0\n"
+SIDES = ["f 1 2 3\n", "f 1 3 4\n", "f 1 4 5\n", "f 1 5 2\n"]
+
+
+def normals_at(mesh: Mesh, place: tuple[float, float, float]) -> np.ndarray:
+    assert mesh.normals is not None
+    return mesh.normals[(np.asarray(mesh.positions) == place).all(axis=1)]
+
+
+def test_smoothing_groups_average_normals(tmp_path: Path) -> None:
+    mesh = only(tmp_path, "s 1\n" + PYRAMID + "".join(SIDES))
+    assert len(mesh.positions) == 5
+    np.testing.assert_allclose(normals_at(mesh, (0, 0, 1)), [[0, 0, 1]], atol=1e-6)
+    # The mean of (1, 1, 1)/√3 and (1, −1, 1)/√3.
+    np.testing.assert_allclose(normals_at(mesh, (1, 0, 0)), [[2**-0.5, 0, 2**-0.5]], atol=1e-6)
+
+
+@pytest.mark.parametrize("off", ["s off", "s 0", "s"])
+def test_smoothing_ends_where_it_is_switched_off(tmp_path: Path, off: str) -> None:
+    assert only(tmp_path, "s 1\n" + off + "\n" + PYRAMID + "".join(SIDES)).normals is None
+    mesh = only(tmp_path, "s 1\n" + PYRAMID + SIDES[0] + SIDES[1] + off + "\n" + SIDES[2] + SIDES[3])
+    # Two sides share a normal at the tip, (0, 1, 1)/√2; the other two have their own.
+    expected = np.array([[-1, -1, 1], [1, -1, 1], [0, 1.5**0.5, 1.5**0.5]]) / 3**0.5
+    found = normals_at(mesh, (0, 0, 1))
+    np.testing.assert_allclose(found[np.lexsort(found.T[::-1])], expected[np.lexsort(expected.T[::-1])], atol=1e-6)
+
+
+def test_smoothing_groups_end_at_each_other_and_go_across_materials(tmp_path: Path) -> None:
+    apart = only(tmp_path, PYRAMID + "s 1\n" + SIDES[0] + SIDES[1] + "s 2\n" + SIDES[2] + SIDES[3])
+    found = normals_at(apart, (0, 0, 1))
+    np.testing.assert_allclose(found[np.argsort(found[:, 1])], np.array([[0, -1, 1], [0, 1, 1]]) / 2**0.5, atol=1e-6)
+    with pytest.warns(EclatWarning, match="in no MTL file"):
+        two = load_obj(
+            write(tmp_path, PYRAMID + "s 1\nusemtl a\n" + SIDES[0] + SIDES[1] + "usemtl b\n" + SIDES[2] + SIDES[3])
+        )
+    for mesh in two:
+        np.testing.assert_allclose(normals_at(mesh, (0, 0, 1)), [[0, 0, 1]], atol=1e-6)
+
+
+def test_normals_of_the_file_come_before_smoothing_groups(tmp_path: Path) -> None:
+    mesh = only(tmp_path, PYRAMID + "vn 0 1 0\ns 1\nf 1//1 2//1 3//1\n" + SIDES[1])
+    np.testing.assert_allclose(
+        np.unique(normals_at(mesh, (0, 0, 1)), axis=0), [[0, 2**-0.5, 2**-0.5], [0, 1, 0]], atol=1e-6
+    )
+    smooth = only(tmp_path, PYRAMID + "s 1\n" + "".join(SIDES), face_normals=True)
+    assert smooth.normals is None
+
+
+@pytest.mark.parametrize("word", ["-nan(ind)", "nan", "-1.#IND", "1.#QNAN", "1.#INF00", "-nan(snan)"])
+def test_normals_that_are_no_numbers_leave_the_face_flat(tmp_path: Path, word: str) -> None:
+    faces = "f 1//1 2//1 3//1 4//1\n"
+    with pytest.warns(EclatWarning, match=r"1 normals \(vn\) are not finite"):
+        assert only(tmp_path, SQUARE + f"vn {word} {word} 0\n" + faces).normals is None
+    with pytest.raises(EclatError, match="line 1: expected finite coordinates"):
+        only(tmp_path, f"v {word} 0 0\n" + SQUARE + "f 1 2 3\n")
+    with pytest.warns(EclatWarning, match="texture coordinates"):
+        only(tmp_path, SQUARE + f"vt {word} 0\nf 1/1 2/1 3/1\n")
+
+
+@pytest.mark.parametrize(
+    ("color", "expected"),
+    [
+        ("128 64 0", (0.215861, 0.051269, 0)),
+        ("127.5 64 0", (0.214041, 0.051269, 0)),
+        ("255 255 255", (1, 1, 1)),
+        ("0.5 0.25 0", (0.214041, 0.050876, 0)),
+    ],
+)
+def test_vertex_colours_in_bytes(tmp_path: Path, color: str, expected: tuple[float, float, float]) -> None:
+    text = "".join(f"v {p} {color}\n" for p in ("0 0 0", "1 0 0", "1 1 0")) + "f 1 2 3\n"
+    if "." in color and color[0] == "0":
+        mesh = only(tmp_path, text)
+    else:
+        with pytest.warns(EclatWarning, match=r"vertex colours reach .*; they are taken for numbers of 0..255"):
+            mesh = only(tmp_path, text)
+    assert mesh.colors is not None
+    np.testing.assert_allclose(mesh.colors[:, :3], np.tile(expected, (3, 1)), atol=1e-5)
+
+
+def test_vertex_colours_beyond_one_are_cut_and_said(tmp_path: Path) -> None:
+    with pytest.warns(EclatWarning, match="vertex colours reach 1.5, expected 0..1; what lies above is cut"):
+        only(tmp_path, "v 0 0 0 1.5 0 0\nv 1 0 0 1 1 1\nv 1 1 0 1 1 1\nf 1 2 3\n")
+
+
+def test_utf16(tmp_path: Path) -> None:
+    (tmp_path / "m.mtl").write_bytes("newmtl Wände\nKd 1 0 0\n".encode("utf-16"))
+    mesh = only(tmp_path, ("mtllib m.mtl\nusemtl Wände\n" + SQUARE + "f 1 2 3 4\n").encode("utf-16"))
+    assert mesh.material.name == "Wände" and mesh.material.parameters["reflectance"].constant == (1, 0, 0)
+
+
+@pytest.mark.parametrize(
+    "face", ["f 1//0 2//0 3//0 4//0", "f 1/1/0 2/1/0 3/1/0", "f 1/0/1 2/0/1 3/0/1", "f 1/0 2/0 3/0"]
+)
+def test_index_zero_of_an_attribute_is_a_missing_one(tmp_path: Path, face: str) -> None:
+    with pytest.warns(EclatWarning, match="face corners have the index 0 of vt or vn .the first in line 7, v"):
+        mesh = only(tmp_path, SQUARE + "vt 0 0\nvn 0 0 1\n" + face + "\n")
+    assert (mesh.normals is None) == ("/0/1" not in face)
+    assert (mesh.uvs is None) == ("/1/" not in face)
+    with pytest.raises(EclatError, match=r"expected a v index in 1\.\.4"):
+        only(tmp_path, SQUARE + "f 0 1 2\n")

@@ -12,10 +12,11 @@ import numpy as np
 import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
+from PIL import Image as PillowImage
 
 from eclat.errors import EclatError, EclatWarning
 from eclat.loaders.ply import load_ply, load_ply_scene
-from eclat.scene import Mesh
+from eclat.scene import Mesh, Scene
 from support.mutations import check_mesh, mutated, survives
 
 VERTICES = [(0, 0, 0), (1, 0, 0), (1, 1, 0), (0, 1, 0)]
@@ -239,3 +240,81 @@ def test_every_real_ply_loads_as_in_mitsuba(scenes: Path) -> None:
         expected = np.reshape(parameters["vertex_normals"], (-1, 3))
         # One in a hundred of the dragon's vertices lies between triangles back to back, whose sum is rounding noise.
         assert np.quantile(np.abs(mesh.normals[used] - expected[used]).max(axis=1), 0.985) < 1e-5
+
+
+def textured_scene(folder: Path, data: bytes, names: tuple[str, ...] = ("t.png",)) -> Scene:
+    for number, name in enumerate(names):
+        PillowImage.fromarray(np.full((2, 2, 3), 100 * (number + 1), np.uint8)).save(folder / name)
+    comments = b"".join(b"comment TextureFile " + name.encode() + b"\n" for name in names)
+    (folder / "test.ply").write_bytes(data.replace(b"comment made by a test\n", comments))
+    return load_ply_scene(folder / "test.ply")
+
+
+UVS = [(0, 0), (1, 0), (1, 1), (0, 0.25)]
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+@pytest.mark.parametrize("names", [("s", "t"), ("u", "v"), ("texture_u", "texture_v")])
+def test_a_texture_named_in_a_comment(tmp_path: Path, encoding: str, names: tuple[str, str]) -> None:
+    rows = [(*p, *uv) for p, uv in zip(VERTICES, UVS, strict=True)]
+    vertex = [*XYZ, *(f"float {name}" for name in names)]
+    (mesh,) = textured_scene(
+        tmp_path, ply(encoding, ("vertex", vertex, rows), ("face", FACE, [((0, 1, 2, 3),)]))
+    ).meshes
+    value = mesh.material.parameters["reflectance"]
+    assert value.texture is not None and value.texture.srgb and value.texture.image[0, 0].tolist() == [100, 100, 100]
+    assert value.constant == (1, 1, 1)
+    np.testing.assert_allclose(mesh.uvs, [(u, 1 - v) for u, v in UVS])
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_textures_by_face_and_their_corners(tmp_path: Path, encoding: str) -> None:
+    face = ["list uchar int vertex_indices", "list uchar float texcoord", "int texnumber"]
+    faces = [((0, 1, 2), (0, 0, 1, 0, 1, 1), 1), ((0, 2, 3), (0.5, 0, 1, 1, 0, 1), 0)]
+    data = ply(encoding, ("vertex", XYZ, VERTICES), ("face", face, faces))
+    first, second = textured_scene(tmp_path, data, ("a.png", "b c.png")).meshes
+    assert [m.material.name for m in (first, second)] == ["a.png", "b c.png"]
+    for mesh, (indices, uvs, _) in zip((first, second), reversed(faces), strict=True):
+        corners = mesh.triangles[0]
+        np.testing.assert_array_equal(np.asarray(mesh.positions)[corners], [VERTICES[i] for i in indices])
+        assert mesh.uvs is not None
+        np.testing.assert_allclose(mesh.uvs[corners], [(u, 1 - v) for u, v in zip(uvs[::2], uvs[1::2], strict=True)])
+
+
+@pytest.mark.parametrize(
+    ("vertex", "message"),
+    [
+        ([], "needs texture coordinates"),
+        (["float s", "float t", "uchar red", "uchar green", "uchar blue"], "the texture is used"),
+    ],
+)
+def test_textures_with_too_little_or_too_much(tmp_path: Path, vertex: list[str], message: str) -> None:
+    rows = [(*p, *((0, 0, 9, 9, 9) if vertex else ())) for p in VERTICES]
+    with pytest.warns(EclatWarning, match=message):
+        textured_scene(tmp_path, ply("ascii", ("vertex", [*XYZ, *vertex], rows), ("face", FACE, [((0, 1, 2),)])))
+
+
+def test_a_missing_texture_has_a_stand_in(tmp_path: Path) -> None:
+    rows = [(*p, 0, 0) for p in VERTICES]
+    data = ply("ascii", ("vertex", [*XYZ, "float s", "float t"], rows), ("face", FACE, [((0, 1, 2),)]))
+    (tmp_path / "test.ply").write_bytes(data.replace(b"comment made by a test", b"comment TextureFile gone.png"))
+    with pytest.warns(EclatWarning, match="a mauve and grey checker stands in"):
+        load_ply_scene(tmp_path / "test.ply")
+
+
+@pytest.mark.parametrize("kind", ["float", "double", "int", "ushort"])
+def test_colours_in_bytes_of_another_type(tmp_path: Path, kind: str) -> None:
+    vertex = [*XYZ, *(f"{kind} {name}" for name in ("red", "green", "blue"))]
+    data = ply("ascii", ("vertex", vertex, [(*p, 128, 64, 0) for p in VERTICES]), ("face", FACE, [((0, 1, 2),)]))
+    with pytest.warns(EclatWarning, match="they are taken for numbers of 0..255"):
+        mesh = load(tmp_path, data)
+    assert mesh.colors is not None
+    np.testing.assert_allclose(mesh.colors[0, :3], (0.215861, 0.051269, 0), atol=1e-5)
+
+
+def test_text_of_windows(tmp_path: Path) -> None:
+    vertex = [*XYZ, "float nx", "float ny", "float nz"]
+    data = ply("ascii", ("vertex", vertex, [(*p, 0, 0, 1) for p in VERTICES]), ("face", FACE, [((0, 1, 2),)]))
+    data = data.replace(b"0 0 1\n", b"-nan(ind) 1.#QNAN 0\n", 1)
+    with pytest.warns(EclatWarning, match="1 normals are not finite"):
+        load(tmp_path, data.decode().encode("utf-16"))

@@ -15,6 +15,7 @@ from urllib.parse import unquote, unquote_to_bytes
 from eclat.errors import EclatError, warn
 from eclat.loaders.files import read_bytes, resolve
 from eclat.loaders.gltf.element import Element
+from eclat.loaders.text_files import utf8
 
 _MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
@@ -168,7 +169,7 @@ def _chunks(data: memoryview, name: str) -> list[tuple[int, memoryview]]:
 
 def _parse(data: bytes, name: str) -> dict[str, Any]:
     try:
-        root = json.loads(data.decode("utf-8-sig"), parse_constant=_refuse_constant)
+        root = json.loads(utf8(data, name).decode("utf-8"), parse_constant=_refuse_constant)
     except UnicodeDecodeError as error:
         raise EclatError(
             f"{name}: expected JSON in UTF-8, got byte {data[error.start]:#04x} at {error.start}"
