@@ -13,6 +13,9 @@ illum 4, 6, 7                      smooth `dielectric` of index Ni; with Pr its 
                                    it: Fresnel's equations say what is reflected. illum 4, which the format defines as
                                    glass without refraction, is a thin pane where the mesh is not closed.
 illum 9                            `thin_dielectric`, filtered by Tf
+the same without a sign of glass   as without illum: opaque. Maya writes illum 4 for whatever is opaque. A sign is an Ni
+                                   other than 1, a d below 1 (Tr above 0), or a Tf that filters; for illum 6, 7 and 9,
+                                   which the format defines as refracting, also that none of Ni, d and Tr is there
 illum 5; illum 3 with Ns ≥ 1000    perfect mirror of reflectance Ks, beside a diffuse part Kd where Kd is 2 % or more
                                    (less is how exporters write black)
 Pr, Pm, map_Pr or map_Pm           `metallic_roughness` of base colour Kd, GGX α = Pr², index Ni. If both maps are one
@@ -45,6 +48,8 @@ Color = tuple[float, float, float]
 _MIRROR_EXPONENT = 1000.0
 """The format's largest useful Ns."""
 _BLACK = 0.02
+_SAME_INDEX = 1e-3
+"""An index this close to 1 is that of air."""
 _BUMP_HEIGHT = 0.01
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "m": 3}
 
@@ -70,13 +75,14 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
     if entry is None:
         return None
     illum = number(entry, "illum") or 0.0 if "illum" in entry.statements else 2.0
+    glass = illum in (4, 6, 7, 9) and _is_glass(entry, illum)
     common = Material(
         name=name,
-        opacity=_opacity(library, entry, solid=illum not in (4, 6, 7, 9)),
+        opacity=_opacity(library, entry, solid=not glass),
         normal_map=_normal_map(library, entry),
         emission=_emission(library, entry),
     )
-    if illum in (4, 6, 7, 9):
+    if glass:
         return _glass(entry, common, illum)
     if any(key in entry.statements for key in ("pr", "pm", "map_pr", "map_pm")):
         return MtlMaterial(_physical(library, entry, common))
@@ -133,6 +139,20 @@ def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
     polish = {"specular_reflectance": _scaled(specular, 1 / total / weight)}
     mirror = Material("conductor", parameters | polish, name=common.name)
     return replace(common, kind="blend", parameters={"weight": grey(weight)}, children=(base, mirror))
+
+
+def _is_glass(entry: Entry, illum: float) -> bool:
+    """Whether anything but the number of the light model says that light passes through."""
+    ior, d, tr = (number(entry, key) for key in ("ni", "d", "tr"))
+    if ior is not None and abs(ior - 1) > _SAME_INDEX:
+        return True
+    filtered = color(entry, "tf")
+    filters = filtered is not None and 0 < max(filtered) and min(filtered) < 1
+    clear = (d is not None and d < 1) or (d is None and tr is not None and tr > 0)
+    if ior is None and d is None and tr is None:
+        return illum != 4 or filters
+    # What neither refracts nor filters would not be seen at all: its d is a share of what it covers.
+    return filters or (clear and ior is None)
 
 
 def _glass(entry: Entry, common: Material, illum: float) -> MtlMaterial:

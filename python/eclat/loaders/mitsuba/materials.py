@@ -68,9 +68,9 @@ def known_kinds() -> list[str]:
     return sorted({*_MAKERS, *wrappers.WRAPPERS})
 
 
-def default_material() -> Material:
-    """What a shape without a bsdf is made of, as in Mitsuba."""
-    return Material("diffuse", {"reflectance": grey(0.5)}, two_sided=False)
+def default_material(*, shines: bool = False) -> Material:
+    """What a shape without a bsdf is made of, as in Mitsuba: grey, or black where it has an emitter."""
+    return Material("diffuse", {"reflectance": grey(0.0 if shines else 0.5)}, two_sided=False)
 
 
 def _suggestion(node: Node) -> str:

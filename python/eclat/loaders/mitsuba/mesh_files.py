@@ -39,12 +39,21 @@ def load_mesh_file(node: Node, materials: Materials) -> list[Mesh]:
         return _with_replacements(node, materials, own, named)
     if own or node.type in ("ply", "serialized"):
         return _with_bsdf(node, materials, own)
-    return _with_file_materials(node)
+    meshes = _with_file_materials(node)
+    if _shines(node):
+        # A lamp without a bsdf reflects nothing; what the mesh file itself says of its materials holds all the same.
+        black = default_material(shines=True)
+        meshes = [mesh if mesh.material.name else replace(mesh, material=black) for mesh in meshes]
+    return meshes
 
 
 def _with_bsdf(node: Node, materials: Materials, own: list[Node]) -> list[Mesh]:
-    material = materials.of(own[0]) if own else default_material()
+    material = materials.of(own[0]) if own else default_material(shines=_shines(node))
     return [replace(mesh, material=material) for mesh in _bare(node)]
+
+
+def _shines(node: Node) -> bool:
+    return bool(list(node.of_tag("emitter")))
 
 
 def _with_replacements(node: Node, materials: Materials, own: list[Node], named: dict[str, Node]) -> list[Mesh]:

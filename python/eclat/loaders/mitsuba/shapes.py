@@ -120,7 +120,7 @@ class Shapes:
         bsdfs = [child for _, child in node.of_tag("bsdf")]
         if len(bsdfs) > 1:
             warn(f"{node.where}: expected one bsdf, got {len(bsdfs)}; the first is used")
-        return self.materials.of(bsdfs[0]) if bsdfs else default_material()
+        return self.materials.of(bsdfs[0]) if bsdfs else default_material(shines=bool(list(node.of_tag("emitter"))))
 
     def _lit(self, material: Material, node: Node) -> Material:
         """`material` with the emission of the shape's area light."""

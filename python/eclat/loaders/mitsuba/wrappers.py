@@ -53,7 +53,7 @@ def _twosided(materials: Materials, node: Node) -> Material:
     if front.kind in _TRANSPARENT:
         warn(f"{node.where}: a {inside[0].type} acts on both sides anyway; twosided is ignored")
         return front
-    back = materials.of(inside[1]) if len(inside) == 2 else None
+    back = _on_both_sides(materials.of(inside[1])) if len(inside) == 2 else None
     return replace(_on_both_sides(front), back=back)
 
 

@@ -1,0 +1,113 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Materials and lamps as other programs write them: radiance in closed form, by every method that can tell it."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eclat
+
+QUICK = {
+    "direct": eclat.Direct(),
+    "path": eclat.Path(),
+    "irradiance-cache": eclat.IrradianceCache(max_error=0.1),
+    "radiance-cache": eclat.RadianceCache(max_error=0.1),
+    "photon-map": eclat.PhotonMap(photons=20_000, caustic_photons=1000),
+    "radiosity": eclat.Radiosity(patches=300),
+}
+GLOBAL = [name for name in QUICK if name != "direct"]
+CAMERA = {"type": "perspective", "fov": 40, "to_world": np.array([(-1.0, 0, 0, 0), (0, 1, 0, 0), (0, 0, -1, 3), (0, 0, 0, 1)])}
+SKY = {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}
+
+
+def mean_radiance(scene: eclat.Scene, method: str, crop: tuple[int, int, int, int] | None = None) -> np.ndarray:
+    picture = eclat.render(scene, QUICK[method], samples=64, size=(16, 16), max_depth=-1).pixels
+    x0, y0, x1, y1 = crop or (0, 0, 16, 16)
+    return picture[y0:y1, x0:x1].reshape(-1, 3).mean(axis=0)
+
+
+@pytest.mark.parametrize("method", GLOBAL)
+@pytest.mark.parametrize("shape", ["sphere", "cube", "ply"])
+def test_a_lamp_without_a_bsdf_reflects_nothing(shape: str, method: str, tmp_path: Path) -> None:
+    # Inside a body that shines with radiance 1 and absorbs all that arrives, every ray finds 1; with an albedo ρ it would
+    # find 1 / (1 − ρ).
+    lamp: dict[str, Any] = {"type": shape, "flip_normals": True, "emitter": {"type": "area", "radiance": 1.0}}
+    if shape == "sphere":
+        lamp["radius"] = 10.0
+    elif shape == "cube":
+        lamp["to_world"] = np.diag([10.0, 10.0, 10.0, 1.0])
+    else:
+        corners = 10 * np.array([(1, 1, 1), (-1, -1, 1), (-1, 1, -1), (1, -1, -1)])
+        faces = [(0, 1, 2), (0, 3, 1), (0, 2, 3), (1, 3, 2)]
+        body = (
+            "\n".join(" ".join(map(str, c)) for c in corners) + "\n" + "\n".join(f"3 {a} {c} {b}" for a, b, c in faces)
+        )
+        head = (
+            "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+            "element face 4\nproperty list uchar int vertex_indices\nend_header\n"
+        )
+        (tmp_path / "body.ply").write_text(head + body + "\n")
+        lamp |= {"filename": str(tmp_path / "body.ply")}
+        lamp["to_world"] = np.diag([3.0, 3.0, 3.0, 1.0])
+    scene = eclat.load_dict({"type": "scene", "camera": CAMERA, "lamp": lamp})
+    np.testing.assert_allclose(mean_radiance(scene, method), 1, rtol=1e-3)
+
+
+BACKS: dict[str, dict[str, Any]] = {
+    "diffuse": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.9, 0.1, 0.1]}},
+    "phong": {"type": "phong", "diffuse_reflectance": {"type": "rgb", "value": [0.9, 0.1, 0.1]}, "specular_reflectance": 0.0},
+    "blend": {
+        "type": "blendbsdf", "weight": 0.5,
+        "a": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.9, 0.2, 0.0]}},
+        "b": {"type": "diffuse", "reflectance": {"type": "rgb", "value": [0.9, 0.0, 0.2]}},
+    },
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("method", list(QUICK))
+@pytest.mark.parametrize("kind", list(BACKS))
+def test_the_second_bsdf_of_twosided_is_seen_from_behind(kind: str, method: str) -> None:
+    front = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.5}}
+    turned = np.diag([-3.0, 3.0, -3.0, 1.0])
+    wall = {"type": "rectangle", "to_world": turned, "bsdf": {"type": "twosided", "front": front, "back": BACKS[kind]}}
+    scene = eclat.load_dict({"type": "scene", "camera": CAMERA, "sky": SKY, "wall": wall})
+    np.testing.assert_allclose(mean_radiance(scene, method), (0.9, 0.1, 0.1), atol=0.01)
+
+
+@pytest.mark.parametrize("method", list(QUICK))
+@pytest.mark.parametrize("glossy", ["conductor", "plastic", "ward", "principled"])
+def test_a_glossy_second_bsdf_of_twosided_is_what_it_is_alone(glossy: str, method: str) -> None:
+    front = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.5}}
+    bsdf: dict[str, Any] = {"type": glossy}
+    turned, seen = np.diag([-3.0, 3.0, -3.0, 1.0]), np.diag([3.0, 3.0, 3.0, 1.0])
+    both = {"type": "rectangle", "to_world": turned, "bsdf": {"type": "twosided", "front": front, "back": bsdf}}
+    alone = {"type": "rectangle", "to_world": seen, "bsdf": bsdf}
+    light = {"type": "scene", "camera": CAMERA, "sky": SKY}
+    found, wanted = (mean_radiance(eclat.load_dict({**light, "wall": wall}), method) for wall in (both, alone))
+    assert wanted.min() > 0.05
+    np.testing.assert_allclose(found, wanted, rtol=0.02)
+
+
+BOX = """mtllib o.mtl
+usemtl m
+v -.5 -.5 -.5\nv .5 -.5 -.5\nv .5 .5 -.5\nv -.5 .5 -.5\nv -.5 -.5 .5\nv .5 -.5 .5\nv .5 .5 .5\nv -.5 .5 .5
+f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
+"""
+
+
+@pytest.mark.parametrize("method", ["path", "irradiance-cache"])
+@pytest.mark.parametrize("illum", [4, 6, 7, 9])
+@pytest.mark.parametrize("rest", ["Ni 1.00\n", "Ni 1.00\nd 1\n", "Ni 1\nTr 0\nTf 1 1 1\n"])
+def test_a_box_without_a_sign_of_glass_is_opaque(tmp_path: Path, illum: int, rest: str, method: str) -> None:
+    (tmp_path / "o.mtl").write_text(f"newmtl m\nillum {illum}\nKd 0.5 0.5 0.5\nKa 0 0 0\n{rest}")
+    (tmp_path / "o.obj").write_text(BOX)
+    lit = eclat.load_dict(
+        {"type": "scene", "camera": CAMERA, "sky": SKY, "box": {"type": "obj", "filename": str(tmp_path / "o.obj")}}
+    )
+    # A convex body under a sky of radiance 1: E = π.
+    np.testing.assert_allclose(mean_radiance(lit, method, (7, 7, 9, 9)), 0.5, atol=0.01)
