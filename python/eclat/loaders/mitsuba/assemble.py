@@ -11,6 +11,7 @@ from eclat.loaders.mitsuba.emitters import Light, make_emitter, merge_environmen
 from eclat.loaders.mitsuba.kinds import IGNORED_TAGS, PLUGINS, SILENT_PROPERTIES
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
+from eclat.loaders.mitsuba.settings import tell_of_settings
 from eclat.loaders.mitsuba.shapes import Shapes
 from eclat.scene import Camera, Environment, Mesh, Scene
 
@@ -35,6 +36,7 @@ def assemble(tree: Node, name: str) -> Scene:
         else:
             _report_object(node)
     _report_unread(tree)
+    tell_of_settings(tree)
     up = up_axis(cameras[0]) if cameras else (0.0, 1.0, 0.0)
     return Scene(tuple(meshes), tuple(lights), environment, tuple(cameras), name, up)
 

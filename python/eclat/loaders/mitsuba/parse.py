@@ -25,6 +25,9 @@ OBJECT_TAGS = {
     "camera": "sensor",
 }
 
+_LIGHT_OF_DIALECTS = ("radiance", "intensity")
+"""Elements with a value: how the renderers lajolla and torrey write a light's colour, without naming its kind."""
+
 _MAX_INCLUDES = 1000
 _MAX_EXPANDED = 1 << 14
 """Characters of an attribute after substitution: defaults that double each other must not fill the memory."""
@@ -77,7 +80,11 @@ class _Parser:
             raise EclatError(f"{element.where}: elements and includes are nested more than {MAX_DEPTH} deep")
         element.attributes = {key: self.expand(value, element) for key, value in element.attributes.items()}
         tag, attributes = element.tag, element.attributes
-        if tag == "include":
+        if tag == "background":
+            attributes.setdefault("type", "constant")
+        if tag in _LIGHT_OF_DIALECTS and parent.tag == "emitter":
+            parent.properties[tag] = _rgb(element)
+        elif tag == "include":
             self.include(element, parent, stack, depth)
         elif tag == "default":
             self.parameters.setdefault(_needed(element, "name"), attributes.get("value", ""))

@@ -234,3 +234,17 @@ def test_several_sensors_are_several_cameras_and_others_are_named() -> None:
 def test_cameras_that_cannot_be_are_refused(sensor: dict, message: str) -> None:
     with pytest.raises(EclatError, match=message):
         scene_of(camera={"type": "perspective"} | sensor)
+
+
+@pytest.mark.parametrize(
+    "xml",
+    [
+        '<background><radiance value="0.5, 0.25, 1"/></background>',
+        '<background><rgb name="radiance" value="0.5 0.25 1"/></background>',
+        '<emitter type="constant"><radiance value="0.5 0.25 1"/></emitter>',
+    ],
+)
+def test_backgrounds_as_small_renderers_write_them(tmp_path: Path, xml: str) -> None:
+    (tmp_path / "scene.xml").write_text(f'<scene version="3.0.0">{xml}</scene>')
+    environment = load_xml(tmp_path / "scene.xml").environment
+    assert environment is not None and environment.image.tolist() == [[[0.5, 0.25, 1.0]]]

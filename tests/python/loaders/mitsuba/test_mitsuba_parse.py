@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import re
+import warnings
 from pathlib import Path
 
 import numpy as np
@@ -267,6 +268,39 @@ def test_what_has_no_meaning_is_ignored_aloud_and_what_mitsuba_knows_in_silence(
     assert len(record) == 4
     assert "unknown integrator" in text and "phase" in text and "<fancy>: an unknown element" in text
     assert "a property without a name" in text
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ('<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>', "hide_emitters"),
+        ('<integrator type="path"><boolean name="hideEmitters" value="true"/></integrator>', "hide_emitters"),
+        ('<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>', "max_depth 8"),
+        ('<integrator type="irrcache"><integrator type="path"><integer name="maxDepth" value="3"/></integrator></integrator>', "max_depth 3"),
+        ('<integrator type="direct"/>', "indirect light as well"),
+        ('<integrator type="depth"/>', "show all light"),
+        ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="gaussian"/></film></sensor>', "filter"),
+        ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="tent"/></film></sensor>', "--filter tent"),
+    ],
+)  # fmt: skip
+def test_settings_that_change_the_picture_are_named(tmp_path: Path, settings: str, message: str) -> None:
+    with pytest.warns(EclatWarning) as record:
+        load(tmp_path, settings)
+    assert [message in str(warning.message) for warning in record] == [True]
+
+
+@pytest.mark.parametrize(
+    "settings",
+    [
+        '<integrator type="path"><integer name="max_depth" value="-1"/><integer name="rr_depth" value="3"/></integrator>',
+        '<integrator type="path"><boolean name="hide_emitters" value="false"/></integrator>',
+        '<sensor type="perspective"><film type="hdrfilm"><rfilter type="box"/></film></sensor>',
+    ],
+)
+def test_settings_that_change_nothing_are_not(tmp_path: Path, settings: str) -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        load(tmp_path, settings)
 
 
 def test_the_dict_form_is_the_same_scene(tmp_path: Path) -> None:
