@@ -147,7 +147,7 @@ def _is_glass(entry: Entry, illum: float) -> bool:
     if ior is not None and abs(ior - 1) > _SAME_INDEX:
         return True
     filtered = color(entry, "tf")
-    filters = filtered is not None and 0 < max(filtered) and min(filtered) < 1
+    filters = filtered is not None and max(filtered) > 0 and min(filtered) < 1
     clear = (d is not None and d < 1) or (d is None and tr is not None and tr > 0)
     if ior is None and d is None and tr is None:
         return illum != 4 or filters

@@ -22,6 +22,7 @@ from eclat.loaders.gltf.lights import Light, read_light
 from eclat.loaders.gltf.materials import Materials, used_uv_sets
 from eclat.loaders.gltf.nodes import Matrix, instances, scene_nodes
 from eclat.loaders.gltf.primitives import Primitive, place, read_primitive
+from eclat.loaders.parts import LimitError, Parts
 from eclat.scene import Camera, Material, Mesh, Scene
 
 MAX_VERTICES = 1 << 26
@@ -69,14 +70,19 @@ class _Builder:
         self._lights: list[Light] = []
         self._cameras: list[Camera] = []
         self._vertices = 0
+        self._parts = Parts()
 
     def build(self, name: str) -> Scene:
         document = self._document
         warn_of_unsupported(document)
         for node, to_world in scene_nodes(document):
             self._add_mesh(node, to_world)
-            self._add_light(node, to_world)
+            reference = node.extension("KHR_lights_punctual")
+            if reference is not None:
+                with self._parts.one():
+                    self._add_light(reference, to_world)
             self._add_camera(node, to_world)
+        self._parts.finish()
         if not self._meshes:
             warn(f"{document.name}: the scene has no triangles")
         return Scene(
@@ -110,7 +116,8 @@ class _Builder:
             raise EclatError(f"{node.where}: the scales of its instances multiply beyond all bounds")
         for i, element in enumerate(elements):
             name = mesh.text("name") or node.text("name") or mesh.where.partition(", ")[2]
-            self._add_primitive(element, weights, places, name if len(elements) == 1 else f"{name}.{i}")
+            with self._parts.one():
+                self._add_primitive(element, weights, places, name if len(elements) == 1 else f"{name}.{i}")
 
     def _add_primitive(self, element: Element, weights: tuple[float, ...], places: Matrix, name: str) -> None:
         key = (element.where, weights)
@@ -148,12 +155,9 @@ class _Builder:
     def _spend(self, vertices: int, element: Element) -> None:
         self._vertices += vertices
         if self._vertices > MAX_VERTICES:
-            raise EclatError(f"{element.where}: with it the scene has more than {MAX_VERTICES} vertices, the limit")
+            raise LimitError(f"{element.where}: with it the scene has more than {MAX_VERTICES} vertices, the limit")
 
-    def _add_light(self, node: Element, to_world: Matrix) -> None:
-        reference = node.extension("KHR_lights_punctual")
-        if reference is None:
-            return
+    def _add_light(self, reference: Element, to_world: Matrix) -> None:
         index = reference.index("light", len(self._known_lights), "lights")
         if index is None:
             raise EclatError(f"{reference.where}: expected an integer as 'light', which is missing")

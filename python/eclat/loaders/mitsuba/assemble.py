@@ -13,28 +13,36 @@ from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
 from eclat.loaders.mitsuba.settings import tell_of_settings
 from eclat.loaders.mitsuba.shapes import Shapes
+from eclat.loaders.parts import Parts
 from eclat.scene import Camera, Environment, Mesh, Scene
 
 
 def assemble(tree: Node, name: str) -> Scene:
-    """The scene that `tree`, of tag scene and with references resolved, describes. Raises EclatError."""
+    """The scene that `tree`, of tag scene and with references resolved, describes.
+
+    A shape or emitter that cannot be read is left out with a warning; EclatError where none can.
+    """
     shapes = Shapes()
     meshes: list[Mesh] = []
     lights: list[Light] = []
     cameras: list[Camera] = []
     environment: Environment | None = None
+    parts = Parts()
     for _, node in tree.children:
         if node.tag == "shape":
-            meshes.extend(shapes.of(node))
+            with parts.one():
+                meshes.extend(shapes.of(node))
         elif node.tag == "emitter":
-            found, surrounding = make_emitter(node, shapes.materials.textures)
-            lights.extend(found)
-            environment = merge_environments(environment, surrounding, node.where)
+            with parts.one():
+                found, surrounding = make_emitter(node, shapes.materials.textures)
+                lights.extend(found)
+                environment = merge_environments(environment, surrounding, node.where)
         elif node.tag == "sensor":
             camera = make_camera(node)
             cameras.extend([camera] if camera is not None else [])
         else:
             _report_object(node)
+    parts.finish()
     _report_unread(tree)
     tell_of_settings(tree)
     up = up_axis(cameras[0]) if cameras else (0.0, 1.0, 0.0)

@@ -50,6 +50,10 @@ def _tell_of_integrator(node: Node) -> None:
 def _tell_of_filter(film: Node) -> None:
     for _, node in film.of_tag("rfilter"):
         if node.type not in ("box", "tent"):
-            warn(f"{node.where}: a filter of this type is not supported; pixels are squares (`--filter tent` is smoother)")
+            warn(
+                f"{node.where}: a filter of this type is not supported; pixels are squares (`--filter tent` is smoother)"
+            )
         elif node.type == "tent":
-            warn(f"{node.where}: the filter is not read from files; pixels are squares unless you ask for `--filter tent`")
+            warn(
+                f"{node.where}: the filter is not read from files; pixels are squares unless you ask for `--filter tent`"
+            )

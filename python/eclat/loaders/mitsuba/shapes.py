@@ -16,6 +16,7 @@ from eclat.loaders.mitsuba.mesh_files import MESH_FILES, load_mesh_file
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.placement import placed
 from eclat.loaders.mitsuba.transforms import Matrix, is_singular, normalize
+from eclat.loaders.parts import LimitError
 from eclat.scene import Material, Mesh, grey
 
 _MAX_TRIANGLES = 10**8
@@ -74,7 +75,7 @@ class Shapes:
                 raise EclatError(f"{node.where}: expected coordinates up to {_MAX_COORDINATE:g}, got larger ones")
         self.triangles += sum(len(mesh.triangles) for mesh in meshes)
         if self.triangles > _MAX_TRIANGLES:
-            raise EclatError(f"{node.where}: the scene has more than {_MAX_TRIANGLES:.0e} triangles with its instances")
+            raise LimitError(f"{node.where}: the scene has more than {_MAX_TRIANGLES:.0e} triangles with its instances")
 
     def _primitive(self, node: Node) -> list[Mesh]:
         made = _PRIMITIVES[node.type](node)

@@ -1,0 +1,55 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""One bad part of a scene does not end the rest: it is left out with a warning."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+
+from eclat.errors import EclatError, warn
+
+MOST_NAMED = 20
+"""Parts whose errors are said one by one; the others are counted."""
+
+
+class LimitError(EclatError):
+    """A scene is too large: leaving one part out would not help, so this ends the load."""
+
+
+class Parts:
+    """The parts of a scene, taken one by one.
+
+    Examples
+    --------
+    >>> parts = Parts()
+    >>> for text in ("1", "2"):
+    ...     with parts.one():
+    ...         int(text)
+    >>> parts.finish()
+    """
+
+    def __init__(self) -> None:
+        self._good = 0
+        self._errors: list[EclatError] = []
+
+    @contextmanager
+    def one(self) -> Iterator[None]:
+        """A part: where it raises EclatError, it is left out. LimitError and all other exceptions go on."""
+        try:
+            yield
+        except LimitError:
+            raise
+        except EclatError as error:
+            self._errors.append(error)
+        else:
+            self._good += 1
+
+    def finish(self) -> None:
+        """Warn of the parts that were left out. Raises the first one's EclatError where no part was good."""
+        if self._errors and not self._good:
+            raise self._errors[0]
+        for error in self._errors[:MOST_NAMED]:
+            warn(f"{error}; it is left out")
+        if len(self._errors) > MOST_NAMED:
+            warn(f"{len(self._errors) - MOST_NAMED} more parts of the scene are left out for errors like these")
