@@ -21,7 +21,11 @@ QUICK = {
     "radiosity": eclat.Radiosity(patches=300),
 }
 GLOBAL = [name for name in QUICK if name != "direct"]
-CAMERA = {"type": "perspective", "fov": 40, "to_world": np.array([(-1.0, 0, 0, 0), (0, 1, 0, 0), (0, 0, -1, 3), (0, 0, 0, 1)])}
+CAMERA = {
+    "type": "perspective",
+    "fov": 40,
+    "to_world": np.array([(-1.0, 0, 0, 0), (0, 1, 0, 0), (0, 0, -1, 3), (0, 0, 0, 1)]),
+}
 SKY = {"type": "constant", "radiance": {"type": "rgb", "value": 1.0}}
 
 

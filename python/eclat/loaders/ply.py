@@ -129,7 +129,7 @@ def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
                 alpha = geometry.finite_rows(column, "alphas", where)[:, 0]
                 alpha = alpha / np.float32(_white(vertex, (name,), alpha, where) or 1)
                 break
-        return np.column_stack([np.maximum(linear, 0), np.clip(alpha, 0, 1)]).astype(np.float32)
+        return np.clip(np.column_stack([linear, alpha]), 0, 1).astype(np.float32)
     return None
 
 

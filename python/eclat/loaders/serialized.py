@@ -75,13 +75,14 @@ def load_serialized(path: Path, shape_index: int = 0, *, face_normals: bool = Fa
         material=Material(vertex_colors=colors is not None),
         normals=None if flat else geometry.vertex_normals(positions, triangles, normals, where),
         uvs=None if uvs is None else geometry.finite_rows(uvs, "texture coordinates", where),
-        colors=None if colors is None else _opaque(geometry.finite_rows(colors, "vertex colours", where)),
+        colors=None if colors is None else _opaque(geometry.finite_rows(colors, "vertex colours", where), where),
         name=name or f"{path.stem}[{shape_index}]",
     )
 
 
-def _opaque(colors: NDArray[np.float32]) -> NDArray[np.float32]:
-    return np.column_stack([np.maximum(colors, 0), np.ones(len(colors), dtype=np.float32)])
+def _opaque(colors: NDArray[np.float32], where: str) -> NDArray[np.float32]:
+    colors = colors / np.float32(geometry.white_of(colors, "vertex colours", where, linear=True))
+    return np.column_stack([np.clip(colors, 0, 1), np.ones(len(colors), dtype=np.float32)])
 
 
 def _checked(triangles: NDArray[Any], vertices: int, where: str) -> NDArray[np.int64]:

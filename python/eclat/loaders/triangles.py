@@ -155,14 +155,15 @@ def vertex_normals(
 def white_of(colors: FloatArray, what: str, where: str, *, linear: bool = False) -> float:
     """The number that means white in colours which should lie in 0..1: 1, or, with a warning, 255 where they say so.
 
-    Numbers between `_BYTES` and 255 are colours in bytes, and so are whole ones beyond 1. Other colours beyond 1 are
-    lawful where they are `linear`; elsewhere it is said that they will be cut.
+    Numbers between `_BYTES` and 255 are colours in bytes, and so are whole ones beyond 1, unless colours are
+    `linear`, where 2 is more likely twice white. Of other colours beyond 1, which would reflect more than arrives, it is said
+    that they will be cut.
     """
     largest = float(colors.max(initial=0))
     if _BYTES < largest <= 255 or (1 < largest <= _BYTES and not linear and not (colors % 1).any()):
         warn(f"{where}: {what} reach {largest:g}; they are taken for numbers of 0..255")
         return 255.0
-    if largest > 1 + _ROUNDING and not linear:
+    if largest > 1 + _ROUNDING:
         warn(f"{where}: {what} reach {largest:g}, expected 0..1; what lies above is cut")
     return 1.0
 

@@ -17,6 +17,7 @@ from eclat.loaders.gltf.topology import read_triangles
 from eclat.scene import Material, Mesh
 
 Floats = NDArray[np.float32]
+_ROUNDING = 1e-3
 _DRACO = "KHR_draco_mesh_compression"
 
 
@@ -143,13 +144,15 @@ class _Attributes:
         return np.column_stack((_normalized(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
 
     def colors(self) -> Floats | None:
-        """(V, 4), opaque where the file has no alpha."""
+        """(V, 4) within 0..1, to which the specification clamps them; opaque where the file has no alpha [glTF 2.0, 3.7.2.1]."""
         values = self.read("COLOR_0", ("VEC3", "VEC4"))
         if values is None:
             return None
         if values.shape[1] == 3:
             values = np.column_stack((values, np.ones(len(values), np.float32)))
-        return np.maximum(values, np.float32(0))
+        if values.max(initial=0) > 1 + _ROUNDING:
+            warn(f"{self._element.where}: COLOR_0 reaches {values.max():g}; it is clamped to 1")
+        return np.clip(values, np.float32(0), np.float32(1))
 
     def _morphed(self, values: Floats, name: str) -> Floats:
         for target, weight in self._targets:

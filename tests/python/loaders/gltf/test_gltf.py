@@ -153,9 +153,9 @@ def test_quantized_attributes_are_decoded(tmp_path: Path) -> None:
 def test_colors_without_alpha_are_opaque(tmp_path: Path) -> None:
     file = GltfFile()
     primitive = file.primitive()
-    primitive["attributes"]["COLOR_0"] = file.accessor([[0.25, 0.5, 4]] * 3)
+    primitive["attributes"]["COLOR_0"] = file.accessor([[0.25, 0.5, 1]] * 3)
     file.mesh_node(primitive)
-    np.testing.assert_array_equal(only(load(file, tmp_path)).colors, [[0.25, 0.5, 4, 1]] * 3)
+    np.testing.assert_array_equal(only(load(file, tmp_path)).colors, [[0.25, 0.5, 1, 1]] * 3)
 
 
 def test_interleaved_attributes(tmp_path: Path) -> None:
@@ -365,3 +365,12 @@ def test_real_scenes_have_what_their_files_say(scenes: Path) -> None:
     box = load_quietly(scenes / "cornell-box-gltf" / "CornellBox.glb")
     assert {mesh.material.name for mesh in box.meshes} == {material["name"] for material in text["materials"]}
     assert any(mesh.material.emission is not None for mesh in box.meshes)
+
+
+def test_colors_beyond_white_are_clamped(tmp_path: Path) -> None:
+    file = GltfFile()
+    primitive = file.primitive()
+    primitive["attributes"]["COLOR_0"] = file.accessor([[3, 2, 0.5]] * 3)
+    file.mesh_node(primitive)
+    with pytest.warns(EclatWarning, match="COLOR_0 reaches 3"):
+        np.testing.assert_array_equal(only(load(file, tmp_path)).colors, [[1, 1, 0.5, 1]] * 3)

@@ -276,7 +276,11 @@ def test_what_has_no_meaning_is_ignored_aloud_and_what_mitsuba_knows_in_silence(
         ('<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>', "hide_emitters"),
         ('<integrator type="path"><boolean name="hideEmitters" value="true"/></integrator>', "hide_emitters"),
         ('<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>', "max_depth 8"),
-        ('<integrator type="irrcache"><integrator type="path"><integer name="maxDepth" value="3"/></integrator></integrator>', "max_depth 3"),
+        (
+            '<integrator type="irrcache"><integrator type="path"><integer name="maxDepth" value="3"/></integrator>'
+            "</integrator>",
+            "max_depth 3",
+        ),
         ('<integrator type="direct"/>', "indirect light as well"),
         ('<integrator type="depth"/>', "show all light"),
         ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="gaussian"/></film></sensor>', "filter"),
