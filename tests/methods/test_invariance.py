@@ -88,12 +88,3 @@ def test_the_cache_has_the_same_records_and_picture(box: Scene, cached_box: tupl
     assert image.mean() == pytest.approx(cached_box[1].mean(), rel=0.003)
     ours, theirs = (block_means(x, 4) for x in (image, cached_box[1]))
     assert relative_error(ours, theirs) < (0.002 if moved_only else 0.012)
-
-
-@pytest.mark.parametrize("exponent", [10, -10])
-def test_the_cache_of_a_scene_scaled_by_a_power_of_two_has_the_same_bits(
-    box: Scene, cached_box: tuple[int, np.ndarray], exponent: int
-) -> None:
-    records, image = cached(Similarity(2.0**exponent).scene(box))
-    assert records == cached_box[0]
-    assert np.array_equal(image, cached_box[1])

@@ -5,37 +5,19 @@
 from __future__ import annotations
 
 import dataclasses
-import functools
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 import eclat
-from eclat.scene import Camera, DirectionalLight, Environment, Material, PointLight, Scene, grey, look_at
 from eclat.scenes import build
-from eclat.scenes.geometry import box, mesh
+from support.bias import SIZE, bias, traced
+from support.courtyard import court
 from support.statistics import block_means, squared_bias
 
-SIZE = (48, 48)
 SHOWN, GATHERED = eclat.PhotonMap(gather=0), eclat.PhotonMap()
 BOTH = pytest.mark.parametrize("options", [SHOWN, GATHERED], ids=["shown", "gathered"])
-
-
-def bias(
-    scene: Scene, reference: np.ndarray, options: eclat.PhotonMap, *, samples: int = 64, max_depth: int = -1
-) -> float:
-    """RMS over blocks of 12 × 12 pixels, relative, darkness floored by a tenth of the mean."""
-    image = eclat.render(scene, options, samples=samples, size=SIZE, max_depth=max_depth).pixels
-    ours, theirs = block_means(image, 12), block_means(reference, 12)
-    return float(np.sqrt(np.mean((ours - theirs) ** 2 / (theirs**2 + (0.1 * theirs.mean()) ** 2))))
-
-
-@functools.cache
-def traced(name: str, samples: int, max_depth: int = -1) -> tuple[Scene, np.ndarray]:
-    """A scene and its picture by `path`."""
-    scene = court(name) if name in ("point", "sun", "sky") else build(name)
-    return scene, eclat.render(scene, eclat.Path(), samples=samples, size=SIZE, seed=1, max_depth=max_depth).pixels
 
 
 @BOTH
@@ -83,23 +65,6 @@ def test_agrees_with_path_at_limited_depth(options: eclat.PhotonMap) -> None:
     scene, _ = traced("cornell-box", 384)
     direct = eclat.render(scene, eclat.Direct(), samples=64, size=SIZE).pixels
     assert bias(scene, direct, options, max_depth=2) < 0.02
-
-
-def court(light: str) -> Scene:
-    """Two boxes on a plate, in the open."""
-    white = Material("diffuse", {"reflectance": grey(0.7)}, name="white")
-    meshes = (
-        mesh([box((-2, -0.2, -2), (2, 0, 2))], white, "plate"),
-        mesh([box((-1, 0, -1), (-0.4, 1.2, 0.6)), box((0.3, 0, -0.7), (1, 0.6, 0.1))], white, "boxes"),
-    )
-    camera = Camera(look_at((0.6, 2.6, 3.4), (0, 0.2, 0)), fov=50)
-    sky = np.ascontiguousarray(np.linspace(1, 0.2, 8 * 16 * 3).reshape(8, 16, 3))
-    lights: dict[str, tuple[PointLight | DirectionalLight, ...]] = {
-        "point": (PointLight((0.1, 1.5, 1.0), (5.0, 4.0, 3.0)),),
-        "sun": (DirectionalLight((0.5, -1.0, -0.4), (3.0, 2.5, 2.0), 2.0),),
-        "sky": (),
-    }
-    return Scene(meshes, lights[light], Environment(sky) if light == "sky" else None, (camera,), name="court")
 
 
 @BOTH

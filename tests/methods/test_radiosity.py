@@ -4,68 +4,15 @@
 
 from __future__ import annotations
 
-import functools
-
 import numpy as np
 import pytest
 
 import eclat
-from eclat.scene import (
-    Camera,
-    DirectionalLight,
-    Environment,
-    Material,
-    Mesh,
-    PointLight,
-    Scene,
-    Texture,
-    Value,
-    grey,
-    look_at,
-)
+from eclat.scene import Camera, Material, Mesh, Scene, grey, look_at
 from eclat.scenes import build
-from eclat.scenes.geometry import box, mesh
+from support.bias import SIZE, bias, traced
+from support.courtyard import court
 from support.statistics import block_means
-
-SIZE = (48, 48)
-
-
-def bias(scene: Scene, reference: np.ndarray, options: eclat.Radiosity, *, samples: int = 64, depth: int = -1) -> float:
-    """RMS over blocks of 12 × 12 pixels, relative, darkness floored by a tenth of the mean."""
-    image = eclat.render(scene, options, samples=samples, size=SIZE, max_depth=depth).pixels
-    ours, theirs = block_means(image, 12), block_means(reference, 12)
-    return float(np.sqrt(np.mean((ours - theirs) ** 2 / (theirs**2 + (0.1 * theirs.mean()) ** 2))))
-
-
-@functools.cache
-def traced(name: str, samples: int, max_depth: int = -1) -> tuple[Scene, np.ndarray]:
-    """A scene and its picture by `path`."""
-    scene = court(name) if name in ("point", "sun", "sky", "textured") else build(name)
-    return scene, eclat.render(scene, eclat.Path(), samples=samples, size=SIZE, seed=1, max_depth=max_depth).pixels
-
-
-def court(light: str) -> Scene:
-    """Two boxes on a plate, in the open."""
-    white = Material("diffuse", {"reflectance": grey(0.7)}, name="white")
-    corners = np.array([(-2, 0, -2), (-2, 0, 2), (2, 0, 2), (2, 0, -2)], dtype=np.float64)
-    painted = white
-    if light == "textured":
-        # Stripes much narrower than patches, bright and dark.
-        stripes = np.repeat(np.tile([[230, 30]], (1, 40)), 2, axis=0)[..., None].repeat(3, axis=2).astype(np.uint8)
-        painted = Material("diffuse", {"reflectance": Value((1.0, 1.0, 1.0), Texture(stripes, filter="nearest"))})
-    uvs = np.array([(0, 0), (0, 1), (1, 1), (1, 0)], dtype=np.float64)
-    meshes = (
-        Mesh(corners, np.array([(0, 1, 2), (0, 2, 3)]), painted, uvs=uvs, name="plate"),
-        mesh([box((-1, 0, -1), (-0.4, 1.2, 0.6)), box((0.3, 0, -0.7), (1, 0.6, 0.1))], white, "boxes"),
-    )
-    camera = Camera(look_at((0.6, 2.6, 3.4), (0, 0.2, 0)), fov=50)
-    sky = np.ascontiguousarray(np.linspace(1, 0.2, 8 * 16 * 3).reshape(8, 16, 3))
-    lights: dict[str, tuple[PointLight | DirectionalLight, ...]] = {
-        "point": (PointLight((0.1, 1.5, 1.0), (5.0, 4.0, 3.0)),),
-        "sun": (DirectionalLight((0.5, -1.0, -0.4), (3.0, 2.5, 2.0), 2.0),),
-        "textured": (DirectionalLight((0.5, -1.0, -0.4), (3.0, 2.5, 2.0), 2.0),),
-    }
-    return Scene(meshes, lights.get(light, ()), Environment(sky) if light == "sky" else None, (camera,), name="court")
 
 
 @pytest.mark.parametrize("gather", [0, 4])
@@ -129,10 +76,10 @@ def test_flux_is_conserved_in_a_furnace() -> None:
 @pytest.mark.parametrize("gather", [0, 4])
 def test_limited_depth(gather: int) -> None:
     options = eclat.Radiosity(patches=4000, gather=gather)
-    assert bias(*traced("cornell-box", 384, 3), options, samples=32, depth=3) < 0.03
+    assert bias(*traced("cornell-box", 384, 3), options, samples=32, max_depth=3) < 0.03
     scene, _ = traced("cornell-box", 512)
     direct = eclat.render(scene, eclat.Direct(), samples=64, size=SIZE).pixels
-    assert bias(scene, direct, options, samples=32, depth=2) < 0.03
+    assert bias(scene, direct, options, samples=32, max_depth=2) < 0.03
 
 
 def test_gloss_is_told_and_traced() -> None:

@@ -104,7 +104,18 @@ class FakeFilm:
         return FakeFilm(self.samples)
 
 
-def sampling(keep_partial: bool = False) -> tuple[Sampling, list[tuple[int, int]], list[float]]:
+class FakeClock:
+    """Stands still but for samples, each of which takes a hundredth of a second."""
+
+    now = 0.0
+
+    def perf_counter(self) -> float:
+        return self.now
+
+
+def sampling(
+    keep_partial: bool = False, clock: FakeClock | None = None
+) -> tuple[Sampling, list[tuple[int, int]], list[float]]:
     film, ranges, fractions = FakeFilm(), [], []
 
     def render_range(firsts: np.ndarray, ends: np.ndarray, report: Any) -> float:
@@ -114,6 +125,8 @@ def sampling(keep_partial: bool = False) -> tuple[Sampling, list[tuple[int, int]
         for fraction in (0.0, 0.5, 1.0):
             report("render", fraction, {"rays": 10 * fraction})
         film.samples = end
+        if clock is not None:
+            clock.now += (end - first) / 100
         return 10.0
 
     made = Sampling(film, render_range, keep_partial, lambda _, fraction, __: fractions.append(fraction))
@@ -148,3 +161,21 @@ def test_slices_for_partial_pictures_are_the_same_samples() -> None:
     assert all(a[1] == b[0] for a, b in itertools.pairwise(ranges))
     assert fractions == sorted(fractions)
     assert made.partial is not None and made.partial_taken == 100 and made.rays == 10 * len(ranges)
+
+
+def test_time_is_used_up_and_not_overrun(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = FakeClock()
+    monkeypatch.setattr(convergence, "clock", clock)
+    made, ranges, _ = sampling(clock=clock)
+    made.run(Goal(None, 0.01, deadline=1.0))
+    assert 0.95 < clock.now < 1.001
+    assert ranges[0] == (0, 1) and ranges[-1][1] == made.taken == round(100 * clock.now)
+    assert all(a[1] == b[0] for a, b in itertools.pairwise(ranges))
+
+
+def test_one_sample_is_taken_however_little_time_there_is(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = FakeClock()
+    monkeypatch.setattr(convergence, "clock", clock)
+    made, ranges, _ = sampling(clock=clock)
+    made.run(Goal(None, 0.01, deadline=0.001))
+    assert ranges == [(0, 1)] and made.taken == 1
