@@ -11,7 +11,6 @@ from __future__ import annotations
 import hashlib
 import io
 import os
-import zipfile
 from dataclasses import dataclass
 from functools import cache
 from pathlib import Path
@@ -24,6 +23,7 @@ from eclat import _core
 from eclat.bridge.arguments import thread_count
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, did_you_mean, warn
+from eclat.files.arrays import arrays_from, read_file
 from eclat.files.atomic_file import write_file
 from eclat.harmonics import Basis
 
@@ -43,6 +43,10 @@ _CORE_KINDS = {
 }
 # α of the lobes of a metallic-roughness table, uniform in √α; below 0.1 no order up to 12 serves anywhere.
 _ROUGHNESS_AXIS = tuple(float(x) for x in np.linspace(0.1**0.5, 1, 20) ** 2)
+
+
+_LARGEST = 1e3
+"""No coefficient of a white lobe comes near it: it is at most the largest basis function, which is below 10."""
 
 
 class Lookup(NamedTuple):
@@ -142,11 +146,12 @@ def brdf_table(
     key = _key(kind, lobes, correlated, basis, order, max_error, resolution)
     made = [_core.TableLobe(_CORE_KINDS[kind], u, v, correlated) for u, v in lobes]
     options = _core.BrdfTableOptions(_BASES[basis], order, max_error, resolution, thread_count(threads))
-    core = _read(key, made, options) if keep else None
+    path = _file(key) if keep else None
+    core = None if path is None else _read(path, made, options)
     if core is None:
         core = run("table", lambda p: _core.BrdfTable(made, options, p), progress, _core.Progress())
-        if keep:
-            _write(key, core)
+        if path is not None:
+            _write(path, core)
     return BrdfTable(kind, basis, order, core)
 
 
@@ -161,10 +166,13 @@ def split_dielectric(ior: float) -> Floats:
 
 
 def cache_folder() -> Path:
-    """Where tables are kept: by the XDG base directory specification."""
+    """Where tables are kept: by the XDG base directory specification. Raises EclatError where nothing says where that is."""
     given = os.environ.get("XDG_CACHE_HOME", "")
     # A relative path is to be ignored, says the specification.
-    base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"
+    try:
+        base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"
+    except RuntimeError:
+        raise EclatError("the cache folder: expected HOME or XDG_CACHE_HOME to be set, got neither") from None
     return base / "eclat"
 
 
@@ -199,28 +207,33 @@ def _key(*parameters: object) -> str:
     return hashlib.sha256(repr((_core_digest(), parameters)).encode()).hexdigest()[:32]
 
 
-def _file(key: str) -> Path:
-    return cache_folder() / f"brdf-{key}.npz"
+def _file(key: str) -> Path | None:
+    """Where a table is kept; None, with a warning, where there is no place."""
+    try:
+        return cache_folder() / f"brdf-{key}.npz"
+    except EclatError as error:
+        warn(f"{error}; the table is not kept")
+        return None
 
 
-def _read(key: str, lobes: list[_core.TableLobe], options: _core.BrdfTableOptions) -> _core.BrdfTable | None:
+def _read(path: Path, lobes: list[_core.TableLobe], options: _core.BrdfTableOptions) -> _core.BrdfTable | None:
     """The table of a file; None, with a warning, where the file is damaged."""
-    path = _file(key)
-    try:
-        data = path.read_bytes()
-    except OSError:
+    if not os.path.lexists(path):
         return None
     try:
-        # The members' checksums tell whether a byte has changed.
-        with np.load(io.BytesIO(data), allow_pickle=False) as arrays:
-            return _core.BrdfTable(lobes, options, arrays["orders"], arrays["errors"], arrays["coefficients"])
-    except (ValueError, TypeError, KeyError, EOFError, OSError, zipfile.BadZipFile) as error:
-        warn(f"{path}: damaged ({error}); the table is computed anew")
+        arrays = arrays_from(read_file(path, where=str(path)), str(path))
+        values = [arrays[name] for name in ("orders", "errors", "coefficients")]
+        # A checksum tells that no byte has changed since, not that what was written was right.
+        if not all(array.dtype.kind in "fu" and (np.abs(array) <= _LARGEST).all() for array in values):
+            raise ValueError(f"numbers that are not finite, or larger than {_LARGEST:g}")
+        return _core.BrdfTable(lobes, options, *values)
+    except (ValueError, TypeError, KeyError) as error:
+        reason = str(error).removeprefix(f"{path}: ")
+        warn(f"{path}: damaged ({reason}); the table is computed anew")
         return None
 
 
-def _write(key: str, table: _core.BrdfTable) -> None:
-    path = _file(key)
+def _write(path: Path, table: _core.BrdfTable) -> None:
     data = io.BytesIO()
     orders = np.frombuffer(table.orders, np.uint8)
     np.savez(data, orders=orders, errors=table.errors, coefficients=table.coefficients)

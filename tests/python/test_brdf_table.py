@@ -5,6 +5,8 @@
 from __future__ import annotations
 
 import doctest
+import io
+import os
 import warnings
 from pathlib import Path
 
@@ -88,14 +90,25 @@ def test_a_table_is_kept_and_read_again(folder: Path, monkeypatch: pytest.Monkey
     assert len(list(folder.iterdir())) == 2
 
 
-@pytest.mark.parametrize("damage", ["cut", "flipped", "text", "empty"])
+@pytest.mark.parametrize("damage", ["cut", "flipped", "text", "empty", "nan", "huge"])
 def test_a_damaged_file_is_replaced_with_a_warning(folder: Path, damage: str) -> None:
     first = brdf_table("lambert")
     (path,) = folder.iterdir()
     whole = path.read_bytes()
     middle = len(whole) // 2
+    with np.load(path) as arrays:
+        kept = dict(arrays)
+
+    def holding(value: float) -> bytes:
+        """With checksums that fit: nothing but the number says that it is wrong."""
+        file = io.BytesIO()
+        np.savez(file, **(kept | {"coefficients": np.full_like(kept["coefficients"], value)}))
+        return file.getvalue()
+
     path.write_bytes(
         {
+            "nan": holding(float("nan")),
+            "huge": holding(1e30),
             "cut": whole[:middle],
             "flipped": whole[:middle] + bytes([whole[middle] ^ 255]) + whole[middle + 1 :],
             "text": b"not a table",
@@ -111,6 +124,25 @@ def test_a_damaged_file_is_replaced_with_a_warning(folder: Path, damage: str) ->
 def test_a_folder_that_cannot_be_made_is_a_warning(folder: Path) -> None:
     folder.write_text("in the way")
     with pytest.warns(EclatWarning, match="could not be kept"):
+        brdf_table("lambert")
+
+
+def test_pipes_in_the_way_and_no_home_are_warnings(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    brdf_table("lambert")
+    (path,) = folder.iterdir()
+    path.unlink()
+    os.mkfifo(path)
+    with pytest.warns(EclatWarning, match="got a pipe or a device"):
+        brdf_table("lambert")
+
+    def homeless() -> Path:
+        raise RuntimeError("Could not determine home directory.")
+
+    monkeypatch.delenv("XDG_CACHE_HOME")
+    monkeypatch.setattr(Path, "home", homeless)
+    with pytest.warns(
+        EclatWarning, match="expected HOME or XDG_CACHE_HOME to be set, got neither; the table is not kept"
+    ):
         brdf_table("lambert")
 
 

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eclat import _core
+from eclat.bridge.reach import check_areas, check_length, check_reach
 from eclat.errors import EclatError
 from eclat.scene import (
     DEFAULTS,
@@ -39,8 +40,13 @@ class Compiled:
     center: FloatArray
 
     def to_core(self, points: FloatArray) -> np.ndarray:
-        """World positions (N, 3) in the core's frame, float32."""
-        return np.ascontiguousarray(np.asarray(points, np.float64) - self.center, np.float32)
+        """World positions (N, 3) in the core's frame, float32. Raises EclatError for those beyond its reach."""
+        return self._shifted(points, "points", "point")
+
+    def _shifted(self, points: FloatArray, what: str, noun: str) -> np.ndarray:
+        local = np.asarray(points, np.float64) - self.center
+        check_reach(local, what, noun)
+        return np.ascontiguousarray(local, np.float32)
 
     def camera(self, camera: Camera, size: tuple[int, int]) -> _core.Camera:
         """The core's camera for a picture of `size` (width, height)."""
@@ -51,7 +57,13 @@ class Compiled:
         columns = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
         half_width, half_height = camera.half_extent(width / height)
         right, up, backward = (tuple(map(float, columns[:, i])) for i in range(3))
-        position = tuple(map(float, self.to_core(matrix[:3, 3])))
+        what = f"camera {camera.name!r}"
+        position = tuple(map(float, self._shifted(matrix[:3, 3], what, "position")))
+        check_length(camera.aperture_radius, what, "aperture_radius")
+        check_length(camera.focus_distance, what, "focus_distance")
+        # Of a perspective camera it is a slope, which makes directions of the corners.
+        for reach, axis in zip((half_width, half_height), camera.shift, strict=True):
+            check_length(reach * (1 + 2 * abs(axis)), what, "the picture's extent (fov, shift)")
         return _core.Camera(
             right, up, backward, position, size, (half_width, half_height), camera.shift,
             camera.aperture_radius, camera.focus_distance, camera.projection == "orthographic",
@@ -81,9 +93,13 @@ class _Compiler:
 
     def compile(self) -> Compiled:
         center = _center(self.scene)
-        for mesh in self.scene.meshes:
+        for number, mesh in enumerate(self.scene.meshes):
+            local = np.asarray(mesh.positions, np.float64) - center
+            what = f"mesh {number}" + (f" {mesh.name!r}" if mesh.name else "")
+            check_reach(local, what)
+            check_areas(local, mesh.triangles, what)
             self.builder.add_mesh(
-                np.ascontiguousarray(np.asarray(mesh.positions, np.float64) - center, np.float32),
+                np.ascontiguousarray(local, np.float32),
                 np.ascontiguousarray(mesh.triangles, np.uint32),
                 self.material(mesh.material),
                 _floats(mesh.normals, 3),
@@ -92,7 +108,9 @@ class _Compiler:
                 _floats(mesh.colors, 4),
                 _floats(mesh.tangents if _reads_tangents(mesh.material) else None, 4),
             )
-        for light in self.scene.lights:
+        for number, light in enumerate(self.scene.lights):
+            if not isinstance(light, DirectionalLight):
+                check_reach(np.asarray(light.position, np.float64) - center, f"light {number}")
             self.light(light, center)
         environment = self.scene.environment
         if environment is not None:

@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
+from eclat.files.arrays import array_from, is_array_file
 from eclat.loaders.text_files import utf8
 
 EXPECTED = "six numbers x y z nx ny nz"
@@ -29,7 +30,7 @@ def read_points(name: str) -> tuple[Float64, Float64]:
     """
     data = _read(name)
     label = "standard input" if name == "-" else name
-    if data.startswith(b"\x93NUMPY"):
+    if is_array_file(data):
         table, places = _from_npy(data, label), "row"
         lines = list(range(len(table)))
     else:
@@ -68,10 +69,7 @@ def _read(name: str) -> bytes:
 
 
 def _from_npy(data: bytes, label: str) -> Float64:
-    try:
-        table = np.load(io.BytesIO(data), allow_pickle=False)
-    except (ValueError, EOFError, OSError, TypeError, SyntaxError, MemoryError) as error:
-        raise EclatError(f"{label}: expected a .npy file of numbers: {error}") from None
+    table = array_from(data, label)
     if table.dtype.kind not in "fiu" or table.ndim != 2 or table.shape[1] != 6:
         raise EclatError(f"{label}: expected an array of six columns x y z nx ny nz, got {table.dtype} {table.shape}")
     return np.asarray(table, dtype=np.float64)

@@ -84,10 +84,33 @@ def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
     flags: dict[str, Any] = {}
     for parameter in context.command.params:
         if parameter.name in REPEATED:
-            value = settings[parameter.name]
-            # Files can be edited, so each value passes the same checks as on the command line.
-            flags[parameter.name] = parameter.type_cast_value(context, value)
+            flags[parameter.name] = _checked(path, parameter, settings[parameter.name], context)
     return flags
+
+
+def _checked(path: str, parameter: click.Parameter, value: Any, context: click.Context) -> Any:
+    """The value after the same checks as on the command line, since files can be edited. Raises EclatError."""
+    where = f"{path}, setting {parameter.name!r}"
+    flag = isinstance(parameter.type, click.types.BoolParamType)
+    several = parameter.multiple if isinstance(parameter, click.Option) else False
+    plain = value is None or isinstance(value, str | int | float) or _is_plain_list(value)
+    if not plain or (several and not isinstance(value, list)) or (flag and not isinstance(value, bool | None)):
+        expected = "a list" if several else "true, false or null" if flag else "a number, a text or a list of them"
+        raise EclatError(f"{where}: expected {expected}, got {json.dumps(value)[:60]}")
+    try:
+        return parameter.type_cast_value(context, value)
+    except click.UsageError as error:
+        raise EclatError(f"{where}: {' '.join(error.message.split())}") from None
+    except (TypeError, ValueError, AttributeError, LookupError, ArithmeticError) as error:
+        raise EclatError(f"{where}: expected what its flag takes, got {json.dumps(value)[:60]} ({error})") from None
+
+
+def _is_plain_list(value: Any) -> bool:
+    """Whether it is a list of numbers and texts, or (of flags that take several) of such lists."""
+    if not isinstance(value, list):
+        return False
+    items = [item for part in value for item in (part if isinstance(part, list) else [part])]
+    return all(isinstance(item, str | int | float) for item in items)
 
 
 def say_replay_of_bad_samples(reporter: Reporter, image: Image, scene: str, outputs: Sequence[str]) -> None:

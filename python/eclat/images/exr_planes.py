@@ -69,10 +69,10 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
         if plane is not None:
             channels[name] = _placed(plane, window, display)
     to_xyz = _rgb_to_xyz(header.get("chromaticities"), where)
-    _undo_luminance_chroma(channels, to_xyz[1])
-    converted = not np.array_equal(to_xyz, _rgb_to_xyz(None, where))
-    if converted:
+    converted = _undo_luminance_chroma(channels, to_xyz[1])
+    if not np.array_equal(to_xyz, _rgb_to_xyz(None, where)):
         _convert(channels, np.linalg.inv(_rgb_to_xyz(None, where)) @ to_xyz)
+        converted = True
     return Planes(header, channels, converted)
 
 
@@ -156,13 +156,18 @@ def _layers_of(channels: dict[str, Float32], letters: tuple[str, ...]) -> list[s
     return [start for start in starts if all(f"{start}{letter}" in channels for letter in letters)]
 
 
-def _undo_luminance_chroma(channels: dict[str, Float32], weights: Float64) -> None:
-    """Y, RY = (R − Y)/Y, BY = (B − Y)/Y become R, G, B, where Y is R, G, B times `weights` [OpenEXR, ImfRgbaYca]."""
-    for start in _layers_of(channels, ("Y", "RY", "BY")):
+def _undo_luminance_chroma(channels: dict[str, Float32], weights: Float64) -> bool:
+    """Y, RY = (R − Y)/Y, BY = (B − Y)/Y become R, G, B, where Y is R, G, B times `weights` [OpenEXR, ImfRgbaYca].
+
+    Returns whether there were any.
+    """
+    starts = _layers_of(channels, ("Y", "RY", "BY"))
+    for start in starts:
         y, ry, by = (channels.pop(f"{start}{letter}") for letter in ("Y", "RY", "BY"))
         red, blue = (ry + 1) * y, (by + 1) * y
         wr, wg, wb = (np.float32(weight) for weight in weights)
         channels |= {f"{start}R": red, f"{start}G": (y - wr * red - wb * blue) / wg, f"{start}B": blue}
+    return bool(starts)
 
 
 def _convert(channels: dict[str, Float32], matrix: Float64) -> None:

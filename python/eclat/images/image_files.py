@@ -18,6 +18,7 @@ from PIL import Image as PillowImage
 from PIL import PngImagePlugin
 
 from eclat.errors import EclatError, did_you_mean
+from eclat.files.arrays import array_from, read_file
 from eclat.images.exr import decode_exr, encode_exr
 from eclat.images.tone import to_display
 
@@ -57,12 +58,7 @@ def read(path: str | os.PathLike[str], check_size: CheckSize) -> Content:
     decode = format_of(path).decode
     if decode is None:
         raise EclatError(f"{name}: expected radiance (.exr, .pfm, .npy); this format holds display values only")
-    try:
-        data = Path(path).read_bytes()
-    except FileNotFoundError:
-        raise EclatError(f"{name}: file not found") from None
-    except OSError as error:
-        raise EclatError(f"{name}: cannot be read: {error.strerror or error}") from None
+    data = read_file(path, where=name)
     return decode(data, name, check_size)
 
 
@@ -90,11 +86,13 @@ def encode_png(content: Content, layers: Mapping[str, str], exposure: float, ton
 def read_png_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
     """The metadata that `encode_png` stored. Raises EclatError when the file has none."""
     try:
-        with PillowImage.open(path, formats=("PNG",)) as picture:
+        with PillowImage.open(io.BytesIO(read_file(path, where=os.fspath(path))), formats=("PNG",)) as picture:
             metadata = json.loads(str(picture.info["eclat"]))
             if isinstance(metadata, dict):
                 return metadata
-    except (OSError, ValueError, KeyError, SyntaxError, RecursionError):
+    except EclatError:
+        raise
+    except Exception:  # Pillow's reader raises nearly every type there is on broken files.
         pass
     raise EclatError(f"{os.fspath(path)}: expected a PNG file with the text field 'eclat', which Éclat writes")
 
@@ -142,13 +140,9 @@ def _encode_npy(content: Content, layers: Mapping[str, str], exposure: float, to
 
 
 def _decode_npy(data: bytes, name: str, check_size: CheckSize) -> Content:
-    try:
-        pixels = np.load(io.BytesIO(data), allow_pickle=False)
-    except (ValueError, EOFError, OSError, TypeError, SyntaxError, MemoryError) as error:
-        raise EclatError(f"{name}: expected a .npy file of numbers: {error}") from None
-    if not isinstance(pixels, np.ndarray) or pixels.dtype.kind not in "fiu" or pixels.ndim != 3 or pixels.shape[2] != 3:
-        got = f"{pixels.dtype} {pixels.shape}" if isinstance(pixels, np.ndarray) else "an archive"
-        raise EclatError(f"{name}: expected numbers of shape (height, width, 3), got {got}")
+    pixels = array_from(data, name)
+    if pixels.dtype.kind not in "fiu" or pixels.ndim != 3 or pixels.shape[2] != 3:
+        raise EclatError(f"{name}: expected numbers of shape (height, width, 3), got {pixels.dtype} {pixels.shape}")
     check_size(pixels.shape[1], pixels.shape[0], name)
     return Content(pixels.astype(np.float32))
 

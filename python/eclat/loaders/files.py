@@ -7,7 +7,6 @@ from __future__ import annotations
 import os
 import posixpath
 import re
-import stat
 from pathlib import Path
 from typing import Any, Literal, TypedDict, Unpack
 
@@ -15,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
+from eclat.files.arrays import read_file
 from eclat.loaders.images import decode_image, read_image_file
 from eclat.scene import Texture
 
@@ -68,19 +68,7 @@ def resolve(folder: Path, name: str, *, where: str, allow_parent: bool = False) 
 
 def read_bytes(path: Path, *, where: str, limit: int = 1 << 32) -> bytes:
     """The bytes of a regular file of at most `limit` bytes; EclatError for anything else (missing, folder, pipe)."""
-    try:
-        status = path.stat()
-        if not stat.S_ISREG(status.st_mode):
-            raise EclatError(f"{where}: expected a file, but {path} is none")
-        if status.st_size > limit:
-            raise EclatError(f"{where}: {path} has {status.st_size} bytes, more than the limit of {limit}")
-        return path.read_bytes()
-    except FileNotFoundError:
-        raise EclatError(f"{where}: file not found: {path}") from None
-    except (OSError, ValueError, MemoryError) as error:
-        if isinstance(error, EclatError):
-            raise
-        raise EclatError(f"{where}: cannot read {path}: {error}") from None
+    return read_file(path, where=where, limit=limit)
 
 
 def read_texture(

@@ -337,6 +337,26 @@ def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
     assert "a.exr: expected the settings of a run in the metadata" in errors(capsys)
 
 
+@pytest.mark.parametrize(
+    ("name", "value"),
+    [
+        *(("refine", value) for value in ({"a": 65536}, "yes", 1, [True])),
+        *(("samples", value) for value in ({}, "many", [1, 2], [[[1]]], 1e400, True)),
+        *(("size", value) for value in (5, {"w": 1}, [[1], 2], ["a", "b"], [1e300, 1])),
+        *(("materials", value) for value in (1, "a=b", [{}], [1])),
+        *(("settings", value) for value in ({}, "spacing=1", [None])),
+        *(("method", value) for value in (1, [], {}, "rays")),
+        *(("camera_to", value) for value in ({}, [1, 2], [None, 1, 2])),
+    ],
+)
+def test_settings_of_any_kind_are_one_line(capsys: Output, name: str, value: object) -> None:
+    settings = dict.fromkeys(REPEATED) | {"method": "path", "settings": [], "materials": [], "samples": 1, name: value}
+    Image(np.zeros((1, 1, 3), np.float32), metadata={"settings": settings}).save("a.exr")
+    assert main(["render", "cornell-box", "--replay-settings", "a.exr"]) == 2
+    (line,) = errors(capsys).splitlines()
+    assert line.startswith("eclat: ")
+
+
 def test_replaying_one_sample_renders_one_pixel_and_writes_nothing(api: FakeApi, capsys: Output) -> None:
     assert main(["render", "cornell-box", "--replay", "4,2,19", "--method", "path"]) == 0
     assert (api.calls[0]["crop"], api.calls[0]["samples"]) == ((4, 2, 5, 3), 20)

@@ -69,7 +69,7 @@ def test_damaged_npy(tmp_path: Path) -> None:
 def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     assert message_of(tmp_path / "none.exr") == "file not found"
     (tmp_path / "folder.exr").mkdir()
-    assert message_of(tmp_path / "folder.exr") == "cannot be read: Is a directory"
+    assert message_of(tmp_path / "folder.exr") == "expected a file, got a folder"
     assert message_of(tmp_path / "a.png") == (
         "expected radiance (.exr, .pfm, .npy); this format holds display values only"
     )

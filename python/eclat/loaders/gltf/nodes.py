@@ -74,6 +74,8 @@ def instances(node: Element, accessors: Accessors) -> Matrix:
     if len(counts) != 1:
         raise EclatError(f"{attributes.where}: expected attributes of one size, got {sorted(counts)}")
     count = counts.pop()
+    if count == 0:
+        raise EclatError(f"{attributes.where}: expected at least one instance, got attributes of no elements")
 
     def of(name: str, default: tuple[float, ...]) -> Matrix:
         values = found[name]
@@ -88,7 +90,7 @@ def _trs(translation: Matrix, rotation: Matrix, scale: Matrix, owner: Element) -
     finite = all(np.isfinite(values).all() for values in (translation, rotation, scale))
     if not finite or not (lengths > 0).all():
         raise EclatError(f"{owner.where}: expected finite transforms and quaternions other than 0")
-    if np.abs(lengths - 1).max() > 0.01:
+    if np.abs(lengths - 1).max(initial=0) > 0.01:
         warn(f"{owner.where}: a rotation is a quaternion of length {float(lengths[0, 0]):.3g}; it is normalised")
     x, y, z, w = (rotation / lengths).T
     matrices = np.zeros((len(rotation), 4, 4))

@@ -182,9 +182,15 @@ def set_many_instances(file: GltfFile) -> None:
     file.json["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": attributes}}
 
 
+def set_no_instances(file: GltfFile) -> None:
+    attributes = {"ROTATION": file.append("accessors", {"componentType": 5126, "type": "VEC4", "count": 0})}
+    file.json["nodes"][0]["extensions"] = {"EXT_mesh_gpu_instancing": {"attributes": attributes}}
+
+
 @pytest.mark.parametrize(
     ("spoil", "message"),
     [
+        (set_no_instances, r"nodes\[0\].*expected at least one instance, got attributes of no elements"),
         (set_node_cycle, r"nodes\[0\]: expected a tree of nodes"),
         (set_two_parents, r"nodes\[2\]: expected one parent, got nodes\[0\] and nodes\[1\]"),
         (set_huge_count, r"accessors\[0\]: expected 12000000000 bytes in the bufferView for count 1000000000, got 36"),
