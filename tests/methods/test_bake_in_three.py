@@ -68,7 +68,7 @@ def baked(tmp_path_factory: pytest.TempPathFactory) -> Baked:
     for name, (scene, options) in baking.items():
         files[name] = folder / f"{name} lit.glb"
         with warnings.catch_warnings():
-            warnings.filterwarnings("ignore", message="glTF holds no environment")
+            warnings.filterwarnings("ignore", message="glTF has no environments")
             eclat.bake(scene, samples=64, **options).save(files[name])
     # The second camera of the two rooms looks at the dark side of their wall.
     wanted = {

@@ -42,12 +42,12 @@ def _version(context: click.Context, parameter: click.Parameter, wanted: bool) -
 
 
 @click.group(cls=Group, table=COMMANDS, context_settings=CONTEXT)
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Say the version.")
+@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version.")
 def group() -> None:
-    """Pictures of global illumination, by irradiance caching or path tracing.
+    """Render global illumination by irradiance caching, path tracing and other methods.
 
     \b
-    eclat scenes                    what there is to look at without a file of your own
+    eclat scenes                    lists the scenes that need no file
     eclat render cornell-box        makes cornell-box.png
     eclat render room.glb -o room.exr --max-error 0.02
     eclat compare cornell-box       all methods on one page, with their errors

@@ -38,7 +38,7 @@ MAP = "Map"
 
 EXAMPLES = {
     "eclat bake room.glb": "Writes room_lit.glb, room_lit.lightmap.exr and room_lit.lightmap.json:",
-    "eclat bake room.glb -o lit.glb --texel-size 0.01": "One texel a centimetre:",
+    "eclat bake room.glb -o lit.glb --texel-size 0.01": "One texel per centimetre:",
     "eclat bake room.glb --method radiosity": "By another method:",
     "eclat bake room.glb --cache room.npz": "From what `eclat solve --view-independent` wrote:",
     "eclat bake room.glb --flatten": "Writes room_flat.glb, which any viewer shows as it is:",
@@ -121,7 +121,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         flat = flags["flatten"]
         if flags["exposure"] is not None and not flat:
-            raise EclatError("--exposure: expected --flatten beside it, since light maps hold irradiance")
+            raise EclatError("--exposure requires --flatten: light maps hold irradiance")
         names = output_names(flags["output"] or f"{scene_stem(flags['scene'])}_{'flat' if flat else 'lit'}.glb")
         for name in names[:1] if flat else names:
             check_writable(name)

@@ -21,7 +21,7 @@ if TYPE_CHECKING:
 
 EXAMPLES = {
     "eclat info room.glb": "Meshes, materials, lights, cameras, and what was replaced or ignored:",
-    "eclat info room.glb --json": "The same for a program:",
+    "eclat info room.glb --json": "The same as JSON, for programs:",
 }
 
 _LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalLight: "directional"}
@@ -30,9 +30,9 @@ _LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalL
 @click.command(
     "info",
     cls=Command,
-    short_help="What a scene holds, and what was replaced or ignored.",
+    short_help="List what a scene contains, and what was replaced or ignored.",
     examples=EXAMPLES,
-    help="Say what SCENE holds: meshes, materials by kind, lights, cameras, bounds, and what the loader warns about.",
+    help="List the contents of SCENE: meshes, materials by kind, lights, cameras and bounds, and the loader's warnings.",
 )
 @scene_argument
 @reporting_options

@@ -31,17 +31,17 @@ from eclat.files.atomic_file import check_writable, write_file
 from eclat.measure.photometry import LUMENS_PER_WATT, illuminance
 
 EXAMPLES = {
-    "echo 0 0.8 0 0 0 1 | eclat irradiance cornell-box": "One point, by hand:",
+    "echo 0 0.8 0 0 0 1 | eclat irradiance cornell-box": "One point, from standard input:",
     "eclat irradiance room.glb --points desks.csv -o desks-lux.csv": "All desks:",
     "eclat irradiance room.glb --points desks.csv --cache room.npz": "From records that `eclat solve` wrote:",
-    "eclat irradiance room.glb --points grid.npy --component indirect -o grid.npy": "NumPy in and out:",
+    "eclat irradiance room.glb --points grid.npy --component indirect -o grid.npy": "Points and results as NumPy arrays:",
 }
 
 
 @click.command(
     "irradiance",
     cls=Command,
-    short_help="How much light falls on points, in W/m² and lux.",
+    short_help="Compute the light that falls on points, in W/m² and lux.",
     examples=EXAMPLES,
     notes=method_notes,
     help="""Irradiance at points of SCENE, on the side that their normals face, in W/m² (lux in a photometric scene).
@@ -119,7 +119,7 @@ def _how(statistics: dict[str, float], photometric: bool) -> str:
 def _check_output(output: str, as_json: bool) -> None:
     if output == "-":
         if as_json:
-            raise EclatError("--json: expected a file by -o beside it, since standard output then holds events only")
+            raise EclatError("--json requires a file by -o: standard output then holds events only")
         return
     if Path(output).suffix.lower() not in (".csv", ".npy"):
         raise EclatError(f"{output}: expected a name that ends in .csv or .npy")

@@ -32,8 +32,18 @@ material_option = option(
 """`--material`."""
 
 light_options = together(
-    option("--sun", type=SUN, section=LIGHT, help="Sun and sky instead of the scene's; degrees, azimuth from north."),
-    option("--environment", type=ENVIRONMENT, section=LIGHT, help="Light from all around, instead of the scene's."),
+    option(
+        "--sun",
+        type=SUN,
+        section=LIGHT,
+        help="Replace the scene's suns and environment by sun and sky; degrees, azimuth from north.",
+    ),
+    option(
+        "--environment",
+        type=ENVIRONMENT,
+        section=LIGHT,
+        help="Replace the scene's environment by an image or a constant radiance.",
+    ),
 )
 """Flags that replace the scene's sun and surroundings."""
 
@@ -42,20 +52,28 @@ camera_options = together(
         "--camera", metavar="N|NAME", section=CAMERA, help="One of the scene's cameras [0]; `eclat info` lists them."
     ),
     option("--camera-from", type=POINT, section=CAMERA, help="Look from this point."),
-    option("--camera-to", type=POINT, section=CAMERA, help="Look at this point [the scene's middle]."),
-    option("--camera-up", type=POINT, section=CAMERA, help="What is up in the picture [the scene's up]."),
-    option("--fov", type=Number(float, 0, 179.9, above=True), section=CAMERA, help="Vertical field of view, degrees."),
+    option("--camera-to", type=POINT, section=CAMERA, help="Look at this point [the middle of the scene]."),
+    option("--camera-up", type=POINT, section=CAMERA, help="The direction that is up in the picture [the scene's up]."),
+    option(
+        "--fov", type=Number(float, 0, 179.9, above=True), section=CAMERA, help="Vertical field of view in degrees."
+    ),
     option("--size", type=SIZE, section=CAMERA, help="Width and height in pixels [the scene's, else 1280x720]."),
 )
 """Flags that choose or replace the camera."""
 
 work_options = together(
-    option("--seed", type=Number(int, 0, 2**32 - 1), default=0, section=WORK, help="Another seed, other noise [0]."),
+    option(
+        "--seed",
+        type=Number(int, 0, 2**32 - 1),
+        default=0,
+        section=WORK,
+        help="Seed of the random numbers; another seed gives other noise [0].",
+    ),
     option(
         "--threads",
         type=Number(int, 1, 1024),
         section=WORK,
-        help="Threads [all processors]; the result is the same.",
+        help="Number of threads [all processors]; it does not change the result.",
     ),
 )
 """Seed and threads."""

@@ -75,7 +75,9 @@ def encode_glb(
     if lights:
         nodes += [light_node(document, light) for light in scene.lights]
     if scene.environment is not None:
-        warn("glTF holds no environment: the file has its light where it is baked in, and no sky to look at")
+        warn(
+            "glTF has no environments: the file contains the light of the environment in its light map, but no visible sky"
+        )
     document.root |= {"scene": 0, "scenes": [{"name": scene.name, **({"nodes": nodes} if nodes else {})}]}
     return document.encode()
 

@@ -49,7 +49,7 @@ def light_node(document: Document, light: PointLight | SpotLight | DirectionalLi
         json: Json = {"type": "directional"} | _colored(light.irradiance)
         matrix = _towards((0.0, 0.0, 0.0), light.direction)
         if light.angular_radius > 0:
-            warn("glTF has no suns of a size: their shadows are sharp in the file")
+            warn("glTF has no sun with an angular size: its shadows are sharp in the file")
     elif isinstance(light, SpotLight):
         outer, inner = math.radians(min(light.outer_angle, 90)), math.radians(light.inner_angle)
         # The format wants the inner angle below the outer one.

@@ -198,7 +198,7 @@ def _environment(source: Path | Point, up: Point) -> Environment:
     colour: FloatArray = image.astype(np.float32) / 255 if image.dtype == np.uint8 else image.astype(np.float32)
     colour = np.repeat(colour, 3, axis=2) if colour.shape[2] == 1 else colour[..., :3]
     if not linear:
-        warn(f"environment: {path.name} has no range beyond white; its sun, if it shows one, will be dim")
+        warn(f"environment: {path.name} has no range beyond white; a sun in it will be too dim")
         colour = srgb_decode(colour).astype(np.float32)
     good = np.isfinite(colour) & (colour >= 0)
     if not good.all():

@@ -293,9 +293,7 @@ def test_json_reports_errors_and_interrupts(api: FakeApi, capsys: Output) -> Non
 
 def test_json_needs_standard_output_for_itself(capsys: Output) -> None:
     assert main(["irradiance", "cornell-box", "--json"]) == 2
-    assert capsys.readouterr().err == (
-        "eclat: --json: expected a file by -o beside it, since standard output then holds events only\n"
-    )
+    assert capsys.readouterr().err == ("eclat: --json requires a file by -o: standard output then holds events only\n")
 
 
 def test_quiet_keeps_warnings(capsys: Output) -> None:
@@ -434,7 +432,7 @@ def test_bake_writes_a_scene_and_what_its_light_map_means(capsys: Output) -> Non
     [
         ("-o room.gltf", "room.gltf: expected a name that ends in .glb"),
         ("-o nowhere/room.glb", "nowhere/room.glb: cannot be written: the folder"),
-        ("--exposure 1", "--exposure: expected --flatten beside it"),
+        ("--exposure 1", "--exposure requires --flatten"),
         ("--texel-size 0.00001", "m fits"),
         ("--sides back", "--sides: expected one of auto, front, both, got 'back'"),
         ("--cache room.npz", "--cache: expected no --method and no --set beside it"),
