@@ -276,6 +276,13 @@ class Camera:
         return (half, half / aspect) if axis == "x" else (half * aspect, half)
 
 
+def triangle_areas(corners: FloatArray) -> FloatArray:
+    """(N,) areas of triangles, m², from (N, 3, 3) positions of their corners in metres."""
+    a, b, c = np.moveaxis(np.asarray(corners, dtype=np.float64), 1, 0)
+    twice: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
+    return twice / 2
+
+
 def look_at(
     origin: tuple[float, float, float], target: tuple[float, float, float], up: tuple[float, float, float] = (0, 1, 0)
 ) -> FloatArray:

@@ -10,9 +10,8 @@ import numpy as np
 
 import eclat
 from eclat.measure.metrics import relative_rmse
+from eclat.measure.photometry import LUMINANCE
 from eclat.scene import FloatArray, Mesh, Scene
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
-from eclat.scene import FloatArray
+from eclat.scene import FloatArray, triangle_areas
 
 FARTHEST = 1e18
 """Metres in any coordinate: the sum of the squares of three differences of such is 1.2e37."""
@@ -30,8 +30,7 @@ def check_areas(positions: FloatArray, triangles: NDArray[np.integer], what: str
     index = np.asarray(triangles)
     if index.min() < 0 or index.max() >= len(positions):
         return  # the core names the triangle
-    a, b, c = (np.asarray(positions, np.float64)[index[:, corner]] for corner in range(3))
-    areas = np.linalg.norm(np.cross(b - a, c - a), axis=1) / 2
+    areas = triangle_areas(np.asarray(positions)[index])
     large = np.isfinite(areas) & (areas > LARGEST_AREA)
     if large.any():
         row = int(np.argmax(large))

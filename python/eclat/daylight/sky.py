@@ -27,9 +27,6 @@ Direction = tuple[float, float, float]
 TURBIDITY_RANGE = (1.7, 10.0)
 """Below 1.7 the model's luminance turns negative near the zenith; above 10 its authors do not claim anything."""
 
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
-"""Y of linear Rec. 709 RGB."""
-
 XYZ_TO_RGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
 
 # [Preetham99 A.2]: each of A..E of Perez' function is slope · turbidity + offset; the rows are Y, x and y.

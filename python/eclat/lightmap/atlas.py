@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, warn
 from eclat.lightmap.planar_charts import unwrap_planar
-from eclat.scene import FloatArray, Mesh
+from eclat.scene import FloatArray, Mesh, triangle_areas
 
 PROGRAM = Path(__file__).with_name("xatlas_process.py")
 """What unwraps, in a process of its own."""
@@ -67,9 +67,7 @@ NOTHING = Unwrapped(np.zeros(0, np.int64), np.zeros((0, 3), np.int64), np.zeros(
 
 def areas(mesh: Mesh) -> FloatArray:
     """(T,) areas of the triangles, m²."""
-    a, b, c = (np.asarray(mesh.positions, np.float64)[np.asarray(mesh.triangles)[:, i]] for i in range(3))
-    doubled: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
-    return doubled / 2
+    return triangle_areas(np.asarray(mesh.positions)[np.asarray(mesh.triangles)])
 
 
 def default_texel_size(area: float) -> float:

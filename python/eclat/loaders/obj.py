@@ -22,7 +22,7 @@ from eclat.loaders.files import read_bytes
 from eclat.loaders.mtl import Library, load_library
 from eclat.loaders.mtl_materials import MtlMaterial, build_material
 from eclat.loaders.obj_text import ObjText, read_obj_text
-from eclat.scene import FloatArray, Material, Mesh, Scene, Value, grey
+from eclat.scene import FloatArray, Material, Mesh, Scene, Value, grey, triangle_areas
 
 IntArray = NDArray[np.int64]
 
@@ -242,7 +242,7 @@ def _texture_width(mesh: Mesh, value: Value) -> float:
     if mesh.uvs is None:
         return 1.0
     corners = np.asarray(mesh.positions, dtype=np.float64)[mesh.triangles]
-    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    area = 2 * triangle_areas(corners).sum()
     (a, b, _), (c, d, _) = value.uv_transform
     flat = np.asarray(mesh.uvs, dtype=np.float64)[mesh.triangles]
     e, f = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]

@@ -129,7 +129,8 @@ def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
                 alpha = geometry.finite_rows(column, "alphas", where)[:, 0]
                 alpha = alpha / np.float32(_white(vertex, (name,), alpha, where) or 1)
                 break
-        return np.clip(np.column_stack([linear, alpha]), 0, 1).astype(np.float32)
+        colors: NDArray[np.float32] = np.clip(np.column_stack([linear, alpha]), 0, 1).astype(np.float32)
+        return colors
     return None
 
 

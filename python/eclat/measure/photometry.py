@@ -10,8 +10,13 @@ from numpy.typing import ArrayLike, NDArray
 LUMENS_PER_WATT = 179.0
 """Luminous efficacy of white light in a radiometric scene, lm/W; Radiance uses the same."""
 
-LUMINANCE = (0.2126, 0.7152, 0.0722)
+LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
 """Y of linear RGB with Rec. 709 primaries [ITU-R BT.709, item 3.2]."""
+
+
+def luminance(rgb: ArrayLike) -> NDArray[np.float64]:
+    """Y of linear RGB (…, 3), in double."""
+    return np.asarray(np.asarray(rgb, dtype=np.float64) @ LUMINANCE)
 
 
 def illuminance(irradiance: ArrayLike, photometric: bool) -> NDArray[np.float64]:
@@ -22,5 +27,4 @@ def illuminance(irradiance: ArrayLike, photometric: bool) -> NDArray[np.float64]
     multiplying by 683 on the way out would be the same.) In a radiometric one RGB is in W·m⁻² of visible light, and
     each W·m⁻² of Y counts as `LUMENS_PER_WATT`, the efficacy of white light that Radiance uses too.
     """
-    luminance = np.asarray(irradiance, dtype=np.float64) @ np.array(LUMINANCE)
-    return np.asarray(luminance if photometric else LUMENS_PER_WATT * luminance)
+    return luminance(irradiance) * (1 if photometric else LUMENS_PER_WATT)

@@ -222,6 +222,17 @@ TEST_CASE("a blend is the weighted sum; Lambertian lobes share a place") {
     for (int i = 0; i < 3; ++i) CHECK(blend.eval(wo, wi, LobeSet::all).f[i] == doctest::Approx(expected[i]));
 }
 
+TEST_CASE("a lobe of which a cache gives a share is cut in two that add up to it") {
+    Bsdf bsdf = make_phong({0.3f, 0.2f, 0.1f}, Color(0.2f), 20);
+    const Vec3 wo = direction(20, 0), wi = direction(25, 170);
+    const Color all = bsdf.eval(wo, wi, LobeSet::all).f, gloss = bsdf.eval(wo, wi, LobeSet::glossy).f;
+    const int lobe = bsdf.count() - 1;  // the glossy one is added last
+    bsdf.set_cached(lobe, 0.25f);
+    CHECK(bsdf.eval(wo, wi, LobeSet::all).f.r == doctest::Approx(all.r));
+    CHECK(bsdf.eval(wo, wi, LobeSet::cached).f.r == doctest::Approx(0.25 * gloss.r));
+    CHECK(bsdf.eval(wo, wi, LobeSet::uncached).f.r == doctest::Approx(all.r - 0.25 * gloss.r));
+}
+
 TEST_CASE("black lobes are not kept, and a full BSDF says so") {
     CHECK(make_diffuse(Color(0)).count() == 0);
     CHECK_FALSE(make_diffuse(Color(0)).sample({0, 0, 1}, 0.5f, {0.5f, 0.5f}, LobeSet::all));

@@ -38,6 +38,16 @@ TEST_CASE("dielectric reflectance: normal incidence, Brewster's angle, grazing, 
     CHECK(fresnel_dielectric(in.cos_t, 1 / 1.5f).reflectance == doctest::Approx(in.reflectance));
 }
 
+TEST_CASE("Schlick's reflectance: its ends, the fifth power between them, and near Fresnel's for glass") {
+    CHECK(schlick_weight(1) == 0);
+    CHECK(schlick_weight(0) == 1);
+    CHECK(schlick_weight(0.5f) == doctest::Approx(1.0 / 32));
+    CHECK(fresnel_schlick(0.5f, Color(0.2f, 0.4f, 0.6f), Color(1)).g == doctest::Approx(0.4 + 0.6 / 32));
+    for (float cos_i = 0.05f; cos_i <= 1; cos_i += 0.05f)
+        CHECK(std::abs(fresnel_schlick(cos_i, Color(0.04f), Color(1)).r - fresnel_dielectric(cos_i, 1.5f).reflectance) <
+              0.05f);
+}
+
 TEST_CASE("a conductor without absorption is a dielectric; with only absorption it reflects all") {
     for (const float cos_i : {1.0f, 0.7f, 0.2f, 0.01f}) {
         CHECK(fresnel_conductor(cos_i, 1.5f, 0) ==

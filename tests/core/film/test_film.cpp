@@ -26,6 +26,13 @@ TEST_CASE("a pixel sums its own samples, layer by layer") {
     CHECK(film.bad_count() == 0);
 }
 
+TEST_CASE("samples whose gloss was cached, and those whose gloss was traced, are counted apart") {
+    Film film(1, 1);
+    for (uint32_t i = 0; i < 5; ++i) film.add(0, 0, i, {Color(1), {}, {}, {}, 1, false, i < 3, i >= 1});
+    CHECK(film.pixels()[0].gloss_cached == 3);
+    CHECK(film.pixels()[0].gloss_traced == 4);
+}
+
 TEST_CASE("a sample that met nothing counts for the radiance, not for the depth") {
     Film film(1, 1);
     film.add(0, 0, 0, {Color(1), {}, {}, {}, 0, false});

@@ -10,6 +10,7 @@
 #include <cmath>
 
 #include "plate_scene.h"
+#include "sampling/rng.h"
 
 using namespace eclat;
 
@@ -121,6 +122,25 @@ TEST_CASE("excess: few bright cells are lowered to their share, and what is take
     CHECK(most == doctest::Approx(limit).epsilon(0.02));
     CHECK(taken.g == doctest::Approx(3000 * (1 - most / Y) * pi / float(bright.radiance.size())).epsilon(1e-4));
     CHECK(rest.g > irradiance(calm).g * 0.99f);
+}
+
+TEST_CASE("excess in rows of unlike height: what is taken is what is missing") {
+    HemisphereSamples bright = gather(16, 0.3f, 0.2f);
+    bright.kind = Rows::balanced;
+    for (const size_t cell : {size_t(5), size_t(400)}) bright.radiance[cell] = Color(900, 1000, 1100);
+    const Color whole = irradiance(bright), taken = take_excess(bright), rest = irradiance(bright);
+    CHECK(taken.g > 0.5f * whole.g);
+    for (int c = 0; c < 3; ++c) CHECK(rest[c] + taken[c] == doctest::Approx(whole[c]).epsilon(1e-5));
+}
+
+TEST_CASE("noise: none in even light; of n cells with unrelated values their deviation over the root of n") {
+    HemisphereSamples s = gather(32, 0, 0);
+    for (Color& L : s.radiance) L = Color(2);
+    CHECK(relative_noise(s) == doctest::Approx(0).epsilon(1e-6));
+    Rng rng(1, 2);
+    for (Color& L : s.radiance) L = Color(2 + (rng.next() - 0.5f));
+    const double deviation = std::sqrt(1.0 / 12) / 2;
+    CHECK(relative_noise(s) == doctest::Approx(deviation / std::sqrt(double(s.radiance.size()))).epsilon(0.05));
 }
 
 TEST_CASE("distances: a miss is infinitely far, and only what stands apart counts for the minimum") {

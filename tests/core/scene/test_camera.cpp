@@ -45,6 +45,8 @@ TEST_CASE("the principal point is shifted by fractions of the picture") {
     Camera c = camera();
     c.shift = {0.25f, 0};
     check_direction(c.ray(20, 20, {}).direction, {-1, 0, 0});
+    c.shift = {0, 0.25f};
+    check_direction(c.ray(40, 10, {}).direction, {-1, 0, 0});
 }
 
 TEST_CASE("a pixel is as wide as the distance between the rays of its edges") {

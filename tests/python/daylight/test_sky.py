@@ -11,8 +11,9 @@ import numpy as np
 import pytest
 
 from eclat.daylight import sky
-from eclat.daylight.sky import LUMENS_PER_WATT, LUMINANCE, horizontal_irradiance, sun_direction, sun_sky
+from eclat.daylight.sky import horizontal_irradiance, sun_direction, sun_sky
 from eclat.errors import EclatError, EclatWarning
+from eclat.measure.photometry import LUMENS_PER_WATT, LUMINANCE
 
 
 def lux(rgb: object) -> float:

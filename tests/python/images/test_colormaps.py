@@ -7,8 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from eclat.images.colormaps import AMOUNT, NOT_A_NUMBER, SIGNED, colored
-
-LUMINANCE = np.array([0.2126, 0.7152, 0.0722])
+from eclat.measure.photometry import LUMINANCE
 
 
 def test_signed_map_is_light_in_the_middle_and_dark_at_both_ends() -> None:

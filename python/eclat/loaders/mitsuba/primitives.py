@@ -17,6 +17,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.scene import triangle_areas
+
 SEGMENTS = 128
 
 Floats = NDArray[np.float64]
@@ -93,7 +95,7 @@ def sphere() -> Surface:
     tangents = np.stack([-np.sin(phi), np.cos(phi), 0 * phi], axis=1)
     uvs = np.stack([phi / (2 * math.pi), theta / math.pi], axis=1)
     triangles = _grid(len(polar), len(angle))
-    area = _areas(normals, triangles)
+    area = triangle_areas(normals[triangles])
     triangles = triangles[area > 1e-9]  # at the poles one of a cell's two triangles has no area
     radius = math.sqrt(4 * math.pi / area.sum())
     # At a pole each triangle has its own vertex, with the u of the cell's middle.
@@ -126,9 +128,3 @@ def _grid(rows: int, columns: int) -> NDArray[np.int64]:
     first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     a, b, c, d = first, first + columns, first + columns + 1, first + 1
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
-
-
-def _areas(positions: Floats, triangles: NDArray[np.int64]) -> Floats:
-    p, q, r = (positions[triangles[:, i]] for i in range(3))
-    double: Floats = np.linalg.norm(np.cross(q - p, r - p), axis=1)
-    return double / 2

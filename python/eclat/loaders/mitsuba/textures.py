@@ -14,6 +14,7 @@ from eclat.errors import EclatError, warn
 from eclat.loaders.files import read_texture
 from eclat.loaders.mitsuba.node import Blackbody, Color, Node, Rgb, Uniform, Vector, parse_numbers
 from eclat.loaders.mitsuba.spectra import Role, check_curve, to_rgb
+from eclat.measure.photometry import luminance
 from eclat.measure.spectrum import srgb_to_linear
 from eclat.scene import Texture, Value, grey, rgb
 
@@ -186,8 +187,8 @@ def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
         return Value((1.0, 1.0, 1.0), texture, uv_transform=transform)
     image = texture.image[..., :3]
     if image.shape[2] == 3 and not (image == image[..., :1]).all():
-        luminance = _linear(texture)[..., :3] @ np.array([0.212671, 0.715160, 0.072169], dtype=np.float32)
-        texture = replace(texture, image=luminance[..., None].astype(np.float32), srgb=False)
+        scalars = luminance(_linear(texture)[..., :3])[..., None].astype(np.float32)
+        texture = replace(texture, image=scalars, srgb=False)
     return Value((1.0, 1.0, 1.0), texture, channel=0, uv_transform=transform)
 
 
