@@ -53,18 +53,31 @@ nb::ndarray<nb::numpy, uint16_t> half_array(const std::vector<uint16_t>& values,
     return {owned->data(), {rows, rows ? values.size() / rows : 0}, owner};
 }
 
+void bind_record_enums(nb::module_& m) {
+    nb::enum_<Weight>(m, "Weight")
+        .value("tabellion", Weight::tabellion)
+        .value("ward", Weight::ward)
+        .value("split_sphere", Weight::split_sphere);
+    nb::enum_<Balanced>(m, "Balanced").value("squared", Balanced::squared).value("absolute", Balanced::absolute);
+    nb::enum_<Metric>(m, "Metric")
+        .value("occlusion", Metric::occlusion)
+        .value("radiometric", Metric::radiometric)
+        .value("geometric", Metric::geometric)
+        .value("minimum", Metric::minimum)
+        .value("harmonic", Metric::harmonic);
+}
+
 }  // namespace
 
 void bind_cache(nb::module_& m) {
+    bind_record_enums(m);
     nb::class_<IrradianceCacheOptions>(m, "IrradianceCacheOptions")
         .def(nb::init<>())
         .def_rw("spacing", &IrradianceCacheOptions::spacing)
+        .def_rw("metric", &IrradianceCacheOptions::metric)
         .def_prop_rw(
-            "metric", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.metric); },
-            [](IrradianceCacheOptions& o, int metric) { o.metric = static_cast<Metric>(metric); })
-        .def_prop_rw(
-            "weight", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.cache.weight); },
-            [](IrradianceCacheOptions& o, int weight) { o.cache.weight = static_cast<Weight>(weight); })
+            "weight", [](const IrradianceCacheOptions& o) { return o.cache.weight; },
+            [](IrradianceCacheOptions& o, Weight weight) { o.cache.weight = weight; })
         .def_prop_rw(
             "relaxation", [](const IrradianceCacheOptions& o) { return o.cache.relaxation; },
             [](IrradianceCacheOptions& o, float x) { o.cache.relaxation = x; })
@@ -77,9 +90,7 @@ void bind_cache(nb::module_& m) {
         .def_prop_rw(
             "neighbor_clamping", [](const IrradianceCacheOptions& o) { return o.cache.neighbor_clamping; },
             [](IrradianceCacheOptions& o, bool on) { o.cache.neighbor_clamping = on; })
-        .def_prop_rw(
-            "balanced", [](const IrradianceCacheOptions& o) { return static_cast<int>(o.balanced); },
-            [](IrradianceCacheOptions& o, int which) { o.balanced = static_cast<Balanced>(which); })
+        .def_rw("balanced", &IrradianceCacheOptions::balanced)
         .def_rw("disagreement", &IrradianceCacheOptions::disagreement)
         .def_rw("gradient_limit", &IrradianceCacheOptions::gradient_limit)
         .def_rw("obstacle_limit", &IrradianceCacheOptions::obstacle_limit)

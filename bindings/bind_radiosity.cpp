@@ -9,10 +9,9 @@
 
 #include "arrays.h"
 #include "base/error.h"
-#include "methods/radiosity/radiosity_gathering.h"
-#include "render/render.h"
+#include "estimators.h"
+#include "methods/radiosity/radiosity_estimator.h"
 #include "methods/radiosity/solve_radiosity.h"
-#include "render_range.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -61,58 +60,45 @@ std::vector<SolvedPatch> patches_of(const PatchNames& names, const PatchValues& 
     return patches;
 }
 
-/// Patches, their values and corners; the numbers of links and sweeps, the residual, and the error of sums of form factors
-/// before they were balanced.
-auto solve(const CoreScene& scene, Progress& progress, float patch_size, size_t patches, int refinements,
-           float tolerance, int solver, int bounces, uint32_t seed, int threads) {
-    const RadiosityOptions options{patch_size, patches, refinements, tolerance, static_cast<RadiositySolver>(solver),
-                                   bounces,    seed,    threads};
+/// Patches, their values and corners; and numbers by name.
+auto solve(const CoreScene& scene, const RadiosityOptions& options, Progress& progress) {
     SolvedRadiosity solved;
-    std::vector<Vec3> corners;
+    std::vector<std::array<Vec3, 3>> corners;
     {
         const nb::gil_scoped_release unlocked;
         solved = solve_radiosity(scene.world(), options, progress);
-        std::vector<PatchName> names;
-        for (const SolvedPatch& p : solved.patches) names.push_back(p.name);
-        const PatchTree tree(*scene.geometry, names);
-        for (const PatchName& name : names)
-            for (const Vec3& corner : tree[tree.find(name)].corner) corners.push_back(corner);
+        corners = patch_corners(*scene.geometry, solved.patches);
     }
-    auto placed = float_array({solved.patches.size(), 3, 3}, [&](float* data) {
-        for (const Vec3& c : corners)
-            for (int k = 0; k < 3; ++k) *data++ = c[k];
+    auto placed = float_array({corners.size(), 3, 3}, [&](float* data) {
+        for (const auto& patch : corners)
+            for (const Vec3& c : patch)
+                for (int k = 0; k < 3; ++k) *data++ = c[k];
     });
-    const std::array<double, 5> numbers{double(solved.links), double(solved.sweeps), double(solved.residual),
-                                        double(solved.closure_error), double(solved.tolerance)};
-    return std::make_tuple(names_of(solved.patches), values_of(solved.patches), std::move(placed), numbers);
-}
-
-void render_field(const CoreScene& scene, const Camera& camera, Film& film, Progress& progress,
-                  const RadiosityField& field, int gather_rays, int max_depth, SampleCounts first, SampleCounts end,
-                  std::array<int, 4> crop, uint32_t seed, int threads, int filter, std::vector<uint32_t> tile_order) {
-    const World world = scene.world();
-    const Estimator estimate = [&](std::span<const PathRay> rays, std::span<PathResult> results, Progress& counted) {
-        trace_to_patches(world, field, gather_rays, max_depth, rays, results, counted);
-    };
-    render(camera, estimate, render_range(first, end, crop, seed, threads, filter, std::move(tile_order)), film,
-           progress);
-}
-
-auto irradiance_at_points(const CoreScene& scene, Points positions, Points normals, const RadiosityField& field,
-                          Progress& progress, int component, int samples, int max_depth, uint32_t seed, int threads) {
-    const auto points = points_with_normals(positions, normals);
-    const PointIrradianceOptions options{static_cast<Component>(component), samples, max_depth, seed, threads};
-    std::vector<Color> values;
-    {
-        const nb::gil_scoped_release unlocked;
-        values = radiosity_irradiance(scene.world(), points, field, options, progress);
-    }
-    return color_array(values);
+    nb::typed<nb::dict, nb::str, double> numbers;
+    numbers["links"] = double(solved.links);
+    numbers["sweeps"] = double(solved.sweeps);
+    numbers["residual"] = double(solved.residual);
+    numbers["closure_error"] = double(solved.closure_error);
+    numbers["tolerance"] = double(solved.tolerance);
+    return std::make_tuple(names_of(solved.patches), values_of(solved.patches), std::move(placed), std::move(numbers));
 }
 
 }  // namespace
 
 void bind_radiosity(nb::module_& m) {
+    nb::enum_<RadiositySolver>(m, "RadiositySolver")
+        .value("gathering", RadiositySolver::gathering)
+        .value("shooting", RadiositySolver::shooting);
+    nb::class_<RadiosityOptions>(m, "RadiosityOptions")
+        .def(nb::init<>())
+        .def_rw("patch_size", &RadiosityOptions::patch_size)
+        .def_rw("patches", &RadiosityOptions::patches)
+        .def_rw("refinements", &RadiosityOptions::refinements)
+        .def_rw("tolerance", &RadiosityOptions::tolerance)
+        .def_rw("solver", &RadiosityOptions::solver)
+        .def_rw("bounces", &RadiosityOptions::bounces)
+        .def_rw("seed", &RadiosityOptions::seed)
+        .def_rw("threads", &RadiosityOptions::threads);
     nb::class_<RadiosityField>(m, "RadiosityField")
         .def(
             "__init__",
@@ -122,11 +108,20 @@ void bind_radiosity(nb::module_& m) {
                 new (field) RadiosityField(*scene.geometry, patches, threads);
             },
             nb::keep_alive<1, 2>());
-    m.def("solve_radiosity", &solve, "scene"_a, "progress"_a, "patch_size"_a, "patches"_a, "refinements"_a,
-          "tolerance"_a, "solver"_a, "bounces"_a, "seed"_a, "threads"_a);
-    m.def("render_radiosity", &render_field, "scene"_a, "camera"_a, "film"_a, "progress"_a, "field"_a, "gather_rays"_a,
-          "max_depth"_a, "first"_a, "end"_a, "crop"_a, "seed"_a, "threads"_a, "filter"_a, "tile_order"_a,
-          nb::call_guard<nb::gil_scoped_release>());
-    m.def("irradiance_by_radiosity", &irradiance_at_points, "scene"_a, "positions"_a, "normals"_a, "field"_a,
-          "progress"_a, "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);
+    m.attr("PATCH_IS_BACK") = back_bit;
+    m.attr("PATCH_IS_UNKNOWN") = unknown_bit;
+    m.def("solve_radiosity", &solve, "scene"_a, "options"_a, "progress"_a);
+    m.def(
+        "radiosity_estimator",
+        [](const CoreScene& scene, const RadiosityField& field, int gather_rays, int max_depth) {
+            return EstimatorHolder{radiosity_estimator(scene.world(), field, gather_rays, max_depth)};
+        },
+        nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), "scene"_a, "field"_a, nb::kw_only(), "gather_rays"_a,
+        "max_depth"_a);
+    m.def(
+        "radiosity_point_estimator",
+        [](const CoreScene& scene, const RadiosityField& field) {
+            return PointEstimatorHolder{radiosity_point_estimator(scene.world(), field)};
+        },
+        nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), "scene"_a, "field"_a);
 }

@@ -4,15 +4,16 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/optional.h>
+#include <nanobind/stl/pair.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
-#include "methods/irradiance_cache/irradiance_cache.h"
-#include "methods/irradiance_cache/cached_irradiance.h"
-#include "methods/radiance_cache/radiance_cache.h"
+#include "estimators.h"
+#include "methods/irradiance_cache/cached_paths.h"
 #include "render/render.h"
-#include "render_range.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -20,59 +21,77 @@ using namespace nb::literals;
 
 namespace {
 
-PathOptions path_options(int max_depth, int roulette_depth, const SolvedCaches* caches) {
-    PathOptions options;
-    options.max_depth = max_depth;
-    options.roulette_depth = roulette_depth;
-    if (caches) {
-        options.light_set = LightSet::without_environment_image;
-        options.cache = read_near(*caches);
-        if (max_depth < 0 && !caches->far.records().empty()) options.far_cache = read_far(caches->far);
-        options.light_samples = cached_light_samples;
-        options.miss_paths = cached_miss_paths;
-        options.gloss_paths = cached_gloss_paths;
-    }
-    return options;
+/// Of each pixel of the picture, or one for all.
+using SampleCounts = Array<uint32_t, -1>;
+
+void render_samples(const Camera& camera, Film& film, const EstimatorHolder& estimator, const RenderRange& asked,
+                    const SampleCounts& first, const SampleCounts& end, Progress& progress) {
+    RenderRange range = asked;
+    const std::span<const uint32_t> firsts(first.data(), first.size()), ends(end.data(), end.size());
+    require(!ends.empty() && firsts.size() == ends.size(), "first, end: expected as many of each");
+    range.first_sample = std::ranges::min(firsts), range.end_sample = std::ranges::max(ends);
+    if (ends.size() > 1) range.first_samples = firsts, range.end_samples = ends;
+    render(camera, estimator.call, range, film, progress);
 }
 
-void render_samples(const CoreScene& scene, const Camera& camera, Film& film, Progress& progress, int max_depth,
-                    int roulette_depth, const SolvedCaches* caches, const RadianceTables* tables, SampleCounts first,
-                    SampleCounts end, std::array<int, 4> crop, uint32_t seed, int threads, int filter,
-                    std::vector<uint32_t> tile_order) {
-    PathOptions options = path_options(max_depth, roulette_depth, caches);
-    options.coherence = Coherence::camera;
-    if (caches && tables) options.reflection = read_radiance(caches->radiance, *tables);
-    render(scene.world(), camera, options, render_range(first, end, crop, seed, threads, filter, std::move(tile_order)),
-           film, progress);
-}
-
-PointIrradianceOptions point_options(int component, int samples, int max_depth, uint32_t seed, int threads) {
-    return {static_cast<Component>(component), samples, max_depth, seed, threads};
-}
-
-auto irradiance_by_paths(const CoreScene& scene, Points positions, Points normals, Progress& progress, int component,
-                         int samples, int max_depth, uint32_t seed, int threads) {
+auto irradiance(Points positions, Points normals, const PointEstimatorHolder& estimator,
+                const PointIrradianceOptions& options, Progress& progress) {
     const auto points = points_with_normals(positions, normals);
-    std::vector<Color> out;
+    PointIrradiance found;
     {
         const nb::gil_scoped_release unlocked;
-        out = path_irradiance(scene.world(), points, point_options(component, samples, max_depth, seed, threads),
-                              progress);
+        found = estimator.call(points, options, progress);
     }
-    return color_array(out);
+    std::optional<std::pair<size_t, size_t>> served;
+    if (found.served) served = {found.served->served, found.served->gathered};
+    return std::make_tuple(color_array(found.values), served);
 }
 
-auto irradiance_from_caches(const CoreScene& scene, Points positions, Points normals, const SolvedCaches& caches,
-                            const IrradianceCacheOptions& cache_options, Progress& progress, int component, int samples,
-                            uint32_t seed, int threads) {
-    const auto points = points_with_normals(positions, normals);
-    CachedPoints out;
-    {
-        const nb::gil_scoped_release unlocked;
-        out = cached_irradiance(scene.world(), points, caches, cache_options,
-                                point_options(component, samples, -1, seed, threads), progress);
-    }
-    return std::make_tuple(color_array(out.irradiance), out.served, out.gathered);
+using FoundRadiance = Array<float, -1, 2, 3>;
+
+/// An estimator that is a function in Python: (rays, 3) origins and directions, and a number for each ray to draw random
+/// numbers from → (rays, 2, 3) radiance, and the part of it of paths with at most two edges. Albedo, normal and depth of
+/// what the camera sees are found here, so that all methods show the same.
+Estimator called_estimator(const World& world, nb::callable function) {
+    const Estimator first_hits = path_estimator(world, {.max_depth = 1});
+    return [first_hits, function](std::span<const PathRay> rays, std::span<PathResult> results, Progress& progress) {
+        first_hits(rays, results, progress);
+        const nb::gil_scoped_acquire locked;
+        std::vector<Color> origins, directions;
+        for (const PathRay& r : rays) {
+            origins.push_back({r.ray.origin.x, r.ray.origin.y, r.ray.origin.z});
+            directions.push_back({r.ray.direction.x, r.ray.direction.y, r.ray.direction.z});
+        }
+        auto numbers = float_array({rays.size()}, [&](float* data) {
+            for (const PathRay& r : rays) *data++ = Sampler(r.sampler).next_1d();
+        });
+        const nb::object found = function(color_array(origins), color_array(directions), std::move(numbers));
+        const auto radiance = nb::cast<FoundRadiance>(found);
+        require(radiance.shape(0) == rays.size(), "an estimator: expected a radiance for each ray");
+        for (size_t i = 0; i < rays.size(); ++i) {
+            results[i].radiance = {radiance(i, 0, 0), radiance(i, 0, 1), radiance(i, 0, 2)};
+            results[i].direct = {radiance(i, 1, 0), radiance(i, 1, 1), radiance(i, 1, 2)};
+        }
+    };
+}
+
+/// A function in Python: positions and normals, (points, 3) each, and the name of the component → irradiance (points, 3).
+PointEstimator called_point_estimator(nb::callable function) {
+    return [function](std::span<const PointNormal> points, const PointIrradianceOptions& options, Progress& progress) {
+        progress.begin(1);
+        const nb::gil_scoped_acquire locked;
+        std::vector<Color> positions, normals;
+        for (const PointNormal& p : points) {
+            positions.push_back({p.position.x, p.position.y, p.position.z});
+            normals.push_back({p.normal.x, p.normal.y, p.normal.z});
+        }
+        const nb::object found = function(color_array(positions), color_array(normals), options.component);
+        const auto values = nb::cast<Points>(found);
+        require(values.shape(0) == points.size(), "an estimator: expected an irradiance for each point");
+        PointIrradiance out;
+        for (size_t i = 0; i < points.size(); ++i) out.values.push_back({values(i, 0), values(i, 1), values(i, 2)});
+        return out;
+    };
 }
 
 template <class Get>
@@ -95,9 +114,20 @@ auto share(const Film& film, uint32_t Film::Pixel::* counted) {
     });
 }
 
-}  // namespace
+/// A layer of `values` of pixels, each divided by the pixel's samples.
+auto mean_layer(Color Film::Pixel::* value) {
+    return [value](const Film& f) {
+        return layer(f, [&](const Film::Pixel& p) { return p.*value * (1 / std::max(1.0f, float(p.samples))); });
+    };
+}
 
-void bind_render(nb::module_& m) {
+auto depth_layer(const Film& f) {
+    return float_array({size_t(f.height()), size_t(f.width())}, [&](float* data) {
+        for (const Film::Pixel& p : f.pixels()) *data++ = p.hits ? p.distance / float(p.hits) : infinity;
+    });
+}
+
+void bind_progress(nb::module_& m) {
     nb::class_<Progress>(m, "Progress")
         .def(nb::init<>())
         .def("cancel", [](Progress& p) { p.cancelled = true; })
@@ -105,51 +135,47 @@ void bind_render(nb::module_& m) {
         .def_prop_ro("total", [](const Progress& p) { return p.total.load(); })
         .def_prop_ro("rays", [](const Progress& p) { return p.rays.load(); });
     nb::exception<Cancelled>(m, "Cancelled");
+}
+
+void bind_camera(nb::module_& m) {
+    using Three = std::array<float, 3>;
     nb::class_<Camera>(m, "Camera")
-        .def("__init__", [](Camera* c, std::array<float, 3> right, std::array<float, 3> up,
-                            std::array<float, 3> backward, std::array<float, 3> position, std::array<int, 2> size,
-                            std::array<float, 2> half, std::array<float, 2> shift, float aperture_radius,
-                            float focus_distance, bool orthographic) {
-            new (c) Camera{vec3(right), vec3(up), vec3(backward),       vec3(position),  size[0],        size[1],
-                           half[0],     half[1],  {shift[0], shift[1]}, aperture_radius, focus_distance, orthographic};
-        });
+        .def(
+            "__init__",
+            [](Camera* c, const Three& right, const Three& up, const Three& backward, const Three& position,
+               std::array<int, 2> size, std::array<float, 2> half_extent, std::array<float, 2> shift,
+               float aperture_radius, float focus_distance, bool orthographic) {
+                new (c) Camera{.right = vec3(right),
+                               .up = vec3(up),
+                               .backward = vec3(backward),
+                               .position = vec3(position),
+                               .width = size[0],
+                               .height = size[1],
+                               .half_width = half_extent[0],
+                               .half_height = half_extent[1],
+                               .shift = {shift[0], shift[1]},
+                               .aperture_radius = aperture_radius,
+                               .focus_distance = focus_distance,
+                               .orthographic = orthographic};
+            },
+            nb::kw_only(), "right"_a, "up"_a, "backward"_a, "position"_a, "size"_a, "half_extent"_a, "shift"_a,
+            "aperture_radius"_a, "focus_distance"_a, "orthographic"_a);
+}
+
+void bind_film(nb::module_& m) {
     nb::class_<Film>(m, "Film")
         .def(nb::init<int, int>())
         .def("copy", [](const Film& f) { return Film(f); })
-        .def_prop_ro(
-            "radiance",
-            [](const Film& f) {
-                return layer(f,
-                             [](const Film::Pixel& p) { return p.radiance * (1 / std::max(1.0f, float(p.samples))); });
-            },
-            nb::rv_policy::move)
-        .def_prop_ro(
-            "direct",
-            [](const Film& f) {
-                return layer(f, [](const Film::Pixel& p) { return p.direct * (1 / std::max(1.0f, float(p.samples))); });
-            },
-            nb::rv_policy::move)
-        .def_prop_ro(
-            "albedo",
-            [](const Film& f) {
-                return layer(f, [](const Film::Pixel& p) { return p.albedo * (1 / std::max(1.0f, float(p.samples))); });
-            },
-            nb::rv_policy::move)
+        .def_prop_ro("radiance", mean_layer(&Film::Pixel::radiance), nb::rv_policy::move)
+        .def_prop_ro("direct", mean_layer(&Film::Pixel::direct), nb::rv_policy::move)
+        .def_prop_ro("albedo", mean_layer(&Film::Pixel::albedo), nb::rv_policy::move)
         .def_prop_ro(
             "normal",
             [](const Film& f) {
                 return layer(f, [](const Film::Pixel& p) { return p.normal * (1 / std::max(1.0f, float(p.samples))); });
             },
             nb::rv_policy::move)
-        .def_prop_ro(
-            "depth",
-            [](const Film& f) {
-                return float_array({size_t(f.height()), size_t(f.width())}, [&](float* data) {
-                    for (size_t i = 0; i < f.pixels().size(); ++i)
-                        data[i] = f.pixels()[i].hits ? f.pixels()[i].distance / float(f.pixels()[i].hits) : infinity;
-                });
-            },
-            nb::rv_policy::move)
+        .def_prop_ro("depth", &depth_layer, nb::rv_policy::move)
         .def_prop_ro(
             "gloss_cached", [](const Film& f) { return share(f, &Film::Pixel::gloss_cached); }, nb::rv_policy::move)
         .def_prop_ro(
@@ -166,11 +192,95 @@ void bind_render(nb::module_& m) {
             for (const BadSample& b : f.bad_samples()) out.emplace_back(b.x, b.y, b.sample);
             return out;
         });
-    m.def("render_samples", &render_samples, "scene"_a, "camera"_a, "film"_a, "progress"_a, "max_depth"_a,
-          "roulette_depth"_a, "caches"_a.none(), "tables"_a.none(), "first"_a, "end"_a, "crop"_a, "seed"_a, "threads"_a,
-          "filter"_a, "tile_order"_a, nb::call_guard<nb::gil_scoped_release>());
-    m.def("irradiance_by_paths", &irradiance_by_paths, "scene"_a, "positions"_a, "normals"_a, "progress"_a,
-          "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);
-    m.def("irradiance_from_caches", &irradiance_from_caches, "scene"_a, "positions"_a, "normals"_a, "caches"_a,
-          "cache_options"_a, "progress"_a, "component"_a, "samples"_a, "seed"_a, "threads"_a);
+}
+
+void bind_pixels(nb::module_& m) {
+    nb::enum_<Filter>(m, "Filter").value("box", Filter::box).value("tent", Filter::tent);
+    nb::class_<RenderRange>(m, "RenderRange")
+        .def(
+            "__init__",
+            [](RenderRange* r, std::array<int, 4> crop, uint32_t seed, int threads, Filter filter,
+               std::vector<uint32_t> tile_order) {
+                new (r) RenderRange{.x0 = crop[0],
+                                    .y0 = crop[1],
+                                    .x1 = crop[2],
+                                    .y1 = crop[3],
+                                    .seed = seed,
+                                    .threads = threads,
+                                    .filter = filter,
+                                    .tile_order = std::move(tile_order)};
+            },
+            nb::kw_only(), "crop"_a, "seed"_a, "threads"_a, "filter"_a, "tile_order"_a);
+    m.def("render", &render_samples, "camera"_a, "film"_a, "estimator"_a, "range"_a, "first"_a, "end"_a, "progress"_a,
+          nb::call_guard<nb::gil_scoped_release>(), "Adds samples [first, end) of each pixel, or of all, to `film`.");
+}
+
+void bind_points(nb::module_& m) {
+    nb::enum_<Component>(m, "Component")
+        .value("total", Component::total)
+        .value("direct", Component::direct)
+        .value("indirect", Component::indirect);
+    nb::class_<PointIrradianceOptions>(m, "PointIrradianceOptions")
+        .def(
+            "__init__",
+            [](PointIrradianceOptions* o, Component component, int samples, int max_depth, uint32_t seed, int threads) {
+                new (o) PointIrradianceOptions{component, samples, max_depth, seed, threads};
+            },
+            nb::kw_only(), "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);
+    m.def("irradiance", &irradiance, "positions"_a, "normals"_a, "estimator"_a, "options"_a, "progress"_a,
+          "Irradiance (points, 3), and how many points a cache served and did not, or None where there is none.");
+}
+
+void bind_estimators(nb::module_& m) {
+    nb::class_<EstimatorHolder>(m, "Estimator");
+    nb::class_<PointEstimatorHolder>(m, "PointEstimator");
+    m.def(
+        "path_estimator",
+        [](const CoreScene& scene, int max_depth, int roulette_depth) {
+            return EstimatorHolder{
+                path_estimator(scene.world(), {.max_depth = max_depth, .roulette_depth = roulette_depth})};
+        },
+        nb::keep_alive<0, 1>(), "scene"_a, nb::kw_only(), "max_depth"_a, "roulette_depth"_a);
+    m.def(
+        "path_point_estimator",
+        [](const CoreScene& scene, int max_depth) {
+            return PointEstimatorHolder{path_point_estimator(scene.world(), max_depth)};
+        },
+        nb::keep_alive<0, 1>(), "scene"_a, nb::kw_only(), "max_depth"_a);
+    m.def(
+        "cached_path_estimator",
+        [](const CoreScene& scene, const SolvedCaches& caches, const RadianceTables* tables, int max_depth) {
+            return EstimatorHolder{cached_path_estimator(scene.world(), caches, tables, max_depth)};
+        },
+        nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), nb::keep_alive<0, 3>(), "scene"_a, "caches"_a,
+        "tables"_a.none(), nb::kw_only(), "max_depth"_a);
+    m.def(
+        "cached_point_estimator",
+        [](const CoreScene& scene, const SolvedCaches& caches, const IrradianceCacheOptions& options) {
+            return PointEstimatorHolder{cached_point_estimator(scene.world(), caches, options)};
+        },
+        nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), "scene"_a, "caches"_a, "options"_a);
+    m.def(
+        "called_estimator",
+        [](const CoreScene& scene, nb::typed<nb::callable, nb::object(nb::object, nb::object, nb::object)> function) {
+            return EstimatorHolder{called_estimator(scene.world(), std::move(function))};
+        },
+        nb::keep_alive<0, 1>(), "scene"_a, "function"_a);
+    m.def(
+        "called_point_estimator",
+        [](nb::typed<nb::callable, nb::object(nb::object, nb::object, nb::object)> function) {
+            return PointEstimatorHolder{called_point_estimator(std::move(function))};
+        },
+        "function"_a);
+}
+
+}  // namespace
+
+void bind_render(nb::module_& m) {
+    bind_progress(m);
+    bind_camera(m);
+    bind_film(m);
+    bind_pixels(m);
+    bind_points(m);
+    bind_estimators(m);
 }

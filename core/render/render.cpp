@@ -127,12 +127,4 @@ void render(const Camera& camera, const Estimator& estimate, const RenderRange& 
     parallel_for(tiles.size(), range.threads, [&](size_t i) { tile(i).render(progress); });
 }
 
-void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
-            Progress& progress) {
-    const Estimator estimate = [&](std::span<const PathRay> rays, std::span<PathResult> results, Progress& counted) {
-        trace_paths(world, rays, options, results, counted);
-    };
-    render(camera, estimate, range, film, progress);
-}
-
 }  // namespace eclat

@@ -5,13 +5,12 @@
 
 #pragma once
 
-#include <functional>
 #include <span>
 #include <vector>
 
 #include "film/film.h"
 #include "scene/camera.h"
-#include "transport/paths.h"
+#include "transport/estimator.h"
 
 namespace eclat {
 
@@ -29,17 +28,11 @@ struct RenderRange {
     std::span<const uint32_t> first_samples, end_samples;
 };
 
-/// Light along rays, a result for each: `trace_paths` or another estimator.
-using Estimator = std::function<void(std::span<const PathRay> rays, std::span<PathResult> results, Progress& progress)>;
-
 /// Adds samples [first, end) of each pixel of the crop to `film`.
 ///
 /// Work is cut into tiles of 32 × 32 pixels of the whole picture, one sample a batch: a batch is the same whatever the
 /// crop, the number of samples or of threads, and so are its bits. Where pixels take unlike numbers of samples, those
 /// of consecutive numbers share a batch of about as many paths.
 void render(const Camera& camera, const Estimator& estimate, const RenderRange& range, Film& film, Progress& progress);
-/// The same by `trace_paths`.
-void render(const World& world, const Camera& camera, const PathOptions& options, const RenderRange& range, Film& film,
-            Progress& progress);
 
 }  // namespace eclat

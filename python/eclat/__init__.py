@@ -10,43 +10,59 @@ from typing import TYPE_CHECKING, Any
 __version__ = "0.1.0"
 
 if TYPE_CHECKING:
-    from eclat.baking import bake
     from eclat.errors import EclatError, EclatWarning
     from eclat.images.image import Image
     from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
-    from eclat.options import METHODS, Direct, IrradianceCache, Path, PhotonMap, RadianceCache, Radiosity
-    from eclat.photons import Photons
-    from eclat.point_irradiance import irradiance
-    from eclat.radiosity import RadiositySolution, load_solved
-    from eclat.rendering import render
+    from eclat.methods import (
+        METHODS,
+        Direct,
+        IrradianceCache,
+        Method,
+        Path,
+        PhotonMap,
+        RadianceCache,
+        Radiosity,
+        Solved,
+        load_solved,
+        merge,
+    )
+    from eclat.methods.photon_map import Photons
+    from eclat.methods.radiosity import RadiositySolution
+    from eclat.methods.records.solution import Solution
     from eclat.scene import Scene
-    from eclat.solution import Solution, merge
-    from eclat.solving import refine, solve
     from eclat.stage.material_overrides import override_materials
+    from eclat.verbs.bake import bake
+    from eclat.verbs.compare import compare
+    from eclat.verbs.irradiance import irradiance
+    from eclat.verbs.render import render
+    from eclat.verbs.solve import refine, solve
 
 _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
     "override_materials": "eclat.stage.material_overrides",
-    "solve": "eclat.solving",
-    "refine": "eclat.solving",
-    "render": "eclat.rendering",
-    "irradiance": "eclat.point_irradiance",
-    "bake": "eclat.baking",
+    "solve": "eclat.verbs.solve",
+    "refine": "eclat.verbs.solve",
+    "render": "eclat.verbs.render",
+    "irradiance": "eclat.verbs.irradiance",
+    "bake": "eclat.verbs.bake",
+    "compare": "eclat.verbs.compare",
+    "METHODS": "eclat.methods",
+    "Method": "eclat.methods",
+    "Solved": "eclat.methods",
+    "Direct": "eclat.methods",
+    "Path": "eclat.methods",
+    "IrradianceCache": "eclat.methods",
+    "RadianceCache": "eclat.methods",
+    "PhotonMap": "eclat.methods",
+    "Radiosity": "eclat.methods",
+    "load_solved": "eclat.methods",
+    "merge": "eclat.methods",
+    "Solution": "eclat.methods.records.solution",
+    "Photons": "eclat.methods.photon_map",
+    "RadiositySolution": "eclat.methods.radiosity",
     "Lightmap": "eclat.lightmap.lightmap",
-    "Solution": "eclat.solution",
-    "merge": "eclat.solution",
-    "Direct": "eclat.options",
-    "Path": "eclat.options",
-    "IrradianceCache": "eclat.options",
-    "PhotonMap": "eclat.options",
-    "Photons": "eclat.photons",
-    "RadianceCache": "eclat.options",
-    "Radiosity": "eclat.options",
-    "RadiositySolution": "eclat.radiosity",
-    "load_solved": "eclat.radiosity",
-    "METHODS": "eclat.options",
     "Image": "eclat.images.image",
     "Scene": "eclat.scene",
     "EclatError": "eclat.errors",
@@ -62,6 +78,7 @@ __all__ = [
     "Image",
     "IrradianceCache",
     "Lightmap",
+    "Method",
     "Path",
     "PhotonMap",
     "Photons",
@@ -70,7 +87,9 @@ __all__ = [
     "RadiositySolution",
     "Scene",
     "Solution",
+    "Solved",
     "bake",
+    "compare",
     "irradiance",
     "load",
     "load_dict",

@@ -257,6 +257,17 @@ class Solver {
 
 }  // namespace
 
+std::vector<std::array<Vec3, 3>> patch_corners(const Geometry& geometry, std::span<const SolvedPatch> patches) {
+    std::vector<PatchName> names;
+    names.reserve(patches.size());
+    for (const SolvedPatch& p : patches) names.push_back(p.name);
+    const PatchTree tree(geometry, names);
+    std::vector<std::array<Vec3, 3>> corners;
+    corners.reserve(names.size());
+    for (const PatchName& name : names) corners.push_back(std::to_array(tree[tree.find(name)].corner));
+    return corners;
+}
+
 SolvedRadiosity solve_radiosity(const World& world, const RadiosityOptions& options, Progress& progress) {
     return Solver(world, options, progress).run();
 }

@@ -5,7 +5,9 @@
 
 #pragma once
 
+#include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "base/progress.h"
@@ -42,6 +44,9 @@ struct SolvedRadiosity {
     float closure_error = 0;  // of the sums of form factors before they were balanced: mean of |sum − closure|, by flux
     float tolerance = 0;      // that held: the one asked for, or more where that takes too many links
 };
+
+/// The corners of patches in the order of their triangle, from their names.
+std::vector<std::array<Vec3, 3>> patch_corners(const Geometry& geometry, std::span<const SolvedPatch> patches);
 
 SolvedRadiosity solve_radiosity(const World& world, const RadiosityOptions& options, Progress& progress);
 

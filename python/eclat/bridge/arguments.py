@@ -14,6 +14,8 @@ from eclat.scene import Camera, FloatArray, Scene
 
 DEFAULT_SIZE = (1280, 720)
 MAX_SAMPLES = 1 << 24
+MAX_ERROR_RANGE = (0.0005, 0.5)
+"""Relative errors that can be asked for, of records and of pictures."""
 
 
 def chosen_camera(scene: Scene, camera: int | Camera) -> Camera:
@@ -63,6 +65,14 @@ def checked_samples(samples: int) -> int:
     if not 1 <= samples <= MAX_SAMPLES:
         raise EclatError(f"samples must be between 1 and {MAX_SAMPLES}, got {samples}")
     return samples
+
+
+def checked_max_error(max_error: float) -> float:
+    """A relative error that can be asked for."""
+    low, high = MAX_ERROR_RANGE
+    if not low <= max_error <= high:
+        raise EclatError(f"max_error must be between {low:g} and {high:g}, got {max_error}")
+    return max_error
 
 
 def checked_max_depth(max_depth: int) -> int:

@@ -65,8 +65,9 @@ class Compiled:
         for reach, axis in zip((half_width, half_height), camera.shift, strict=True):
             check_length(reach * (1 + 2 * abs(axis)), what, "the picture's extent (fov, shift)")
         return _core.Camera(
-            right, up, backward, position, size, (half_width, half_height), camera.shift,
-            camera.aperture_radius, camera.focus_distance, camera.projection == "orthographic",
+            right=right, up=up, backward=backward, position=position, size=size, half_extent=(half_width, half_height),
+            shift=camera.shift, aperture_radius=camera.aperture_radius, focus_distance=camera.focus_distance,
+            orthographic=camera.projection == "orthographic",
         )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable, write_file
 
 if TYPE_CHECKING:
-    from eclat.compare import Comparison, Reference
+    from eclat.verbs.compare import Comparison, Reference
 
 EXAMPLES = {
     "eclat compare cornell-box": "All methods, as cornell-box.html in this folder:",
@@ -90,7 +90,7 @@ def command(**flags: Any) -> None:
 
 
 def _compare(flags: dict[str, Any], reporter: Reporter) -> Comparison:
-    from eclat.compare import Effort, compare
+    from eclat.verbs.compare import Effort, compare
 
     effort = Effort(flags["levels"], flags["samples"], flags["max_error"], flags["time"])
     methods = [name.strip() for name in flags["methods"].split(",")] if flags["methods"] else None
@@ -108,8 +108,8 @@ def _compare(flags: dict[str, Any], reporter: Reporter) -> Comparison:
 
 
 def _reference(flags: dict[str, Any]) -> Reference | None:
-    from eclat.compare import Reference
     from eclat.images.image import Image
+    from eclat.verbs.compare import Reference
 
     names = flags["reference"]
     if not names:

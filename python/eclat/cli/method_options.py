@@ -7,9 +7,10 @@ from __future__ import annotations
 import ast
 import inspect
 import itertools
+import textwrap
 import typing
 from collections.abc import Sequence
-from dataclasses import fields
+from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
 import msgspec
@@ -18,7 +19,7 @@ from eclat.cli.command import F, option
 from eclat.errors import EclatError, did_you_mean
 
 if TYPE_CHECKING:
-    from eclat.options import Options
+    from eclat.methods import Method
 
 METHOD = "Method"
 DEFAULT_METHOD = "irradiance-cache"
@@ -47,7 +48,7 @@ def method_option(function: F) -> F:
     )(function)
 
 
-def options_of(method: str, settings: Sequence[str] = (), **defaults: object) -> Options:
+def options_of(method: str, settings: Sequence[str] = (), **defaults: object) -> Method:
     """The options object of `method`.
 
     Parameters
@@ -59,7 +60,7 @@ def options_of(method: str, settings: Sequence[str] = (), **defaults: object) ->
     ------
     EclatError : unknown method or name, a value of another type or out of range, the same name twice.
     """
-    from eclat.options import METHODS, make_options
+    from eclat.methods import METHODS, make_options
 
     if method not in METHODS:
         raise EclatError(
@@ -84,12 +85,12 @@ def options_of(method: str, settings: Sequence[str] = (), **defaults: object) ->
     return make_options(method, **values)
 
 
-def method_notes(*methods: str) -> dict[str, list[tuple[str, str]]]:
-    """Help on methods (all by default) and their options."""
-    from eclat.options import METHODS
+def method_notes(*, that_solve: bool = False) -> dict[str, list[tuple[str, str]]]:
+    """Help on methods (all, or those that have something to solve) and their options."""
+    from eclat.methods import METHODS
 
-    chosen = {name: METHODS[name] for name in methods or METHODS}
-    notes = {"Methods": [(name, _first_sentence(cls)) for name, cls in chosen.items()]} if not methods else {}
+    chosen = {name: cls for name, cls in METHODS.items() if cls.solved is not None or not that_solve}
+    notes = {"Methods": [(name, _first_sentence(cls)) for name, cls in chosen.items()]}
     for name, cls in chosen.items():
         types, explained = typing.get_type_hints(cls), field_explanations(cls)
         records = [
@@ -106,12 +107,15 @@ def method_notes(*methods: str) -> dict[str, list[tuple[str, str]]]:
 
 def field_explanations(cls: type) -> dict[str, str]:
     """Field → the text that stands below it in the source of its class, which Python itself does not keep."""
-    body = typing.cast(ast.ClassDef, ast.parse(inspect.getsource(cls)).body[0]).body
     explained: dict[str, str] = {}
-    for statement, following in itertools.pairwise(body):
-        match statement, following:
-            case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
-                explained[name] = " ".join(text.split())
+    for base in reversed(cls.__mro__):
+        if not is_dataclass(base):
+            continue
+        body = typing.cast(ast.ClassDef, ast.parse(textwrap.dedent(inspect.getsource(base))).body[0]).body
+        for statement, following in itertools.pairwise(body):
+            match statement, following:
+                case ast.AnnAssign(target=ast.Name(id=name)), ast.Expr(value=ast.Constant(value=str(text))):
+                    explained[name] = " ".join(text.split())
     return explained
 
 

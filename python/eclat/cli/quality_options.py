@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 
+from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.cli.command import F, option
 from eclat.cli.parameters import Depth, Number
 from eclat.errors import EclatError
@@ -15,7 +16,7 @@ QUALITY = "Quality"
 
 def max_error_option(help: str, default: float | None = 0.01) -> Callable[[F], F]:
     """`--max-error`."""
-    kind = Number(float, 0.0005, 0.5)
+    kind = Number(float, *MAX_ERROR_RANGE)
     return option("--max-error", type=kind, default=default, section=QUALITY, help=help + _shown(default))
 
 

@@ -47,12 +47,12 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
-from eclat.error_estimate import error_text
 from eclat.errors import EclatError
+from eclat.measure.error_estimate import error_text
 
 if TYPE_CHECKING:
     from eclat.images.image import Image
-    from eclat.options import Options
+    from eclat.methods import Method
 
 REACHING_RENDER = (
     "samples",
@@ -66,6 +66,7 @@ REACHING_RENDER = (
     "threads",
     "keep_partial",
     "check",
+    "refine",
 )
 """Flags that are arguments of `eclat.render` as they are."""
 
@@ -181,18 +182,24 @@ def _outputs(flags: dict[str, Any]) -> list[str]:
     return outputs
 
 
-def _options(flags: dict[str, Any], context: click.Context) -> Options | None:
+def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
     """The method's options, or None where a solved cache brings its own."""
     if flags["samples"] is not None and flags["time"] is not None:
         raise EclatError("--time: expected no --samples beside it")
     if flags["refine"] and flags["time"] is not None:
         raise EclatError("--time: expected no --refine beside it")
+    if flags["refine"] and flags["cache"]:
+        raise EclatError(
+            "--refine: expected no --cache beside it; `eclat solve --cache FILE --refine` goes on from a cache"
+        )
+    if flags["refine"] and not flags["check"]:
+        raise EclatError("--refine: expected no --no-check beside it, since the estimated error says when to stop")
     given = context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT
     check_cache_alone(flags, given and not flags["replay_settings"])
     options = None
     if not flags["cache"]:
         options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
-        if flags["show_records"] and not hasattr(options, "max_error"):
+        if flags["show_records"] and not options.has_records:
             raise EclatError(f"--show-records: expected a method with records, got {flags['method']}")
     return options
 

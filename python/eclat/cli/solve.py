@@ -11,7 +11,7 @@ import click
 
 import eclat
 from eclat.cli.command import Command, option
-from eclat.cli.method_options import DEFAULT_METHOD, method_notes, method_option, options_of, set_option
+from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.point_files import read_points
 from eclat.cli.quality_options import max_depth_option, max_error_option, no_check_option, output_option, refine_option
@@ -26,7 +26,6 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
-from eclat.error_estimate import error_text
 from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable
 
@@ -42,23 +41,17 @@ EXAMPLES = {
 }
 
 
-CACHES = (DEFAULT_METHOD, "radiance-cache")
-"""Methods whose records can be kept."""
-
-KEPT = (*CACHES, "radiosity")
-"""Methods whose solutions can be kept."""
-
-
 @click.command(
     "solve",
     cls=Command,
-    short_help="Compute the records of a scene and keep them.",
+    short_help="Compute what a method learns about a scene, and keep it.",
     examples=EXAMPLES,
-    notes=lambda: method_notes(*KEPT),
-    help="""Compute the irradiance records that a view of SCENE needs (or points, or all surfaces), and keep them.
+    notes=lambda: method_notes(that_solve=True),
+    help="""Compute the records that a view of SCENE needs (or points, or all surfaces), and keep them.
 
-    The file is a NumPy .npz archive with positions, normals, radii, irradiance and its gradients; `eclat render
-    --cache` and `eclat.Solution.load` read it. A scene that has changed since is refused.""",
+    With --method photon-map or radiosity: photons, or the light of all patches, for the whole scene. The file is a NumPy
+    .npz archive; --cache of `eclat render`, `irradiance` and `bake` and `eclat.load_solved` read it. A scene that has
+    changed since is refused.""",
 )
 @scene_argument
 @output_option("A file ending in .npz [SCENE.npz].")
@@ -77,64 +70,67 @@ KEPT = (*CACHES, "radiosity")
 @material_option
 @work_options
 @reporting_options
-def command(**flags: Any) -> None:
+@click.pass_context
+def command(context: click.Context, /, **flags: Any) -> None:
     """Solve and save."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         output = flags["output"] or f"{scene_stem(flags['scene'])}.npz"
         if Path(output).suffix.lower() != ".npz":
             raise EclatError(f"{output}: expected a name that ends in .npz")
         check_writable(output)
-        options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
-        if isinstance(options, eclat.Radiosity):
-            return _solve_radiosity(reporter, options, output, flags)
-        if not isinstance(options, eclat.IrradianceCache):
-            raise EclatError(f"--method: expected one of {', '.join(KEPT)}, got {flags['method']!r}")
+        if flags["cache"]:
+            _check_cache(flags, context)
+        method = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        _check_purpose(flags, method)
         points = read_points(flags["points"]) if flags["points"] else None
-        if points is not None and flags["view_independent"]:
-            raise EclatError("--points: expected no --view-independent beside it")
         scene = load_scene(flags)
-        where: dict[str, Any] = {"points": points, "view_independent": flags["view_independent"]}
-        if points is None and not flags["view_independent"]:
-            where |= {"camera": camera_index(scene, flags["camera"]), "size": flags["size"]}
-        elif flags["camera"] is not None or flags["size"] is not None:
-            raise EclatError("--camera, --size: expected neither beside --points or --view-independent")
-        if flags["cache"] and not flags["refine"]:
-            raise EclatError("--cache: expected --refine beside it, since records are solved anew without")
-        if flags["cache"] and flags["settings"]:
-            raise EclatError("--cache: expected no --set beside it, since the cache brings its own")
-        common = {name: flags[name] for name in ("max_depth", "seed", "threads", "keep_partial", "check", "refine")}
+        common = {name: flags[name] for name in COMMON} | {"progress": reporter.progress}
+        if not method.for_whole_scene:
+            common |= {"points": points, "view_independent": flags["view_independent"]}
+            if points is None and not flags["view_independent"]:
+                common |= {"camera": camera_index(scene, flags["camera"]), "size": flags["size"]}
 
-        def keep(solution: eclat.Solution) -> None:
-            solution.save(output)
-            _say_result(reporter, solution, output)
+        def keep(solved: eclat.Solved) -> None:
+            solved.save(output)
+            reporter.result(f"{output}: {solved.describe()}", file=output, **solved.facts())
 
         with keeping_partial(flags["keep_partial"], keep, reporter):
             if flags["cache"]:
-                start = eclat.Solution.load(flags["cache"], scene)
-                where |= {"seed": flags["seed"], "threads": flags["threads"], "progress": reporter.progress}
-                solution = eclat.refine(start, scene, flags["max_error"], **where)
+                start = eclat.load_solved(flags["cache"], scene)
+                solved = eclat.refine(start, scene, flags["max_error"], **common)
             else:
-                solution = eclat.solve(scene, options, progress=reporter.progress, **where, **common)
-        keep(solution)
+                solved = eclat.solve(scene, method, max_depth=flags["max_depth"], refine=flags["refine"], **common)
+        keep(solved)
 
 
-def _solve_radiosity(reporter: Reporter, options: eclat.Radiosity, output: str, flags: dict[str, Any]) -> None:
-    for name in ("points", "view_independent", "camera", "size", "cache", "refine", "keep_partial"):
-        if flags[name]:
-            flag = name.replace("_", "-")
-            raise EclatError(f"--{flag}: expected a method with records, since radiosity is for the whole scene")
-    common = {name: flags[name] for name in ("max_depth", "seed", "threads")}
-    solution = eclat.solve(load_scene(flags), options, progress=reporter.progress, **common)
-    solution.save(output)
-    statistics = solution.statistics
-    text = f"{output}: {len(solution):,} patches, {statistics['links']:,.0f} links, {statistics['seconds']:.1f} s"
-    reporter.result(text, file=output, patches=len(solution), statistics=dict(statistics))
+COMMON = ("seed", "threads", "keep_partial", "check")
+"""Flags that are arguments of `eclat.solve` and `eclat.refine` as they are."""
 
 
-def _say_result(reporter: Reporter, solution: eclat.Solution, output: str) -> None:
-    seconds = solution.statistics.get("seconds", 0.0)
-    text = f"{output}: {len(solution):,} records, {seconds:.1f} s{'' if solution.complete else ', incomplete'}"
-    statistics = dict(solution.statistics)
-    if error := error_text(statistics):
-        text += f", {error}"
-    reporter.result(text, file=output, records=len(solution), complete=solution.complete, statistics=statistics)
+def _check_cache(flags: dict[str, Any], context: click.Context) -> None:
+    """Raises EclatError where `--cache` stands without `--refine`, or beside what the cache brings itself."""
+    if not flags["refine"]:
+        raise EclatError("--cache: expected --refine beside it, which goes on from the cache")
+    for name, flag in (("settings", "--set"), ("method", "--method"), ("max_depth", "--max-depth")):
+        if context.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT:
+            raise EclatError(f"--cache: expected no {flag} beside it, since the cache brings its own")
+
+
+def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:
+    """Raises EclatError where flags do not go with the method, or with each other."""
+    if method.solved is None:
+        known = [name for name, cls in eclat.METHODS.items() if cls.solved is not None]
+        raise EclatError(f"--method: expected one of {', '.join(known)}, got {flags['method']!r}")
+    if flags["refine"] and not flags["check"]:
+        raise EclatError("--refine: expected no --no-check beside it, since the estimated error says when to stop")
+    if method.for_whole_scene:
+        for name in ("points", "view_independent", "camera", "size", "cache", "refine", "keep_partial"):
+            if flags[name]:
+                flag = name.replace("_", "-")
+                raise EclatError(
+                    f"--{flag}: expected a method with records, since {method.name} is for the whole scene"
+                )
+    if flags["points"] and flags["view_independent"]:
+        raise EclatError("--points: expected no --view-independent beside it")
+    if (flags["points"] or flags["view_independent"]) and (flags["camera"] is not None or flags["size"] is not None):
+        raise EclatError("--camera, --size: expected neither beside --points or --view-independent")

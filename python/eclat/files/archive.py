@@ -8,7 +8,7 @@ import io
 import json
 import os
 import zipfile
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
@@ -24,12 +24,10 @@ def write_archive(path: str | os.PathLike[str], header: Mapping[str, Any], array
     write_file(path, file.getvalue())
 
 
-def read_archive(
-    path: str | os.PathLike[str], kind: str, names: Sequence[str], optional: Sequence[str] = ()
-) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Header and arrays of those names, of which the `optional` ones may be absent together; `center` is checked.
+def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
+    """Header and arrays; `center`, where there is one, is checked.
 
-    Raises EclatError where there is no such file, or none of that `kind` ("a cache") that `write_archive` wrote.
+    Raises EclatError where there is no such file, or none that `write_archive` wrote.
     """
     name = os.fspath(path)
     try:
@@ -39,12 +37,11 @@ def read_archive(
             file.seek(0)
             with np.load(file, allow_pickle=False) as data:
                 header = json.loads(str(data["header"]))
-                present = optional if any(n in data for n in optional) else ()
-                arrays = {n: data[n] for n in (*names, *present)}
+                arrays = {n: data[n] for n in data.files if n != "header"}
     except FileNotFoundError:
         raise EclatError(f"{name}: no such file") from None
     except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:
-        raise EclatError(f"{name}: not {kind} that Éclat saved, or damaged ({error})") from error
+        raise EclatError(f"{name}: nothing that Éclat saved, or damaged ({error})") from error
     center = arrays.get("center")
     if center is not None and (center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all()):
         raise EclatError(f"{name}: the array 'center' is damaged")

@@ -11,19 +11,15 @@ from typing import Any
 
 import numpy as np
 
+from eclat.bridge.arguments import thread_count
 from eclat.bridge.running import ProgressReport
 from eclat.lightmap.probes import buried_or_behind
 from eclat.lightmap.solids import Mask
 from eclat.lightmap.texels import Corners, Texels, at_texel_points
-from eclat.options import Direct, IrradianceCache, Options, Path
-from eclat.photons import Photons
-from eclat.point_irradiance import Component, irradiance
-from eclat.radiosity import RadiositySolution
+from eclat.methods import Direct, Path, Source
+from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
-from eclat.solution import Solution
-from eclat.solving import solve
-
-Method = Solution | Photons | RadiositySolution | Options
+from eclat.verbs.irradiance import Component, asks_for_indirect, irradiance
 
 DARK = 0.05
 """Of the usual irradiance: less is dark behind surfaces."""
@@ -113,7 +109,7 @@ def in_the_open(scene: Scene, solid: Sequence[Mask], points: Points, settings: S
     return free.reshape(shape)
 
 
-def gather(scene: Scene, method: Method, points: Points, free: Mask, settings: Settings) -> Gathered:
+def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: Settings) -> Gathered:
     """The mean irradiance over the points of each texel that are `free`.
 
     What is read from records varies slowly, so that one point a texel suffices for it, and the others serve light from
@@ -124,32 +120,24 @@ def gather(scene: Scene, method: Method, points: Points, free: Mask, settings: S
     share = spread / np.maximum(spread.sum(axis=1, keepdims=True), 1)
     places = (points.uvs[:, 1:] * share[..., None]).sum(axis=1)
     chosen = np.argmax(free, axis=1)  # the centre, or the first point that is free
+    at = np.flatnonzero(seen), chosen[seen]
     rays = 0.0
-    deep = settings.max_depth < 0 or settings.max_depth > 2
-    cached = deep and settings.component != "direct"
-    if cached and isinstance(method, IrradianceCache):
-        at = np.flatnonzero(seen), chosen[seen]
-        solved = solve(
-            scene,
-            method,
-            points=(points.positions[at], points.normals[at]),
-            max_depth=settings.max_depth,
-            seed=settings.seed,
-            threads=settings.threads,
-            check=False,
-            progress=settings.progress,
-        )
-        rays += solved.statistics["rays"]
-        method = solved
+    from_records = asks_for_indirect(settings.component, settings.max_depth) and source.options.has_records
+    if from_records:
+        work = Work(settings.max_depth, settings.seed, thread_count(settings.threads), settings.progress)
+        prepared = source.prepare(scene, AtPoints(points.positions[at], points.normals[at]), work)
+        if prepared is not source:
+            rays += prepared.statistics.get("rays", 0.0)
+        source = prepared
 
-    def of_points(which: tuple[np.ndarray, np.ndarray], by: Method, **keywords: Any) -> FloatArray:
+    def of_points(which: tuple[np.ndarray, np.ndarray], by: Source, **keywords: Any) -> FloatArray:
         nonlocal rays
         counts: dict[str, float] = {}
         found = irradiance(scene, points.positions[which], points.normals[which], by, statistics=counts, **keywords)
         rays += counts["rays"]
         return found.astype(np.float64)
 
-    def mean_of(by: Method, component: Component) -> FloatArray:
+    def mean_of(by: Source, component: Component) -> FloatArray:
         where = np.nonzero(spread)
         total = np.zeros((*spread.shape, 3))
         samples = math.ceil(settings.samples / spread.shape[1])
@@ -158,14 +146,12 @@ def gather(scene: Scene, method: Method, points: Points, free: Mask, settings: S
         return summed
 
     values: FloatArray = np.zeros((len(free), 3))
-    if cached and isinstance(method, Solution):
-        # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
-        apart = settings.component == "total" and scene.environment is None
-        component: Component = "indirect" if apart else settings.component
-        at = np.flatnonzero(seen), chosen[seen]
-        values[seen] = of_points(at, method, **settings.keywords(component))
-        if apart:
-            values += mean_of(Direct(), "direct")
-    else:
-        values = mean_of(method, settings.component)
+    if not from_records:
+        return Gathered(mean_of(source, settings.component), places, seen, rays)
+    # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
+    apart = settings.component == "total" and scene.environment is None
+    component: Component = "indirect" if apart else settings.component
+    values[seen] = of_points(at, source, **settings.keywords(component))
+    if apart:
+        values += mean_of(Direct(), "direct")
     return Gathered(values, places, seen, rays)

@@ -17,11 +17,11 @@ from PIL import Image as PillowImage
 from eclat.images.colormaps import AMOUNT, SIGNED, Anchors, colored
 from eclat.images.tone import to_display
 from eclat.measure.metrics import PIXELS_PER_DEGREE, Float64, has_flip, signed_error
-from eclat.options import METHODS
+from eclat.methods import METHODS
 from eclat.report.svg_plot import log_log_plot
 
 if TYPE_CHECKING:
-    from eclat.compare import Comparison, MethodResult
+    from eclat.verbs.compare import Comparison, MethodResult
 
 STYLE = """
 :root { color-scheme: light dark; }

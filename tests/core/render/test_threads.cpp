@@ -94,7 +94,7 @@ TEST_CASE("records and picture have the same bits on one thread and on two, and 
         auto film = std::make_unique<Film>(camera.width, camera.height);
         RenderRange range = all_pixels(camera, 2, threads);
         range.tile_order = std::move(order);
-        render(room.world(), camera, paths, range, *film, progress);
+        render(camera, path_estimator(room.world(), paths), range, *film, progress);
         return film;
     };
     const auto first = picture(1, {});
@@ -105,7 +105,7 @@ TEST_CASE("records and picture have the same bits on one thread and on two, and 
     RenderRange other_seed = all_pixels(camera, 2, 1);
     other_seed.seed = 6;
     Film changed(camera.width, camera.height);
-    render(room.world(), camera, paths, other_seed, changed, progress);
+    render(camera, path_estimator(room.world(), paths), other_seed, changed, progress);
     CHECK_FALSE(same_bits(*first, changed));  // the comparison sees a difference
 }
 
@@ -124,7 +124,7 @@ TEST_CASE("a closed room of equal walls: L = L_e / (1 − ρ), by paths and thro
         PathOptions paths;
         if (cached) paths.cache = read_near(caches);
         Film film(camera.width, camera.height);
-        render(room.world(), camera, paths, all_pixels(camera, 4, 2), film, progress);
+        render(camera, path_estimator(room.world(), paths), all_pixels(camera, 4, 2), film, progress);
         double sum = 0;
         for (const Film::Pixel& p : film.pixels()) sum += p.radiance.g / static_cast<float>(p.samples);
         CHECK(sum / static_cast<double>(film.pixels().size()) == doctest::Approx(emission / (1 - rho)).epsilon(0.01));
@@ -139,5 +139,6 @@ TEST_CASE("a solve and a render end when they are cancelled") {
     SolvedCaches caches;
     CHECK_THROWS_AS(solve_irradiance_cache(room.world(), camera, small_solve(2), caches, progress), Cancelled);
     Film film(camera.width, camera.height);
-    CHECK_THROWS_AS(render(room.world(), camera, {}, all_pixels(camera, 1, 2), film, progress), Cancelled);
+    CHECK_THROWS_AS(render(camera, path_estimator(room.world(), {}), all_pixels(camera, 1, 2), film, progress),
+                    Cancelled);
 }

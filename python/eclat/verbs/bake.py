@@ -5,12 +5,12 @@
 from __future__ import annotations
 
 import time as clock
-from dataclasses import asdict, is_dataclass, replace
-from typing import Any, get_args
+from dataclasses import asdict, replace
+from typing import get_args
 
 import numpy as np
 
-from eclat.bridge.arguments import checked_max_depth, checked_samples, checked_seed, thread_count
+from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked_samples, checked_seed, thread_count
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.gltf_export import Part
@@ -24,12 +24,9 @@ from eclat.lightmap.seams import seam_samples
 from eclat.lightmap.sides import Side, SidesChoice, lit_sides
 from eclat.lightmap.solids import solid_triangles
 from eclat.lightmap.texels import Corners, Texels, corners_of, rasterize
-from eclat.options import METHODS, IrradianceCache, Options
-from eclat.photons import Photons
-from eclat.point_irradiance import Component
-from eclat.radiosity import RadiositySolution
+from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.scene import FloatArray, Scene
-from eclat.solution import Solution
+from eclat.verbs.irradiance import Component, checked_component
 
 SAMPLES = 256
 """Of the lights, per texel."""
@@ -45,7 +42,7 @@ BLACK_ROWS = 3
 
 def bake(
     scene: Scene,
-    what: Solution | Photons | RadiositySolution | Options | None = None,
+    what: Source | type[Method] | str | None = None,
     *,
     component: Component = "total",
     texel_size: float | None = None,
@@ -90,39 +87,24 @@ def bake(
     >>> lightmap = eclat.bake(scene, texel_size=0.2, samples=16)
     >>> lightmap.save("room_lit.glb")  # doctest: +SKIP
     """
-    if component not in get_args(Component):
-        known = get_args(Component)
-        raise EclatError(
-            f"component must be one of {', '.join(known)}, got {component!r}{did_you_mean(str(component), known)}"
-        )
+    checked_component(component)
     checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
-    if sides not in get_args(SidesChoice):
-        known = get_args(SidesChoice)
-        raise EclatError(f"sides must be one of {', '.join(known)}, got {sides!r}{did_you_mean(str(sides), known)}")
-    if not 1 <= supersampling <= 8:
-        raise EclatError(f"supersampling must be between 1 and 8, got {supersampling}")
-    if not 2 <= gutter <= 64:
-        raise EclatError(f"gutter must be between 2 and 64 texels, got {gutter}")
-    if not 16 <= max_size <= LARGEST_SIZE:
-        raise EclatError(f"max_size must be between 16 and {LARGEST_SIZE} texels, got {max_size}")
+    _check_map(sides, supersampling, gutter, max_size)
+    source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
+    source.require_match(scene, max_depth)
     started = clock.perf_counter()
     solid = solid_triangles(scene, scene.meshes)
     lit = lit_sides(scene, sides, solid, threads)
-    area = float(sum(areas(side.part.mesh)[side.lit].sum() for side in lit))
-    if not sum(areas(side.part.mesh).sum() for side in lit) > 0:
-        raise EclatError(f"{scene.name or 'the scene'}: has no surfaces to bake light on")
-    if any(mesh.material.normal_map is not None for mesh in scene.meshes):
-        warn("normal maps are not in the light map, whose irradiance is for the surfaces without them")
+    area = _lit_area(scene, lit)
     size = default_texel_size(area) if texel_size is None else texel_size
     check_texel_count(area, size, max_size)
     meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in lit]
     atlas = unwrap(meshes, size, gutter=gutter, max_size=max_size, timeout=charts_timeout, progress=progress)
     corners = corners_of(meshes, atlas)
     texels = rasterize(corners, atlas.width, atlas.height)
-    method = IrradianceCache(max_error=max_error) if what is None else what
     settings = Settings(component, samples, max_depth, seed, threads, progress)
     points = sample_points(corners, texels, supersampling)
-    gathered = gather(scene, method, points, in_the_open(scene, solid, points, settings), settings)
+    gathered = gather(scene, source, points, in_the_open(scene, solid, points, settings), settings)
     image = _image(texels, corners, atlas, gathered, gutter)
     # One texel, and what filtering reads around it, stays black for all that is dark.
     image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
@@ -132,7 +114,7 @@ def bake(
         irradiance=image.astype(np.float32),
         texel_size=size,
         component=component,
-        method=_name_of(method),
+        method=source.options.name,
         gutter=gutter,
         statistics={
             "texels": float(len(texels)),
@@ -142,10 +124,31 @@ def bake(
             "area": area,
             "charts": float(len(np.unique(corners.charts[corners.charts >= 0]))),
         },
-        settings=_settings_of(method)
+        settings=asdict(source.options)
         | {"samples": samples, "supersampling": supersampling, "max_depth": max_depth, "seed": seed}
         | {"charts": atlas.method, "sides": sides},
     )
+
+
+def _check_map(sides: str, supersampling: int, gutter: int, max_size: int) -> None:
+    if sides not in get_args(SidesChoice):
+        known = get_args(SidesChoice)
+        raise EclatError(f"sides must be one of {', '.join(known)}, got {sides!r}{did_you_mean(str(sides), known)}")
+    if not 1 <= supersampling <= 8:
+        raise EclatError(f"supersampling must be between 1 and 8, got {supersampling}")
+    if not 2 <= gutter <= 64:
+        raise EclatError(f"gutter must be between 2 and 64 texels, got {gutter}")
+    if not 16 <= max_size <= LARGEST_SIZE:
+        raise EclatError(f"max_size must be between 16 and {LARGEST_SIZE} texels, got {max_size}")
+
+
+def _lit_area(scene: Scene, lit: list[Side]) -> float:
+    """Square metres of what gets texels. Raises EclatError where there is no surface; warns of what is left out."""
+    if not sum(areas(side.part.mesh).sum() for side in lit) > 0:
+        raise EclatError(f"{scene.name or 'the scene'}: has no surfaces to bake light on")
+    if any(mesh.material.normal_map is not None for mesh in scene.meshes):
+        warn("normal maps are not in the light map, whose irradiance is for the surfaces without them")
+    return float(sum(areas(side.part.mesh)[side.lit].sum() for side in lit))
 
 
 def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: Gathered, gutter: int) -> FloatArray:
@@ -180,17 +183,3 @@ def _parts(sides: list[Side], atlas: Atlas, size: tuple[int, int]) -> tuple[Part
         split = select_vertices(mesh, np.concatenate((unwrapped.vertices, corners)), triangles)
         found.append(replace(side.part, mesh=split, lightmap_uvs=uvs))
     return tuple(found)
-
-
-def _name_of(method: object) -> str:
-    if isinstance(method, Photons):
-        return "photon-map"
-    if isinstance(method, RadiositySolution):
-        return "radiosity"
-    options = method.options if isinstance(method, Solution) else method
-    return next(name for name, cls in METHODS.items() if type(options) is cls)
-
-
-def _settings_of(method: object) -> dict[str, Any]:
-    options = getattr(method, "options", method)
-    return asdict(options) if is_dataclass(options) and not isinstance(options, type) else {}

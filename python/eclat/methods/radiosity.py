@@ -1,35 +1,29 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A radiosity solution of a scene as a value: save, load, inspect as arrays, re-use."""
+"""Radiosity: the patches of a scene as a value, and the method that solves and reads them."""
 
 from __future__ import annotations
 
-import json
-import os
+import dataclasses
 import time as clock
-import zipfile
-from collections.abc import Iterator
-from dataclasses import asdict, dataclass, field
+from collections.abc import Iterator, Mapping
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Literal
 
 import numpy as np
 
 from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
-from eclat.bridge.running import ProgressReport, run
+from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
-from eclat.files.archive import read_archive, write_archive
-from eclat.options import SOLVERS, Radiosity
+from eclat.methods.method import Common, DamagedArrayError, Method, Solved
+from eclat.methods.ranges import check_names, check_range, core_enum
+from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Material, Scene
-from eclat.solution import Solution
-
-FORMAT_VERSION = 1
-
-_BACK, _UNKNOWN = 1, 2
-"""Bits of the second column of `patches`."""
 
 
-@dataclass(frozen=True, eq=False)
-class RadiositySolution:
+@dataclass(frozen=True, eq=False, repr=False)
+class RadiositySolution(Solved):
     """The patches of a scene and the light on them, for all views.
 
     `patches` is (N, 4) uint32: the triangle, bits (1 the back, 2 unknown light), and two halves of the path that leads
@@ -38,23 +32,22 @@ class RadiositySolution:
     look inside. `max_depth` is what it was solved with.
     """
 
+    called: ClassVar[str] = "radiosity solution"
+    consists_of: ClassVar[str] = "patches"
+    format: ClassVar[int] = 2
+
     options: Radiosity
     fingerprint: str
     patches: np.ndarray
     values: np.ndarray
     local_corners: np.ndarray
     center: FloatArray
-    statistics: dict[str, float] = field(default_factory=dict)
+    statistics: dict[str, float] = dataclasses.field(default_factory=dict)
     max_depth: int = -1
 
     def __len__(self) -> int:
         """Patches."""
         return len(self.patches)
-
-    @property
-    def nbytes(self) -> int:
-        """Of its arrays."""
-        return self.patches.nbytes + self.values.nbytes + self.local_corners.nbytes
 
     @property
     def triangles(self) -> np.ndarray:
@@ -64,14 +57,14 @@ class RadiositySolution:
     @property
     def is_back(self) -> np.ndarray:
         """(N,) whether a patch is of the side that the triangle's normal looks away from."""
-        back: np.ndarray = (self.patches[:, 1] & _BACK) != 0
+        back: np.ndarray = (self.patches[:, 1] & _core.PATCH_IS_BACK) != 0
         return back
 
     @property
     def is_unknown(self) -> np.ndarray:
         """(N,) whether a patch is not shown, but its surroundings: it lies inside a solid and has no light, or a wall that
         stands on it parts it and only the light of the largest part is known."""
-        unknown: np.ndarray = (self.patches[:, 1] & _UNKNOWN) != 0
+        unknown: np.ndarray = (self.patches[:, 1] & _core.PATCH_IS_UNKNOWN) != 0
         return unknown
 
     @property
@@ -121,7 +114,7 @@ class RadiositySolution:
         leaving: np.ndarray = self.emitted + self.albedo * self.irradiance
         return leaving
 
-    def core(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
+    def field(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
         """The solution as the core reads it. Raises EclatError where its patches are not those of the scene."""
         patches, values = np.ascontiguousarray(self.patches), np.ascontiguousarray(self.values)
         try:
@@ -129,40 +122,25 @@ class RadiositySolution:
         except ValueError as error:
             raise EclatError(f"radiosity solution: {error}") from error
 
-    def check(self, scene: Scene, max_depth: int) -> None:
-        """Raises EclatError where the scene or the depth is not what was solved."""
-        if self.fingerprint != fingerprint(scene) or not np.array_equal(self.center, compiled(scene).center):
-            raise EclatError(
-                "this radiosity was solved for another scene: geometry, materials or lights differ; solve it again"
-            )
-        if self.max_depth != max_depth:
-            raise EclatError(
-                f"this radiosity was solved with max_depth {self.max_depth}: expected the same, got {max_depth}"
-            )
+    def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        field = self.field(scene, threads=work.threads)
+        core, gather = compiled(scene).core, self.options.gather
+        return _core.radiosity_estimator(core, field, gather_rays=gather, max_depth=work.max_depth)
 
-    def save(self, path: str | os.PathLike[str]) -> None:
-        """Write to an `.npz` file, whole or not at all. Raises EclatError where it cannot be written."""
-        header = {
-            "radiosity": FORMAT_VERSION,
-            "fingerprint": self.fingerprint,
-            "options": asdict(self.options),
-            "max_depth": self.max_depth,
-            "statistics": self.statistics,
-        }
-        write_archive(
-            path,
-            header,
-            {"patches": self.patches, "values": self.values, "corners": self.local_corners, "center": self.center},
-        )
+    def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
+        return _core.radiosity_point_estimator(compiled(scene).core, self.field(scene, threads=work.threads))
 
-    @staticmethod
-    def load(path: str | os.PathLike[str], scene: Scene | None = None) -> RadiositySolution:
-        """Read a saved solution; with `scene`, refuse one that was solved for another. Raises EclatError."""
-        name = os.fspath(path)
-        header, arrays = read_archive(path, "a radiosity solution", ("patches", "values", "corners", "center"))
-        patches, values, corners, center = arrays.values()
-        if header.get("radiosity") != FORMAT_VERSION:
-            raise EclatError(f"{name}: a radiosity solution of another version of Éclat: solve the scene again")
+    def remarks(self) -> list[str]:
+        return [f"{self.statistics['links']:,.0f} links"] if "links" in self.statistics else []
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        return {"patches": self.patches, "values": self.values, "corners": self.local_corners, "center": self.center}
+
+    @classmethod
+    def from_parts(
+        cls, common: Common, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]
+    ) -> RadiositySolution:
+        patches, values, corners = (arrays.get(name, np.zeros(0)) for name in ("patches", "values", "corners"))
         count = len(patches) if patches.ndim else 0
         expected = {
             "patches": (patches, (count, 4), np.uint32), "values": (values, (count, 12), np.float32),
@@ -170,63 +148,37 @@ class RadiositySolution:
         }  # fmt: skip
         for label, (array, shape, kind) in expected.items():
             if array.shape != shape or array.dtype != kind or not np.isfinite(array).all():
-                raise EclatError(f"{name}: the array {label!r} is damaged")
-        try:
-            solution = RadiositySolution(
-                Radiosity(**header["options"]), str(header["fingerprint"]), patches, values, corners, center,
-                dict(header["statistics"]), int(header["max_depth"]),
-            )  # fmt: skip
-        except (KeyError, TypeError, ValueError) as error:
-            raise EclatError(f"{name}: its header is damaged ({error})") from error
-        if scene is not None:
-            solution.check(scene, solution.max_depth)
-        return solution
+                raise DamagedArrayError(label)
+        return cls(
+            common.options, common.fingerprint, patches, values, corners, arrays["center"], common.statistics,
+            common.max_depth,
+        )  # fmt: skip
 
 
-def load_solved(path: str | os.PathLike[str], scene: Scene) -> Solution | RadiositySolution:
-    """What `eclat solve` wrote, of either kind. Raises EclatError."""
-    try:
-        with np.load(path, allow_pickle=False) as data:
-            is_radiosity = "radiosity" in json.loads(str(data["header"]))
-    except (OSError, ValueError, KeyError, TypeError, zipfile.BadZipFile, EOFError, NotImplementedError):
-        is_radiosity = False  # a Solution's reader says what is wrong
-    return RadiositySolution.load(path, scene) if is_radiosity else Solution.load(path, scene)
-
-
-def solve_radiosity(
-    scene: Scene,
-    options: Radiosity,
-    *,
-    max_depth: int = -1,
-    seed: int = 0,
-    threads: int = 0,
-    progress: ProgressReport | None = None,
-) -> RadiositySolution:
+def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySolution:
     """Radiosity of the whole scene. Warns of materials that are not diffuse, naming what is done with them.
 
     Raises EclatError where the options ask for more than five million patches.
     """
     started, counted, prepared = clock.perf_counter(), _core.Progress(), compiled(scene)
     _tell_of_gloss(scene)
+    core_options = _core.RadiosityOptions()
+    core_options.patch_size = options.patch_size or 0.0
+    core_options.patches, core_options.refinements = options.patches, options.refinements
+    core_options.tolerance, core_options.solver = options.tolerance, core_enum(_core.RadiositySolver, options.solver)
     # A final gather adds an edge of its own before it meets a patch.
-    bounces = -1 if max_depth < 0 else max(0, max_depth - (2 if options.gather else 1))
+    core_options.bounces = -1 if work.max_depth < 0 else max(0, work.max_depth - (2 if options.gather else 1))
+    core_options.seed, core_options.threads = work.seed, work.threads
     try:
         patches, values, corners, numbers = run(
-            "radiosity",
-            lambda p: _core.solve_radiosity(
-                prepared.core, p, options.patch_size or 0.0, options.patches, options.refinements, options.tolerance,
-                SOLVERS.index(options.solver), bounces, seed, threads,
-            ),
-            progress,
-            counted,
-        )  # fmt: skip
+            "radiosity", lambda p: _core.solve_radiosity(prepared.core, core_options, p), work.progress, counted
+        )
     except ValueError as error:
         raise EclatError(str(error)) from error
-    named = zip(("links", "sweeps", "residual", "closure_error", "tolerance"), map(float, numbers), strict=True)
-    statistics = {"patches": float(len(patches)), **dict(named)}
+    statistics = {"patches": float(len(patches)), **numbers}
     statistics |= {"rays": float(counted.rays), "seconds": clock.perf_counter() - started}
     return RadiositySolution(
-        options, fingerprint(scene), patches, values, corners, prepared.center, statistics, max_depth
+        options, fingerprint(scene), patches, values, corners, prepared.center, statistics, work.max_depth
     )
 
 
@@ -260,3 +212,44 @@ def _listed(names: set[str]) -> str:
     shown = sorted(names)[:5]
     more = len(names) - len(shown)
     return ", ".join(shown) + (f" and {more} more" if more else "")
+
+
+@dataclass(frozen=True)
+class Radiosity(Method):
+    """Radiosity: surfaces in patches that exchange light diffusely, solved once for all views."""
+
+    name: ClassVar[str] = "radiosity"
+    cannot: ClassVar[str] = (
+        "All reflection is taken for diffuse on its way from surface to surface: there are no caustics, and no light passes "
+        "through glass. Straight from patches (`gather=0`) shadows are as sharp as these are small. In scenes of many small "
+        "triangles light that reaches corners through gaps is coarse."
+    )
+    solved: ClassVar[type[Solved] | None] = RadiositySolution
+
+    patches: int = 20_000
+    """About how many patches there are in the end besides one for each side of a triangle (two where a surface has both)."""
+    patch_size: float | None = None
+    """Longest edge of a patch in metres, instead; where light changes fast patches are smaller."""
+    refinements: int = 2
+    """How often patches are divided where the light of neighbours differs: at the edges of shadows and in corners."""
+    tolerance: float = 0.003
+    """Irradiance that a link may carry without being refined, relative to the mean radiosity, 0.0001..1. More where that takes
+    too many links: the solution's `statistics["tolerance"]` is the one that held."""
+    solver: Literal["gathering", "shooting"] = "gathering"
+    """All patches gather from all others at a time, or the brightest send first (progressive refinement)."""
+    gather: int = 4
+    """Rays of a final gather, per sample of a pixel; 0 shows the patches directly, smoothly reconstructed."""
+
+    def __post_init__(self) -> None:
+        check_range(self, "patches", 1, 10**8)
+        check_range(self, "patch_size", 1e-9, 1e9)
+        check_range(self, "refinements", 0, 8)
+        check_range(self, "tolerance", 0.0001, 1)
+        check_range(self, "gather", 0, 10**4)
+        check_names(self, "solver")
+
+    def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> RadiositySolution:
+        return solve_radiosity(scene, self, work)
+
+    def at_effort(self, share: float, max_error: float) -> Radiosity:
+        return replace(self, patches=max(1, int(self.patches * share)))

@@ -6,15 +6,16 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass, field, fields, replace
+from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-import eclat
-from eclat.errors import EclatError, did_you_mean
+from eclat.errors import EclatError
 from eclat.images.image import Image
 from eclat.measure.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
+from eclat.methods import METHODS, Method, Path, as_method
+from eclat.verbs.render import render
 
 if TYPE_CHECKING:
     from eclat.measure.metrics import Float64
@@ -27,9 +28,6 @@ LONGER_SIDE = 512
 
 REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
 """XORed into the seed: the references must be unrelated to each other and to the pictures."""
-
-LARGEST_MAX_ERROR, FEWEST_PHOTONS = 0.5, 1000
-"""What options accept."""
 
 
 @dataclass(frozen=True)
@@ -53,10 +51,9 @@ class Effort:
     def at(self, level: int) -> tuple[dict[str, Any], float]:
         """Arguments of `render` at a level from 0, and `max_error` of options that have one."""
         factor = 2 ** (self.levels - 1 - level)
-        max_error = min(LARGEST_MAX_ERROR, self.max_error * factor)
         if self.time is not None:
-            return {"time": self.time / factor**2}, max_error
-        return {"samples": max(1, self.samples // factor**2)}, max_error
+            return {"time": self.time / factor**2}, self.max_error * factor
+        return {"samples": max(1, self.samples // factor**2)}, self.max_error * factor
 
 
 @dataclass(frozen=True)
@@ -130,7 +127,7 @@ class Comparison:
 
 def compare(
     scene: Scene,
-    methods: Sequence[str] | None = None,
+    methods: Sequence[str | Method | type[Method]] | None = None,
     *,
     effort: Effort | None = None,
     reference: Reference | None = None,
@@ -147,7 +144,7 @@ def compare(
 
     Parameters
     ----------
-    methods : keys of `METHODS`, default all.
+    methods : methods, their classes or their names; default all of `METHODS`.
     effort : levels and their samples, errors or seconds.
     reference : default two path-traced pictures of `reference_samples` paths per pixel each.
     exposure : stops; default such that the reference's log-average becomes mid grey (`auto_exposure`).
@@ -157,7 +154,7 @@ def compare(
     ------
     EclatError : unknown method, a reference of another size, and whatever `render` raises.
     """
-    names = _known(methods)
+    chosen = _known(methods)
     effort = effort or Effort()
     if reference is not None:
         size = (reference.a.width, reference.a.height)
@@ -167,13 +164,13 @@ def compare(
     truth = reference.image
     shown_at = auto_exposure(truth) if exposure is None else exposure
     results = []
-    for name in names:
+    for method in chosen:
         images: list[Image] = []
-        for options, bounds in _levels(name, effort):
-            label = f"{name}, level {len(images) + 1}"
+        for options, bounds in _levels(method, effort):
+            label = f"{method.name}, level {len(images) + 1}"
             keywords = {**common, **bounds, "seed": seed, "progress": _labelled(progress, label)}
-            images.append(eclat.render(scene, options, **keywords))
-        results.append(_measured(name, images, reference, truth, shown_at))
+            images.append(render(scene, options, **keywords))
+        results.append(_measured(method.name, images, reference, truth, shown_at))
     return Comparison(scene.name, reference, tuple(results), shown_at)
 
 
@@ -181,11 +178,10 @@ def render_reference(
     scene: Scene, samples: int, seed: int, progress: ProgressReport | None, common: Mapping[str, Any]
 ) -> Reference:
     """Two path-traced pictures from unrelated seeds."""
-    path = eclat.METHODS["path"]()
     pictures = [
-        eclat.render(
+        render(
             scene,
-            path,
+            Path(),
             samples=samples,
             seed=seed ^ other,
             progress=_labelled(progress, f"reference {i} of 2"),
@@ -235,32 +231,21 @@ def _measured(name: str, images: Sequence[Image], reference: Reference, truth: I
     return MethodResult(name, tuple(measurements), last, signed_error(last.pixels, truth.pixels), flip_map)
 
 
-def _known(methods: Sequence[str] | None) -> list[str]:
-    names = list(dict.fromkeys(methods or eclat.METHODS))
-    for name in names:
-        if name not in eclat.METHODS:
-            known = ", ".join(eclat.METHODS)
-            raise EclatError(f"methods: expected some of {known}, got {name!r}{did_you_mean(name, eclat.METHODS)}")
-    return names
+def _known(methods: Sequence[str | Method | type[Method]] | None) -> list[Method]:
+    """Methods, each once."""
+    try:
+        found = [as_method(method).options for method in methods or METHODS]
+    except EclatError as error:
+        raise EclatError(f"methods: {error}") from None
+    return list(dict.fromkeys(found))
 
 
-def _levels(name: str, effort: Effort) -> list[tuple[Any, dict[str, Any]]]:
+def _levels(method: Method, effort: Effort) -> list[tuple[Method, dict[str, Any]]]:
     """Options and other arguments of `render`, level by level; levels that would be the same are one."""
-    levels: list[tuple[Any, dict[str, Any]]] = []
+    levels: list[tuple[Method, dict[str, Any]]] = []
     for level in range(effort.levels):
         bounds, max_error = effort.at(level)
-        options: Any = eclat.METHODS[name]()
-        fewer = 4 ** (effort.levels - 1 - level)
-        if any(f.name == "photons" for f in fields(options)):
-            options = replace(
-                options,
-                photons=max(FEWEST_PHOTONS, options.photons // fewer),
-                caustic_photons=max(FEWEST_PHOTONS, options.caustic_photons // fewer),
-            )
-        if any(f.name == "patches" for f in fields(options)):
-            options = replace(options, patches=max(1, options.patches // fewer))
-        if any(f.name == "max_error" for f in fields(options)):
-            options = replace(options, max_error=max_error)
+        options = method.at_effort(0.25 ** (effort.levels - 1 - level), max_error)
         if (options, bounds) not in levels:
             levels.append((options, bounds))
     return levels

@@ -3,7 +3,7 @@
 """How much of a given time goes into records: as fine ones as fit, the rest is left to samples of pixels.
 
 A cheap solve, which looks only at every fourth pixel, tells how many rays a second this scene gets on this machine. A
-second one looks at all pixels, or at as many as there is time for. The laws of `refining` then say how fine a third one
+second one looks at all pixels, or at as many as there is time for. `laws` then say how fine a third one
 may be. With records' error falling with time to the power −3/7 and noise with −1/2, both parts weigh about the same at
 the best split, so that each gets about half.
 """
@@ -13,15 +13,15 @@ from __future__ import annotations
 import math
 import time as clock
 from dataclasses import replace
-from typing import Any
 
 from eclat.bridge.running import ProgressReport
-from eclat.error_estimate import CHECK_SHARE
-from eclat.options import IrradianceCache
-from eclat.refining import RAYS_EXPONENT, finer
+from eclat.measure.error_estimate import CHECK_SHARE
+from eclat.methods.records.laws import RAYS_EXPONENT, finer, first_options
+from eclat.methods.records.options import RecordOptions
+from eclat.methods.records.solution import Solution
+from eclat.methods.records.solving import Job
+from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
-from eclat.solution import Solution, core_options
-from eclat.solving import solve
 
 SHARE_OF_RECORDS = 0.45
 """Of the time that is left before the last solve, the check included."""
@@ -32,9 +32,6 @@ SHARE_OF_COVERAGE = 0.7
 FINEST_STEP = 1 / 64
 """Of the error from one solve to the next: beyond it laws say nothing."""
 
-FIRST_PIXELS = 4.0
-"""Lower bound of a record's radius in the first solve, and so the pixels between the places that it looks at."""
-
 RAYS_OF_HALVING = 2.3
 """Of a solve whose places lie half as far apart, in units of what it took before."""
 
@@ -42,34 +39,25 @@ LATEST = 0.8
 """Of all the time: a solve that is not done then is given up, since laws can be wrong, and the one before it stays."""
 
 
-def first_options(options: IrradianceCache) -> IrradianceCache:
-    """Of the cheap solve."""
-    coarse = core_options(replace(options, max_error=0.08, spacing=None, rows=None))
-    return replace(
-        options,
-        spacing=coarse.spacing,
-        rows=coarse.rows,
-        least_pixels=min(options.largest_pixels, max(options.least_pixels, FIRST_PIXELS)),
-        far_records=min(coarse.far_records, 500),
-        far_rows=coarse.far_rows,
-    )
-
-
-def solve_within(scene: Scene, options: IrradianceCache, deadline: float, *, check: bool, **keywords: Any) -> Solution:
+def solve_within(
+    scene: Scene, options: RecordOptions, deadline: float, purpose: Purpose, work: Work, care: Care
+) -> Solution:
     """Records that leave enough of the time until `deadline` (of `time.perf_counter`) for the pixels.
 
     The options of the Solution hold the numbers that were chosen: with them `solve` makes the same records.
     """
     begun = clock.perf_counter()
-    last = solve(scene, first_options(options), check=False, **keywords)
+    check_share = CHECK_SHARE if care.check else 0.0
+    last = Job(scene, purpose, work).solve(first_options(options), 0.0)
     total = last.statistics["rays"]
 
     def fitting() -> float:
         """Rays for which there is time, by those of the last solve; a check takes its part."""
         left = max(0.0, deadline - clock.perf_counter())
-        return left * last.statistics["rays"] / max(clock.perf_counter() - begun, 1e-9) / (1 + CHECK_SHARE * check)
+        return left * last.statistics["rays"] / max(clock.perf_counter() - begun, 1e-9) / (1 + check_share)
 
-    keywords["progress"] = _until(begun + LATEST * (deadline - begun), keywords.get("progress"))
+    timely = replace(work, progress=_until(begun + LATEST * (deadline - begun), work.progress))
+    job = Job(scene, purpose, timely)
     try:
         # First the places that are looked at come as close to each other as was asked for, since pixels without records
         # cost the most.
@@ -80,7 +68,7 @@ def solve_within(scene: Scene, options: IrradianceCache, deadline: float, *, che
         if least < last.options.least_pixels:
             begun = clock.perf_counter()
             covering = replace(last.options, least_pixels=least)
-            last = solve(scene, covering, check=check and not finer_fits, **keywords)
+            last = job.solve(covering, 0.0 if finer_fits else check_share)
             total += last.statistics["rays"]
         # Then all becomes finer.
         if finer_fits:
@@ -89,7 +77,7 @@ def solve_within(scene: Scene, options: IrradianceCache, deadline: float, *, che
             # Places lie at steps of powers of two: the next finer one only where there is time for all of it.
             steps = math.floor(math.log2(1 / ratio) + 1e-6)
             fine = replace(finer(last.options, ratio), least_pixels=max(0.25, least / 2**steps))
-            last = solve(scene, fine, check=check, **keywords)
+            last = job.solve(fine, check_share)
             total += last.statistics["rays"]
     except _LateError:
         pass

@@ -12,16 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat import _core
-from eclat.bridge.arguments import checked_max_depth, checked_samples, checked_seed, points_with_normals, thread_count
+from eclat.bridge.arguments import (
+    checked_max_depth,
+    checked_max_error,
+    checked_samples,
+    checked_seed,
+    points_with_normals,
+    thread_count,
+)
 from eclat.bridge.compiled import compiled
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, did_you_mean
-from eclat.options import Direct, IrradianceCache, Options, Path, PhotonMap, Radiosity
-from eclat.photons import Photons, trace
-from eclat.radiosity import RadiositySolution, solve_radiosity
+from eclat.methods import Direct, IrradianceCache, Method, Path, Source, as_method
+from eclat.methods.records.laws import core_options
+from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
-from eclat.solution import Solution, core_options
-from eclat.solving import solve
 
 Component = Literal["total", "direct", "indirect"]
 
@@ -50,7 +55,7 @@ def irradiance(
     scene: Scene,
     points: FloatArray,
     normals: FloatArray,
-    what: Solution | Photons | RadiositySolution | Options | None = None,
+    what: Source | type[Method] | str | None = None,
     *,
     component: Component = "total",
     max_error: float = 0.01,
@@ -66,8 +71,8 @@ def irradiance(
     Parameters
     ----------
     points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
-    what : a Solution or Photons, the options of a method, or None: irradiance caching, or paths where the points are so few that
-        these take fewer rays (`paths_for_few`).
+    what : a method, its class or its name, what was solved before, or None: irradiance caching, or paths where the points are
+        so few that these take fewer rays (`paths_for_few`). A class or a name takes `max_error`, where the method has one.
 
         ====================  ==================================================================================
         `Solution`            indirect light is read from its records; a point that none of them serves is
@@ -85,14 +90,14 @@ def irradiance(
         the same for every method.
     max_error : relative error of indirect light that None aims at.
     samples : of the lights, and paths of `Path`, per point.
-    max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. A Solution must have been solved
+    max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. What was solved must have been solved
         with the same.
     statistics : a dict that is filled with `points`, `served` (by records) and `gathered` (both only where a cache
         was read), `paths` per point (only where None chose them), `rays` and `seconds`.
 
     Raises
     ------
-    EclatError : arrays that do not fit or are not finite, a Solution of another scene or depth, arguments out of range.
+    EclatError : arrays that do not fit or are not finite, what was solved for another scene or depth, arguments out of range.
 
     Examples
     --------
@@ -102,83 +107,49 @@ def irradiance(
     >>> bool(abs(E[0, 0] / (2 * np.pi) - 1) < 0.02)
     True
     """
-    if component not in get_args(Component):
-        known = get_args(Component)
-        raise EclatError(
-            f"component must be one of {', '.join(known)}, got {component!r}{did_you_mean(str(component), known)}"
-        )
+    checked_component(component)
     started = clock.perf_counter()
-    places, sides = points_with_normals(points, normals)
-    common = checked_seed(seed), thread_count(threads)
+    places = AtPoints(*points_with_normals(points, normals))
+    work = Work(checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), progress)
     checked_samples(samples)
-    depth = 2 if isinstance(what, Direct) else checked_max_depth(max_depth)
-    counts: dict[str, float] = {"points": float(len(places)), "rays": 0.0}
-    indirect = component != "direct" and (depth < 0 or depth > 2)
-    if what is None:
-        what = IrradianceCache(max_error=max_error)
-        paths = paths_for_few(len(places), max_error)
-        if indirect and paths is not None:
-            what, samples = Path(), max(samples, paths)
-            counts["paths"] = float(samples)
-    if isinstance(what, PhotonMap):
-        what = trace(scene, what, max_depth=depth, seed=seed, threads=common[-1], progress=progress)
-        counts["rays"] += what.statistics["rays"]
-    if isinstance(what, Radiosity):
-        what = solve_radiosity(scene, what, max_depth=depth, seed=seed, threads=common[-1], progress=progress)
-        counts["rays"] += what.statistics["rays"]
-    if isinstance(what, Solution | Photons | RadiositySolution):
-        what.check(scene, max_depth)
-    if indirect and isinstance(what, IrradianceCache):
-        what = solve(
-            scene, what, points=(places, sides), max_depth=depth, seed=seed, threads=threads, progress=progress
-        )
-        counts["rays"] += what.statistics["rays"]
-    prepared = compiled(scene)
-    positions, directions = prepared.to_core(places), np.ascontiguousarray(sides, np.float32)
-    number = get_args(Component).index(component)
+    counts: dict[str, float] = {"points": float(len(places.positions)), "rays": 0.0}
+    source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
+    source.require_match(scene, max_depth)
+    if not asks_for_indirect(component, max_depth):
+        source = Direct()  # what arrives straight from lights is the same for every method
+    elif what is None and (paths := paths_for_few(len(places.positions), max_error)) is not None:
+        source, samples = Path(), max(samples, paths)
+        counts["paths"] = float(samples)
+    prepared = source.prepare(scene, places, work)
+    if prepared is not source:
+        counts["rays"] += prepared.statistics.get("rays", 0.0)
+    estimator = prepared.point_estimator(scene, work)
+    asked = _core.PointIrradianceOptions(
+        component=_core.Component[component], samples=samples, max_depth=max_depth, seed=seed, threads=work.threads
+    )
+    positions = compiled(scene).to_core(places.positions)
+    directions = np.ascontiguousarray(places.normals, np.float32)
     counted = _core.Progress()
-    if indirect and isinstance(what, Solution):
-        caches = what.core()
-        settings = core_options(what.options, max_depth=depth, seed=seed, threads=common[-1])
-        result, served, gathered = run(
-            "irradiance",
-            lambda p: _core.irradiance_from_caches(
-                prepared.core, positions, directions, caches, settings, p, number, samples, *common
-            ),
-            progress,
-            counted,
-        )
-        counts |= {"served": float(served), "gathered": float(gathered)}
-    elif indirect and isinstance(what, Photons):
-        maps = what.core(scene, gather=True, threads=common[-1], progress=progress)
-        result = run(
-            "irradiance",
-            lambda p: _core.irradiance_by_photons(
-                prepared.core, positions, directions, maps, p, number, samples, depth, *common
-            ),
-            progress,
-            counted,
-        )
-    elif indirect and isinstance(what, RadiositySolution):
-        field = what.core(scene, threads=common[-1])
-        result = run(
-            "irradiance",
-            lambda p: _core.irradiance_by_radiosity(
-                prepared.core, positions, directions, field, p, number, samples, depth, *common
-            ),
-            progress,
-            counted,
-        )
-    else:
-        result = run(
-            "irradiance",
-            lambda p: _core.irradiance_by_paths(
-                prepared.core, positions, directions, p, number, samples, depth, *common
-            ),
-            progress,
-            counted,
-        )
+    found, served = run(
+        "irradiance", lambda p: _core.irradiance(positions, directions, estimator, asked, p), progress, counted
+    )
+    if served is not None:
+        counts |= {"served": float(served[0]), "gathered": float(served[1])}
     counts["rays"] += float(counted.rays)
     if statistics is not None:
         statistics.update(counts, seconds=clock.perf_counter() - started)
-    return np.asarray(result, np.float32).reshape(-1, 3)
+    return np.asarray(found, np.float32).reshape(-1, 3)
+
+
+def asks_for_indirect(component: Component, max_depth: int) -> bool:
+    """Whether there is more to find than light straight from lights."""
+    return component != "direct" and (max_depth < 0 or max_depth > 2)
+
+
+def checked_component(component: str) -> None:
+    """Raises EclatError for an unknown component of light."""
+    known = get_args(Component)
+    if component not in known:
+        raise EclatError(
+            f"component must be one of {', '.join(known)}, got {component!r}{did_you_mean(str(component), known)}"
+        )

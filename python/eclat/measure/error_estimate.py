@@ -7,10 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
-
-if TYPE_CHECKING:
-    from eclat import _core
 
 CHECK_SHARE = 0.25
 """Rays of a check in units of those of the solve that it checks."""
@@ -36,11 +32,11 @@ class ErrorEstimate:
     unserved: float = 0.0
 
     @staticmethod
-    def of(found: _core.ErrorEstimate) -> ErrorEstimate:
-        """From what the core found. The interval is that of the squared error, whose mean is unbiased."""
-        bounds = (found.squared + sign * SIGMAS * found.deviation for sign in (0, -1, 1))
+    def of_squared(squared: float, deviation: float, unserved: float) -> ErrorEstimate:
+        """From the squared error, whose mean is unbiased, and its standard deviation: the interval is that of the square."""
+        bounds = (squared + sign * SIGMAS * deviation for sign in (0, -1, 1))
         error, low, high = (math.sqrt(max(0.0, bound)) for bound in bounds)
-        return ErrorEstimate(error, low, high, found.missed)
+        return ErrorEstimate(error, low, high, unserved)
 
     @property
     def quoted(self) -> float:

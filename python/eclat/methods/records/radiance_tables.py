@@ -10,7 +10,7 @@ from eclat import _core
 from eclat.brdf_table import Kind, brdf_table
 from eclat.bridge.compiled import compiled
 from eclat.bridge.running import ProgressReport
-from eclat.options import RadianceCache
+from eclat.methods.records.options import RadianceOptions
 from eclat.scene import Scene
 
 _KINDS: dict[_core.TableLobeKind, Kind] = {
@@ -24,7 +24,7 @@ _cache: weakref.WeakKeyDictionary[Scene, dict[tuple[int, float], _core.RadianceT
 
 
 def radiance_tables(
-    scene: Scene, options: RadianceCache, *, threads: int | None = None, progress: ProgressReport | None = None
+    scene: Scene, options: RadianceOptions, *, threads: int | None = None, progress: ProgressReport | None = None
 ) -> _core.RadianceTables:
     """Tables for the lobes of a scene whose parameters do not vary over surfaces, and for all metallic-roughness ones.
 
@@ -48,7 +48,7 @@ def radiance_tables(
 
 
 def _table(
-    kind: Kind, options: RadianceCache, lobe: dict[str, object], threads: int | None, progress: ProgressReport | None
+    kind: Kind, options: RadianceOptions, lobe: dict[str, object], threads: int | None, progress: ProgressReport | None
 ) -> _core.BrdfTable:
     return brdf_table(
         kind, basis="spherical", order=options.order, max_error=options.gloss_error, threads=threads, progress=progress,

@@ -1,0 +1,37 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "methods/irradiance_cache/cached_paths.h"
+
+#include <utility>
+
+#include "methods/irradiance_cache/cached_irradiance.h"
+#include "methods/irradiance_cache/irradiance_cache.h"
+
+namespace eclat {
+
+Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, const RadianceTables* tables,
+                                int max_depth) {
+    PathOptions options;
+    options.max_depth = max_depth;
+    options.light_set = LightSet::without_environment_image;
+    options.cache = read_near(caches);
+    // Far records know of no greatest length of paths.
+    if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_far(caches.far);
+    options.light_samples = cached_light_samples;
+    options.miss_paths = cached_miss_paths;
+    options.gloss_paths = cached_gloss_paths;
+    if (tables) options.reflection = read_radiance(caches.radiance, *tables);
+    return path_estimator(world, std::move(options));
+}
+
+PointEstimator cached_point_estimator(const World& world, const SolvedCaches& caches,
+                                      const IrradianceCacheOptions& cache_options) {
+    return [world, &caches, cache_options](std::span<const PointNormal> points, const PointIrradianceOptions& options,
+                                           Progress& progress) {
+        CachedPoints found = cached_irradiance(world, points, caches, cache_options, options, progress);
+        return PointIrradiance{std::move(found.irradiance), {{found.served, found.gathered}}};
+    };
+}
+
+}  // namespace eclat

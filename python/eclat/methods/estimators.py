@@ -1,0 +1,46 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Estimators that are functions in Python: arrays of rays or points in, arrays of light out."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+import numpy as np
+
+from eclat import _core
+from eclat.bridge.compiled import compiled
+from eclat.scene import FloatArray, Scene
+
+RadianceFunction = Callable[[FloatArray, FloatArray, FloatArray], FloatArray | tuple[FloatArray, FloatArray]]
+"""Origins (N, 3) in metres, unit directions (N, 3) and a random number in [0, 1) for each ray (N,), the same at each call
+with the same seed → radiance (N, 3), or a pair: radiance, and the part of it of paths with at most two edges."""
+
+IrradianceFunction = Callable[[FloatArray, FloatArray, str], FloatArray]
+"""Positions (N, 3) in metres, unit normals (N, 3) and "total" or "indirect" → irradiance (N, 3), W·m⁻²."""
+
+
+def radiance_from(scene: Scene, function: RadianceFunction) -> _core.Estimator:
+    """A function as an estimator of radiance along camera rays. It is called for some hundred rays at a time."""
+    prepared = compiled(scene)
+
+    def called(origins: np.ndarray, directions: np.ndarray, numbers: np.ndarray) -> np.ndarray:
+        found = function(origins + prepared.center, np.asarray(directions, np.float64), np.asarray(numbers, np.float64))
+        radiance, direct = found if isinstance(found, tuple) else (found, np.zeros((len(origins), 3)))
+        both = np.empty((len(origins), 2, 3), np.float32)
+        both[:, 0], both[:, 1] = radiance, direct
+        return both
+
+    return _core.called_estimator(prepared.core, called)
+
+
+def irradiance_from(scene: Scene, function: IrradianceFunction) -> _core.PointEstimator:
+    """A function as an estimator of irradiance at points. It is called once, for all of them."""
+    center = compiled(scene).center
+
+    def called(positions: np.ndarray, normals: np.ndarray, component: _core.Component) -> np.ndarray:
+        found = np.empty((len(positions), 3), np.float32)
+        found[:] = function(positions + center, np.asarray(normals, np.float64), component.name)
+        return found
+
+    return _core.called_point_estimator(called)

@@ -1,0 +1,339 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Photon mapping: photons of a scene as a value, and the method that traces and reads them."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Mapping
+from dataclasses import asdict, dataclass, field, replace
+from typing import Any, ClassVar, Literal
+
+import numpy as np
+
+from eclat import _core
+from eclat.bridge.arguments import points_with_normals
+from eclat.bridge.compiled import compiled, fingerprint
+from eclat.bridge.running import ProgressReport, run
+from eclat.errors import EclatError, warn
+from eclat.methods.method import Common, DamagedArrayError, Method, PassEstimator, Prepared, Solved
+from eclat.methods.ranges import check_names, check_range, core_enum
+from eclat.methods.work import Care, Purpose, View, Work
+from eclat.scene import FloatArray, Material, Scene
+
+COLUMNS = 13
+"""Floats of a photon: position, power, direction, normal, edges."""
+
+MOST_PATHS = 1 << 20
+"""Emitted for a map in which nothing has been stored; where photons are found, `PATHS_PER_PHOTON` times their wanted number
+may be emitted besides."""
+
+PATHS_PER_PHOTON = 64
+
+
+@dataclass(frozen=True)
+class Emission:
+    """Which paths a map's photons are of: maps of the same ones hold the same photons."""
+
+    seed: int
+    paths: int
+    """Emitted for the global map."""
+    caustic_paths: int
+    """Emitted for the caustic map."""
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Photons(Solved):
+    """The photons of a scene, on surfaces with a diffuse lobe.
+
+    `stored` and `caustic` are (photons, 13) float32 arrays in the core's frame: light that was scattered diffusely before it
+    arrived, and light that met mirrors, glass and gloss only. Light straight from lights is not stored: it is sampled where
+    it is wanted. Use `positions`, `powers`, `directions`, `normals` and `edges` to look inside. `max_depth` is what it was
+    traced with.
+    """
+
+    called: ClassVar[str] = "photon map"
+    consists_of: ClassVar[str] = "photons"
+    format: ClassVar[int] = 2
+
+    options: PhotonMap
+    fingerprint: str
+    stored: np.ndarray
+    caustic: np.ndarray
+    center: FloatArray
+    emissions: tuple[Emission, ...]
+    statistics: dict[str, float] = field(default_factory=dict)
+    max_depth: int = -1
+
+    def __len__(self) -> int:
+        """Photons of both maps."""
+        return len(self.stored) + len(self.caustic)
+
+    def _both(self, columns: slice) -> np.ndarray:
+        return np.concatenate([self.stored[:, columns], self.caustic[:, columns]])
+
+    @property
+    def paths(self) -> tuple[int, int]:
+        """Paths emitted for either map."""
+        return sum(e.paths for e in self.emissions), sum(e.caustic_paths for e in self.emissions)
+
+    @property
+    def positions(self) -> FloatArray:
+        """(N, 3) world positions, those of caustic photons last, as in all arrays here."""
+        return self._both(slice(0, 3)).astype(np.float64) + self.center
+
+    @property
+    def powers(self) -> FloatArray:
+        """(N, 3) power of each photon, W: their sum is the indirect flux that arrives on diffuse surfaces."""
+        paths = np.repeat(np.maximum(self.paths, 1), (len(self.stored), len(self.caustic)))
+        each: FloatArray = self._both(slice(3, 6)).astype(np.float64) / paths[:, None]
+        return each
+
+    @property
+    def directions(self) -> np.ndarray:
+        """(N, 3) unit vectors towards where the photons came from."""
+        return self._both(slice(6, 9))
+
+    @property
+    def normals(self) -> np.ndarray:
+        """(N, 3) unit normals of the surfaces, on the side where the photons arrived."""
+        return self._both(slice(9, 12))
+
+    @property
+    def edges(self) -> np.ndarray:
+        """(N,) edges of the photons' paths: 2 after one bounce."""
+        return self._both(slice(12, 13))[:, 0].astype(np.int64)
+
+    @property
+    def is_caustic(self) -> np.ndarray:
+        """(N,) whether a photon is one of the caustic map."""
+        return np.arange(len(self)) >= len(self.stored)
+
+    def maps(
+        self, scene: Scene, *, gather: bool, threads: int = 0, progress: ProgressReport | None = None
+    ) -> _core.PhotonMaps:
+        """The maps as the core reads them; with `gather`, irradiance is computed for gather rays to end in."""
+        options = _core.PhotonMapReading()
+        options.nearest, options.caustic_nearest = self.options.nearest, self.options.caustic_nearest
+        options.kernel = core_enum(_core.Kernel, self.options.kernel)
+        options.gather, options.guided = gather, self.options.guided
+        options.seed = self.emissions[0].seed ^ 0x9E3779B9  # irradiance is wanted where photons of another seed arrive
+        options.threads = threads
+        arrays = (np.ascontiguousarray(photons, np.float32) for photons in (self.stored, self.caustic))
+        stored, caustic = zip(arrays, map(float, self.paths), strict=True)
+        core = compiled(scene).core
+        return run(
+            "photons", lambda p: _core.photon_maps(core, stored, caustic, options, p), progress, _core.Progress()
+        )
+
+    def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        gather = self.options.gather
+        maps = self.maps(scene, gather=gather > 0, threads=work.threads, progress=work.progress)
+        return _core.photon_estimator(compiled(scene).core, maps, gather_rays=gather, max_depth=work.max_depth)
+
+    def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
+        maps = self.maps(scene, gather=True, threads=work.threads, progress=work.progress)
+        return _core.photon_point_estimator(compiled(scene).core, maps)
+
+    def irradiance(
+        self, scene: Scene, points: FloatArray, normals: FloatArray, *, caustic: bool = False, threads: int = 0
+    ) -> np.ndarray:
+        """(N, 3) irradiance at points of surfaces, W·m⁻²: the density of one map there, blur and noise included.
+
+        Light that was scattered diffusely before it arrived, or with `caustic` what met mirrors, glass and gloss only.
+        `eclat.irradiance` is the better estimate of all light, at points anywhere.
+        """
+        self.require_match(scene, self.max_depth)
+        places, sides = points_with_normals(points, normals)
+        prepared = compiled(scene)
+        maps = self.maps(scene, gather=False, threads=threads)
+        positions, directions = prepared.to_core(places), np.ascontiguousarray(sides, np.float32)
+        return np.asarray(_core.photon_density(prepared.core, positions, directions, maps, caustic, threads))
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        return {"stored": self.stored, "caustic": self.caustic, "center": self.center}
+
+    def header(self) -> dict[str, Any]:
+        return {"emissions": [asdict(e) for e in self.emissions]}
+
+    @classmethod
+    def from_parts(cls, common: Common, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Photons:
+        for name in ("stored", "caustic"):
+            array = arrays.get(name, np.zeros(0))
+            if (
+                array.ndim != 2
+                or array.shape[1] != COLUMNS
+                or array.dtype != np.float32
+                or not np.isfinite(array).all()
+            ):
+                raise DamagedArrayError(name)
+        return cls(
+            common.options, common.fingerprint, arrays["stored"], arrays["caustic"], arrays["center"],
+            tuple(Emission(**e) for e in header["emissions"]), common.statistics, common.max_depth,
+        )  # fmt: skip
+
+    def merged(self, other: Photons) -> Photons:
+        """The photons of both, as if they had been emitted together; the order of the two does not matter.
+
+        Raises EclatError where both hold the same photons (the same seed).
+        """
+        shared = {e.seed for e in self.emissions} & {e.seed for e in other.emissions}
+        if shared:
+            raise EclatError(
+                f"merge: both maps hold the photons of seed {min(shared)}: expected maps of different seeds"
+            )
+        one, two = sorted((self, other), key=lambda p: p.emissions[0].seed)
+        # Maps of several seeds each may interleave: photons are put in an order of their own.
+        return Photons(
+            one.options, one.fingerprint, _in_order(one.stored, two.stored), _in_order(one.caustic, two.caustic),
+            one.center, tuple(sorted(one.emissions + two.emissions, key=lambda e: e.seed)), max_depth=one.max_depth,
+        )  # fmt: skip
+
+
+@dataclass(frozen=True, eq=False)
+class ProgressivePhotons(Prepared):
+    """Nothing but options: sample n of a pixel reads the photons of pass n, in discs that shrink."""
+
+    options: PhotonMap
+    statistics: dict[str, float] = field(default_factory=dict)
+
+    def passes(self, scene: Scene, work: Work) -> PassEstimator:
+        core = compiled(scene).core
+        options = _core.ProgressiveOptions()
+        options.max_edges = _photon_edges(work.max_depth)
+        options.paths = 0 if options.max_edges in (0, 1) else self.options.photons
+        options.nearest, options.alpha = self.options.nearest, self.options.alpha
+        options.kernel = core_enum(_core.Kernel, self.options.kernel)
+        options.seed, options.threads = work.seed, work.threads
+        first: list[_core.PhotonMaps] = []
+
+        def estimator(number: int, progress: _core.Progress) -> _core.Estimator:
+            if not first:
+                first.append(_core.progressive_maps(core, 0, None, options, progress))
+            maps = first[0] if number == 0 else _core.progressive_maps(core, number, first[0], options, progress)
+            return _core.photon_estimator(core, maps, gather_rays=0, max_depth=work.max_depth)
+
+        return estimator
+
+    def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        raise EclatError("progressive photon mapping has an estimator for each pass only")
+
+    def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
+        raise EclatError(NO_PHOTONS_ARE_KEPT)
+
+
+NO_PHOTONS_ARE_KEPT = "progressive photon mapping keeps no photons, it makes pictures only: expected progressive=False"
+
+
+def _photon_edges(max_depth: int) -> int:
+    """Edges of a photon's path for light paths of at most `max_depth`, whose last edge ends in the camera."""
+    return -1 if max_depth < 0 else max_depth - 1
+
+
+def _in_order(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    both = np.concatenate([a, b])
+    return both[np.lexsort(both.T)]
+
+
+def _glossy_somewhere(scene: Scene) -> bool:
+    """Whether any surface could focus light."""
+
+    def glossy(material: Material) -> bool:
+        parts = [*material.children, *([] if material.back is None else [material.back])]
+        return material.kind not in ("diffuse", "blend") or any(map(glossy, parts))
+
+    return any(glossy(mesh.material) for mesh in scene.meshes)
+
+
+def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
+    """Photons of the whole scene. Warns where fewer than wanted were found in many more paths.
+
+    Raises EclatError for progressive photon mapping, which keeps no map.
+    """
+    if options.progressive:
+        raise EclatError(NO_PHOTONS_ARE_KEPT)
+    started, counted, prepared = clock.perf_counter(), _core.Progress(), compiled(scene)
+    max_edges = _photon_edges(work.max_depth)
+
+    def traced(phase: str, caustic: bool, wanted: int) -> tuple[np.ndarray, int]:
+        if max_edges in (0, 1) or (caustic and not _glossy_somewhere(scene)):
+            return np.zeros((0, COLUMNS), np.float32), 0
+        tracing = _core.PhotonTracing()
+        tracing.caustic, tracing.photons = caustic, wanted
+        tracing.most_paths = MOST_PATHS + PATHS_PER_PHOTON * wanted
+        tracing.max_edges, tracing.guided = max_edges, options.guided
+        tracing.seed, tracing.threads = work.seed, work.threads
+        return run(phase, lambda p: _core.trace_photons(prepared.core, tracing, p), work.progress, counted)
+
+    stored, paths = traced("photons", False, options.photons)
+    caustic, caustic_paths = traced("caustic photons", True, options.caustic_photons)
+    if 0 < len(stored) < options.photons:
+        warn(f"only {len(stored):,} of {options.photons:,} photons found their way in {paths:,} paths")
+    statistics = {
+        "photons": float(len(stored)),
+        "caustic_photons": float(len(caustic)),
+        "paths": float(paths + caustic_paths),
+        "rays": float(counted.rays),
+        "seconds": clock.perf_counter() - started,
+    }
+    emission = Emission(work.seed, paths, caustic_paths)
+    return Photons(
+        options, fingerprint(scene), stored, caustic, prepared.center, (emission,), statistics, work.max_depth
+    )
+
+
+FEWEST_PHOTONS = 1000
+"""Of either map."""
+
+
+@dataclass(frozen=True)
+class PhotonMap(Method):
+    """Photon mapping: indirect light from photons that are traced from the lights; caustics too."""
+
+    name: ClassVar[str] = "photon-map"
+    cannot: ClassVar[str] = (
+        "Light is blurred over the disc of an estimate, and at edges and thin walls some is lost or leaks; only with "
+        "`progressive` does that vanish. Glossy reflections are traced, with noise."
+    )
+    solved: ClassVar[type[Solved] | None] = Photons
+
+    photons: int = 200_000
+    """Photons to store of light that was scattered diffusely before it arrived."""
+    caustic_photons: int = 200_000
+    """Photons to store of light that met mirrors, glass and gloss only."""
+    nearest: int = 100
+    """Photons of one estimate: more are smoother and blur more."""
+    caustic_nearest: int = 60
+    """The same for caustics."""
+    kernel: Literal["uniform", "cone", "epanechnikov"] = "epanechnikov"
+    """How a photon's weight falls with its distance."""
+    gather: int = 4
+    """Rays of a final gather, per sample of a pixel; 0 shows the photons directly."""
+    guided: bool = True
+    """Learn where on lights and in which directions to emit, so that most photons are stored."""
+    progressive: bool = False
+    """Trace new photons for each sample of the pixels and show them directly, in discs that shrink from sample to sample:
+    noise and blur both vanish. `photons` is then the number of paths emitted for a sample, of all kinds together."""
+    alpha: float = 0.7
+    """How slowly discs of `progressive` shrink, 0.1..0.95: larger is smoother and blurs longer."""
+
+    def __post_init__(self) -> None:
+        check_range(self, "photons", FEWEST_PHOTONS, 10**8)
+        check_range(self, "caustic_photons", FEWEST_PHOTONS, 10**8)
+        check_range(self, "nearest", 8, 10**5)
+        check_range(self, "caustic_nearest", 8, 10**5)
+        check_range(self, "gather", 0, 10**4)
+        check_range(self, "alpha", 0.1, 0.95)
+        check_names(self, "kernel")
+
+    def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Photons:
+        return trace(scene, self, work)
+
+    def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
+        if self.progressive and isinstance(purpose, View):
+            return ProgressivePhotons(self)
+        return trace(scene, self, work)
+
+    def at_effort(self, share: float, max_error: float) -> PhotonMap:
+        photons, caustic = (max(FEWEST_PHOTONS, int(n * share)) for n in (self.photons, self.caustic_photons))
+        return replace(self, photons=photons, caustic_photons=caustic)

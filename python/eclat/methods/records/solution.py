@@ -1,0 +1,274 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Solved records of a scene, as a value: save, load, merge, inspect as arrays, re-use."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from eclat import _core
+from eclat.bridge.compiled import compiled, fingerprint
+from eclat.measure.error_estimate import ErrorEstimate
+from eclat.methods.method import Common, DamagedArrayError, Solved
+from eclat.methods.records.laws import core_options, core_radiance_options
+from eclat.methods.records.options import RadianceOptions, RecordOptions
+from eclat.methods.records.radiance_tables import radiance_tables
+from eclat.methods.work import Work
+from eclat.scene import FloatArray, Scene
+
+_COLUMNS = {
+    "positions": slice(0, 3),
+    "normals": slice(3, 6),
+    "irradiance": slice(6, 9),
+    "excess": slice(9, 12),
+    "rotation_gradients": slice(12, 21),
+    "translation_gradients": slice(21, 30),
+    "distances": slice(30, 31),
+    "radii": slice(31, 32),
+    "elongations": slice(32, 33),
+    "axes": slice(33, 34),
+    "curvatures": slice(34, 35),
+    "enclosed": slice(52, 53),
+}
+
+
+@dataclass(frozen=True, eq=False)
+class RadianceRecords:
+    """Records of incident radiance, in the core's frame."""
+
+    records: np.ndarray
+    """(N, floats) as the `near` records of a Solution."""
+    values: np.ndarray
+    """(N, 3 · stride) float32: coefficients a colour in a basis that is orthonormal on the hemisphere, order² and zeros up
+    to a multiple of eight."""
+    gradients: np.ndarray
+    """(N, 6 · stride) uint16, upper halves of float32: their derivatives along u, then along v."""
+
+    def __len__(self) -> int:
+        return len(self.records)
+
+    @staticmethod
+    def of(caches: _core.SolvedCaches) -> RadianceRecords:
+        """From what the core solved."""
+        return RadianceRecords(
+            np.asarray(caches.radiance_records),
+            np.asarray(caches.radiance_values),
+            np.asarray(caches.radiance_gradients),
+        )
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        """By the names under which they are saved."""
+        return {"radiance": self.records, "radiance_values": self.values, "radiance_gradients": self.gradients}
+
+    def damage(self, order: int) -> str | None:
+        """Name of an array that cannot belong to records of that order."""
+        stride = -(-(order**2) // 8) * 8
+        if _damaged(self.records):
+            return "radiance"
+        if self.values.shape != (len(self), 3 * stride) and len(self):
+            return "radiance_values"
+        if self.values.dtype != np.float32 or not np.isfinite(self.values).all():
+            return "radiance_values"
+        if (self.gradients.shape != (len(self), 6 * stride) and len(self)) or self.gradients.dtype != np.uint16:
+            return "radiance_gradients"
+        return None
+
+
+@dataclass(frozen=True, eq=False, repr=False)
+class Solution(Solved):
+    """A solved irradiance cache of one scene.
+
+    `near` and `far` are (records, floats) float32 arrays in the core's frame; use `positions`, `normals`, `radii`,
+    `irradiance` and the gradients to look inside. `max_depth` is what it was solved with. One that is not `complete`
+    was interrupted: its records are right, but where some are missing, reading takes longer and is noisier.
+    """
+
+    called: ClassVar[str] = "cache"
+    consists_of: ClassVar[str] = "records"
+    format: ClassVar[int] = 6
+
+    options: RecordOptions
+    fingerprint: str
+    near: np.ndarray
+    far: np.ndarray
+    center: FloatArray
+    statistics: dict[str, float] = field(default_factory=dict)
+    max_depth: int = -1
+    complete: bool = True
+    radiance: RadianceRecords | None = None
+    """Of radiance caching, else None."""
+
+    def __len__(self) -> int:
+        return len(self.near)
+
+    def _column(self, name: str) -> np.ndarray:
+        return self.near[:, _COLUMNS[name]]
+
+    @property
+    def positions(self) -> FloatArray:
+        """(N, 3) world positions of the records."""
+        return self._column("positions").astype(np.float64) + self.center
+
+    @property
+    def record_positions(self) -> FloatArray:
+        return self.positions
+
+    @property
+    def normals(self) -> np.ndarray:
+        """(N, 3) unit normals."""
+        return self._column("normals")
+
+    @property
+    def irradiance(self) -> np.ndarray:
+        """(N, 3) indirect irradiance, W·m⁻², but for `excess`."""
+        return self._column("irradiance")
+
+    @property
+    def excess(self) -> np.ndarray:
+        """(N, 3) irradiance from the few rays that brought more than a twentieth each, W·m⁻²: shared by neighbours."""
+        return self._column("excess")
+
+    @property
+    def radii(self) -> np.ndarray:
+        """(N,) radius within which each record is valid, in metres."""
+        return self._column("radii")[:, 0]
+
+    @property
+    def enclosed(self) -> np.ndarray:
+        """(N,) whether a record lies inside a solid, unseen, where most rays met backs of one-sided surfaces: never
+        read."""
+        return self._column("enclosed")[:, 0] > 0
+
+    @property
+    def rotation_gradients(self) -> np.ndarray:
+        """(N, 3 channels, 3) gradient for a turn of the normal, W·m⁻² per radian."""
+        return self._column("rotation_gradients").reshape(-1, 3, 3)
+
+    @property
+    def translation_gradients(self) -> np.ndarray:
+        """(N, 3 channels, 3) gradient in the tangent plane, W·m⁻³."""
+        return self._column("translation_gradients").reshape(-1, 3, 3)
+
+    @property
+    def estimate(self) -> ErrorEstimate | None:
+        """The error of the records where they were wanted, unless that was not checked."""
+        names = ("estimated_error", "estimated_error_low", "estimated_error_high", "unserved")
+        if not set(names) <= set(self.statistics):
+            return None
+        return ErrorEstimate(*(self.statistics[name] for name in names))
+
+    def core(self) -> _core.SolvedCaches:
+        """The caches as the core reads them."""
+        caches = _core.SolvedCaches(
+            np.ascontiguousarray(self.near, np.float32),
+            np.ascontiguousarray(self.far, np.float32),
+            core_options(self.options),
+        )
+        if self.radiance is not None and len(self.radiance) and isinstance(self.options, RadianceOptions):
+            r = self.radiance
+            records, values, gradients = (np.ascontiguousarray(a) for a in (r.records, r.values, r.gradients))
+            caches.set_radiance(records, values, gradients, core_radiance_options(self.options))
+        return caches
+
+    def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        tables = None
+        if isinstance(self.options, RadianceOptions):
+            tables = radiance_tables(scene, self.options, threads=work.threads or None, progress=work.progress)
+        return _core.cached_path_estimator(compiled(scene).core, self.core(), tables, max_depth=work.max_depth)
+
+    def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
+        settings = core_options(self.options, max_depth=work.max_depth, seed=work.seed, threads=work.threads)
+        return _core.cached_point_estimator(compiled(scene).core, self.core(), settings)
+
+    def layers(self, film: _core.Film) -> dict[str, np.ndarray]:
+        if not isinstance(self.options, RadianceOptions):
+            return {}
+        return {"gloss_cached": film.gloss_cached, "gloss_traced": film.gloss_traced}
+
+    def picture_statistics(self, film: _core.Film) -> dict[str, float]:
+        statistics = super().picture_statistics(film) | {"cache_misses": float(film.cache_misses)}
+        if self.radiance is not None:
+            statistics["radiance_records"] = float(len(self.radiance))
+        return statistics
+
+    def arrays(self) -> dict[str, np.ndarray]:
+        arrays = {"near": self.near, "far": self.far, "center": self.center}
+        return arrays if self.radiance is None else arrays | self.radiance.arrays()
+
+    @classmethod
+    def from_parts(cls, common: Common, header: Mapping[str, object], arrays: Mapping[str, np.ndarray]) -> Solution:
+        for name in ("near", "far"):
+            if _damaged(arrays.get(name, np.zeros(0))):
+                raise DamagedArrayError(name)
+        radiance = None
+        if isinstance(common.options, RadianceOptions):
+            names = ("radiance", "radiance_values", "radiance_gradients")
+            radiance = RadianceRecords(*(arrays.get(name, np.zeros(0)) for name in names))
+            if (damaged := radiance.damage(common.options.order)) is not None:
+                raise DamagedArrayError(damaged)
+        return cls(
+            common.options, common.fingerprint, arrays["near"], arrays["far"], arrays["center"], common.statistics,
+            common.max_depth, common.complete, radiance,
+        )  # fmt: skip
+
+    def merged(self, other: Solution) -> Solution:
+        """The records of both, sorted, without duplicates."""
+        return Solution(
+            self.options, self.fingerprint, _union(self.near, other.near), _union(self.far, other.far), self.center,
+            max_depth=self.max_depth, complete=self.complete and other.complete,
+            radiance=_radiance_union(self.radiance, other.radiance),
+        )  # fmt: skip
+
+
+def _damaged(array: np.ndarray) -> bool:
+    if array.ndim != 2 or array.dtype != np.float32 or array.shape[1] < _COLUMNS["radii"].stop:
+        return True
+    # Distances may be infinite, under an open sky.
+    known = np.delete(array, _COLUMNS["distances"], axis=1)[:, : _COLUMNS["radii"].stop - 1]
+    return not np.isfinite(known).all() or bool((array[:, _COLUMNS["radii"]] < 0).any())
+
+
+def _distinct(rows: np.ndarray) -> np.ndarray:
+    """Indices of unlike rows, in the order of their bytes."""
+    if not len(rows):
+        return np.arange(0)
+    keys = np.ascontiguousarray(rows).view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
+    first: np.ndarray = np.unique(keys, return_index=True)[1]
+    return first
+
+
+def _union(a: np.ndarray, b: np.ndarray) -> np.ndarray:
+    both = np.concatenate([a, b])
+    kept: np.ndarray = both[_distinct(both)]
+    return kept
+
+
+def _radiance_union(a: RadianceRecords | None, b: RadianceRecords | None) -> RadianceRecords | None:
+    given = [r for r in (a, b) if r is not None and len(r)]
+    if not given:
+        return a
+    by_name = [r.arrays() for r in given]
+    records, values, gradients = (np.concatenate([arrays[name] for arrays in by_name]) for name in by_name[0])
+    kept = _distinct(records)
+    return RadianceRecords(records[kept], values[kept], gradients[kept])
+
+
+def solved_from_core(
+    scene: Scene,
+    options: RecordOptions,
+    caches: _core.SolvedCaches,
+    statistics: dict[str, float],
+    *,
+    max_depth: int,
+    complete: bool,
+) -> Solution:
+    """A Solution from what the core solved."""
+    center = compiled(scene).center
+    radiance = RadianceRecords.of(caches) if isinstance(options, RadianceOptions) else None
+    return Solution(
+        options, fingerprint(scene), caches.near, caches.far, center, statistics, max_depth, complete, radiance
+    )

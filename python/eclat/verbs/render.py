@@ -1,0 +1,273 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verb render: a picture of a scene."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass, replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+import eclat
+from eclat import _core
+from eclat.bridge.arguments import (
+    checked_crop,
+    checked_max_depth,
+    checked_max_error,
+    checked_samples,
+    checked_seed,
+    checked_time,
+    chosen_camera,
+    picture_size,
+    thread_count,
+)
+from eclat.bridge.compiled import compiled
+from eclat.bridge.running import ProgressReport, run
+from eclat.errors import EclatError, did_you_mean, warn
+from eclat.images.image import Image
+from eclat.images.record_overlay import record_density
+from eclat.measure.error_estimate import ErrorEstimate
+from eclat.methods import IrradianceCache, Method, Prepared, Source, as_method
+from eclat.methods.work import Care, View, Work
+from eclat.sampling.adaptive_sampling import AdaptiveSamples, Counts
+from eclat.sampling.convergence import Goal, Sampling
+from eclat.scene import Camera, Scene
+from eclat.verbs.solve import require_check
+
+FILTERS = ("box", "tent")
+
+Region = tuple[int, int, int, int]
+"""(x0, y0, x1, y1) in pixels, exclusive."""
+
+
+def render(
+    scene: Scene,
+    what: Source | type[Method] | str | None = None,
+    *,
+    samples: int | None = None,
+    max_error: float = 0.01,
+    time: float | None = None,
+    size: tuple[int, int] | None = None,
+    crop: tuple[int, int, int, int] | None = None,
+    camera: int | Camera = 0,
+    max_depth: int = -1,
+    seed: int = 0,
+    threads: int | None = None,
+    filter: str = "box",
+    adaptive: bool | None = None,
+    keep_partial: bool = False,
+    check: bool = True,
+    refine: bool = False,
+    progress: ProgressReport | None = None,
+    tile_order: list[int] | None = None,
+) -> Image:
+    """A picture of the scene.
+
+    Parameters
+    ----------
+    what : a method, its class or its name (prepared on the fly), what was solved before, or None for irradiance caching.
+        A class or a name takes `max_error`, where the method has one.
+    samples : paths per pixel, where `adaptive` their mean. None: as many as `max_error` asks for.
+    max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
+        samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
+        error of the whole picture: what their own error, as `check` estimates it, leaves is the noise's, at least half.
+    time : stop after about this many seconds instead. What fits is chosen by the clock (`time_budget`): how fine records
+        are, and how many samples; the metadata hold both, and with them the same picture is made again, bit for bit.
+    size, crop : (width, height), and (x0, y0, x1, y1) in pixels, exclusive; the rest of the picture stays black.
+    max_depth : edges of a path: 1 emission, 2 direct light, −1 unlimited. What was solved must have been solved with
+        the same.
+    filter : of pixels, "box" or "tent".
+    adaptive : give pixels that are noisy more samples and others less (`adaptive_sampling`), so that `samples` is their
+        mean. None: where a cache is read and there is no `crop`, whose pixels are then those of the whole picture, bit
+        for bit. Choosing by what samples showed biases the picture a little, so that `Path` does it only when told to.
+    keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then a whole Image of fewer
+        samples, their number in its metadata as `samples_done`; absent before the first sample of each pixel.
+    check : where records are solved on the fly, estimate their error as `solve` does. The statistics of the picture
+        then hold `estimated_error` with `_low` and `_high` (95 %) of the whole picture, the noise of its samples
+        included where there are at least two, and `cache_error`, without it.
+    refine : where records are solved on the fly, go on until their estimated error meets their `max_error`.
+    tile_order : a permutation in which tiles are worked on; it changes nothing (tests use it to show that).
+
+    Returns
+    -------
+    Image with the layers direct, indirect, albedo, normal and depth, with records also record_density, and under radiance
+    caching gloss_cached and gloss_traced: in which share of a pixel's samples the glossy lobes that it sees were served by
+    records, and in which some had to be traced. Samples that were not finite are left out, told by a warning, and counted
+    in its metadata as `bad_samples`.
+
+    Raises
+    ------
+    EclatError : arguments out of range, an unknown method, what was solved for another scene or depth.
+
+    Examples
+    --------
+    >>> import eclat
+    >>> image = eclat.render(eclat.load("furnace"), eclat.Path(), samples=4, size=(8, 8))
+    >>> image.pixels.shape, image.metadata["statistics"]["samples"]
+    ((8, 8, 3), 4.0)
+    """
+    _refuse_contradictions(samples, time, refine, check)
+    started = clock.perf_counter()
+    deadline = None if checked_time(time) is None else started + float(time or 0)
+    goal = Goal(None if samples is None else checked_samples(samples), checked_max_error(max_error), deadline)
+    chosen = chosen_camera(scene, camera)
+    view = View(chosen, picture_size(chosen, size))
+    region = checked_crop(crop, *view.size)
+    work = Work(checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), progress)
+    pixels = _core.RenderRange(
+        crop=region, seed=seed, threads=work.threads, filter=_checked_filter(filter), tile_order=tile_order or []
+    )
+    source = as_method(what, IrradianceCache(max_error=max_error), max_error=max_error)
+    if refine and source.options.for_whole_scene:
+        raise EclatError(f"refine: expected a method with records, got {source.options.name}")
+    prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
+    # What was given may have been checked for another view.
+    estimate = None if prepared is source else prepared.estimate
+    if estimate is not None:
+        goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
+    if adaptive is None:
+        adaptive = prepared.options.has_records and crop is None
+    picture = _Picture(scene, prepared, view, region, work, adaptive, estimate, started)
+    film = _core.Film(*view.size)
+    take = _SampleTaker(scene, prepared, view, work, film, pixels)
+    sampling = Sampling(
+        film, take.samples, keep_partial, progress, AdaptiveSamples(view.size, region) if adaptive else None
+    )
+    with picture.kept(sampling):
+        sampling.run(goal)
+    if samples is None and deadline is None and sampling.noise > goal.max_error:
+        noise = f"the noise is still {sampling.noise:.2g}, not {goal.max_error:.2g}"
+        warn(f"after {sampling.taken:,} samples {noise}: stopped there")
+    image = picture.image(film, sampling, sampling.taken)
+    picture.tell_bad_samples(image, film, sampling.taken)
+    return image
+
+
+def _refuse_contradictions(samples: int | None, time: float | None, refine: bool, check: bool) -> None:
+    if samples is not None and time is not None:
+        raise EclatError("render: expected samples or time, got both")
+    if refine and time is not None:
+        raise EclatError("render: expected refine or time, got both")
+    require_check(check, refine)
+
+
+def _checked_filter(name: str) -> _core.Filter:
+    if name not in FILTERS:
+        known = ", ".join(FILTERS)
+        raise EclatError(f"filter must be one of {known}, got {name!r}{did_you_mean(str(name), FILTERS)}")
+    return _core.Filter[name]
+
+
+class _SampleTaker:
+    """Adds samples to a film, by the estimator of all of them or by one for each."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        prepared: Prepared,
+        view: View,
+        work: Work,
+        film: _core.Film,
+        pixels: _core.RenderRange,
+    ) -> None:
+        self._camera = compiled(scene).camera(view.camera, view.size)
+        self._film, self._pixels = film, pixels
+        self._estimator_of = prepared.passes(scene, work)
+        if self._estimator_of is None:
+            self._estimator = prepared.radiance_estimator(scene, work)
+
+    def samples(self, first: Counts, end: Counts, report: ProgressReport | None) -> float:
+        """Takes samples [first, end) of each pixel or of all; returns the rays that took."""
+        counted = _core.Progress()
+        run("render", lambda p: self._take(first, end, p), report, counted)
+        return float(counted.rays)
+
+    def _take(self, first: Counts, end: Counts, progress: _core.Progress) -> None:
+        if self._estimator_of is None:
+            _core.render(self._camera, self._film, self._estimator, self._pixels, first, end, progress)
+            return
+        for number in range(int(first.min()), int(end.max())):
+            estimator = self._estimator_of(number, progress)
+            begins, ends = (np.clip(counts, number, number + 1) for counts in (first, end))
+            _core.render(self._camera, self._film, estimator, self._pixels, begins, ends, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class _Picture:
+    """What a picture shows and how it was asked for."""
+
+    scene: Scene
+    prepared: Prepared
+    view: View
+    region: Region
+    work: Work
+    adaptive: bool
+    estimate: ErrorEstimate | None
+    """Of what was prepared for this view."""
+    started: float
+
+    @contextmanager
+    def kept(self, sampling: Sampling) -> Iterator[None]:
+        """Lets KeyboardInterrupt carry the picture of the samples that are done, where that is wanted."""
+        try:
+            yield
+        except KeyboardInterrupt as stop:
+            if sampling.partial is not None:
+                image = self.image(sampling.partial, sampling, sampling.partial_taken)
+                image.metadata["samples_done"] = sampling.partial_taken
+                stop.partial = image  # type: ignore[attr-defined]
+            raise
+
+    def image(self, film: _core.Film, sampling: Sampling, taken: int) -> Image:
+        """The film's picture after so many samples, with its layers and metadata."""
+        radiance, direct = film.radiance, film.direct
+        layers = {
+            "direct": direct, "indirect": radiance - direct,
+            "albedo": film.albedo, "normal": film.normal, "depth": film.depth,
+        }  # fmt: skip
+        options = self.prepared.options
+        metadata = {
+            "scene": self.scene.name, "method": options.name, "options": asdict(options),
+            "seed": self.work.seed, "max_depth": self.work.max_depth, "adaptive": self.adaptive,
+            "version": eclat.__version__, "statistics": self._statistics(film, sampling, taken),
+        }  # fmt: skip
+        image = Image(radiance, layers | self.prepared.layers(film), metadata)
+        records = self.prepared.record_positions
+        if records is not None:
+            image.layers["record_density"] = self._inside(record_density(image, self.view.camera, records))
+        return image
+
+    def _inside(self, layer: NDArray[np.float32]) -> NDArray[np.float32]:
+        x0, y0, x1, y1 = self.region
+        inside = np.zeros_like(layer)
+        inside[y0:y1, x0:x1] = layer[y0:y1, x0:x1]
+        return inside
+
+    def _statistics(self, film: _core.Film, sampling: Sampling, taken: int) -> dict[str, float]:
+        rays = sampling.rays + self.prepared.statistics.get("rays", 0.0)
+        statistics = {"samples": float(taken), "rays": rays, "seconds": clock.perf_counter() - self.started}
+        if sampling.noise == sampling.noise:
+            statistics["noise"] = sampling.noise
+        statistics |= self.prepared.picture_statistics(film)
+        if self.estimate is not None:
+            whole = self.estimate.with_noise(statistics.get("noise", 0.0))
+            statistics |= whole.statistics() | {"cache_error": self.estimate.quoted}
+        return statistics
+
+    def tell_bad_samples(self, image: Image, film: _core.Film, taken: int) -> None:
+        """Count the samples that were not finite and were left out, in the metadata and in a warning."""
+        if not film.bad_count:
+            return
+        x, y, sample = film.bad_samples[0]
+        x0, y0, x1, y1 = self.region
+        image.metadata["bad_samples"] = {"count": int(film.bad_count), "first": [x, y, sample]}
+        warn(
+            f"{film.bad_count:,} of {taken * (x1 - x0) * (y1 - y0):,} samples were not finite and are left out; "
+            f"first at pixel ({x}, {y}), sample {sample}\n"
+            f"         replay: the same eclat.render(…) with samples={sample + 1}, "
+            f"crop=({x}, {y}, {x + 1}, {y + 1}), size=({self.view.size[0]}, {self.view.size[1]})"
+        )
