@@ -38,7 +38,7 @@ def prepare() -> list[str]:
 def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     core = probed_core.install()
     from eclat.bridge.compiled import compiled
-    from eclat.solution import core_options
+    from eclat.methods.records.laws import core_options
 
     scene = place.load()
     size = place.size_for(settings.quick)

@@ -15,8 +15,8 @@ from functools import partial
 from typing import Any
 
 import eclat
+from eclat.methods.records.laws import core_options
 from eclat.scene import Scene
-from eclat.solution import core_options
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.curves import as_rows, cost_at, from_rows, measure

@@ -20,7 +20,7 @@ import numpy as np
 
 import eclat
 from eclat.images.image import Image
-from eclat.options import Options
+from eclat.methods import Method
 from eclat.scene import Scene
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
@@ -83,7 +83,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _picture(options: Options, samples: int, shared: dict[str, Any], scene: Scene) -> Image:
+def _picture(options: Method, samples: int, shared: dict[str, Any], scene: Scene) -> Image:
     return eclat.render(scene, options, samples=samples, seed=SEED, check=False, **shared)
 
 

@@ -61,7 +61,8 @@ def _fill_in_passes(options: eclat.IrradianceCache, size: tuple[int, int], scene
 def _fill_lazily(options: eclat.IrradianceCache, size: tuple[int, int], scene: Scene) -> eclat.Solution:
     core = probed_core.install()
     from eclat.bridge.compiled import compiled
-    from eclat.solution import core_options, solved_from_core
+    from eclat.methods.records.laws import core_options
+    from eclat.methods.records.solution import solved_from_core
 
     before = time.perf_counter()
     prepared, progress = compiled(scene), core.Progress()

@@ -18,9 +18,9 @@ from typing import Any
 
 import numpy as np
 
-from eclat.compare import auto_exposure
 from eclat.images.image import Image
 from eclat.report.svg_plot import log_log_plot
+from eclat.verbs.compare import auto_exposure
 from harness import document
 from harness.benchmark import Benchmark, Settings, main
 from harness.machine import ROOT

@@ -19,8 +19,8 @@ from PIL import Image as Picture
 
 import eclat
 from eclat.images.image import Image
+from eclat.images.record_overlay import visible_pixels
 from eclat.images.tone import to_display
-from eclat.record_overlay import visible_pixels
 from eclat.scene import Scene
 from harness import document
 from harness.benchmark import Benchmark, Settings, main

@@ -1,7 +1,10 @@
 #!/usr/bin/env python3
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Includes and imports follow the order of tools/layers.toml; prints each that does not and exits with 1."""
+"""Includes and imports follow the order of tools/layers.toml, and no modules import each other in a circle.
+
+Prints each that does not and exits with 1.
+"""
 
 from __future__ import annotations
 
@@ -14,6 +17,7 @@ from fnmatch import fnmatch
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
+PACKAGE = ROOT / "python/eclat"
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 
 
@@ -51,8 +55,14 @@ def check_includes(layers: list[str], only: dict[str, list[str]]) -> Iterator[st
                 yield f"{where}: {layer} may not use {target}, which is a later layer"
 
 
+def module_name(path: Path) -> str:
+    """The dotted name below eclat of a source file; '' is the front door."""
+    parts = path.relative_to(PACKAGE).with_suffix("").parts
+    return ".".join(parts[:-1] if parts[-1] == "__init__" else parts)
+
+
 def imported_modules(tree: ast.AST, modules: set[str]) -> Iterator[tuple[int, str]]:
-    """Line and dotted name below eclat of each import of the package; '' is the front door."""
+    """Line and dotted name below eclat of each import of the package, at whatever depth it stands."""
     for node in ast.walk(tree):
         if isinstance(node, ast.Import):
             for alias in node.names:
@@ -61,34 +71,64 @@ def imported_modules(tree: ast.AST, modules: set[str]) -> Iterator[tuple[int, st
         elif isinstance(node, ast.ImportFrom):
             if node.level:
                 yield node.lineno, "?"
-            elif node.module == "eclat":
+            elif node.module and node.module.split(".")[0] == "eclat":
+                base = node.module.partition(".")[2]
                 for alias in node.names:
-                    yield node.lineno, alias.name if alias.name in modules else ""
-            elif node.module and node.module.startswith("eclat."):
-                yield node.lineno, node.module.partition(".")[2]
+                    inner = f"{base}.{alias.name}".strip(".")
+                    yield node.lineno, inner if inner in modules else base
+
+
+def rank_of(module: str, rank: dict[str, int]) -> int | None:
+    """The layer of a module: its own entry, or that of the nearest room around it."""
+    while module not in rank and "." in module:
+        module = module.rpartition(".")[0]
+    return rank.get(module)
 
 
 def check_imports(layers: list[list[str]], front_door_after: str) -> Iterator[str]:
     rank = {module: i for i, layer in enumerate(layers) for module in layer}
     rank[""] = rank[front_door_after]
-    package = ROOT / "python/eclat"
-    for path in sources("python/eclat", suffixes=(".py",)):
-        name = path.relative_to(ROOT).as_posix()
-        if path == package / "__init__.py":
+    paths = {module_name(path): path for path in sources("python/eclat", suffixes=(".py",))}
+    graph: dict[str, set[str]] = {}
+    for module, path in paths.items():
+        if not module:
             continue
-        module = path.relative_to(package).with_suffix("").parts[0]
-        if module not in rank:
+        name, own = path.relative_to(ROOT).as_posix(), rank_of(module, rank)
+        if own is None:
             yield f"{name}: module {module!r} has no place in tools/layers.toml"
             continue
         tree = ast.parse(path.read_text(encoding="utf-8"), filename=name)
-        for line, target in imported_modules(tree, set(rank)):
-            top = target.split(".")[0]
+        graph[module] = set()
+        for line, target in imported_modules(tree, {*paths, "_core"}):
+            theirs = rank_of(target, rank)
             if target == "?":
                 yield f"{name}:{line}: relative import; write the module's full name"
-            elif top not in rank:
+            elif theirs is None:
                 yield f"{name}:{line}: eclat.{target} has no place in tools/layers.toml"
-            elif rank[top] > rank[module]:
-                yield f"{name}:{line}: {module} may not import {top or 'eclat'}, which is a later layer"
+            elif theirs > own:
+                yield f"{name}:{line}: {module} may not import {target or 'eclat'}, which is a later layer"
+            else:
+                graph[module].add(target)
+    for circle in circles(graph):
+        yield f"python/eclat: these modules import each other in a circle: {' → '.join((*circle, circle[0]))}"
+
+
+def circles(graph: dict[str, set[str]]) -> list[list[str]]:
+    """Circles of modules, by depth-first search: one for each module that closes any."""
+    found: list[list[str]] = []
+    done: set[str] = set()
+
+    def visit(module: str, way: list[str]) -> None:
+        if module in way:
+            found.append(way[way.index(module) :])
+        elif module not in done:
+            for target in sorted(graph.get(module, ())):
+                visit(target, [*way, module])
+            done.add(module)
+
+    for module in sorted(graph):
+        visit(module, [])
+    return found
 
 
 def diagrams(order: dict[str, dict[str, list[str]]]) -> Iterator[str]:

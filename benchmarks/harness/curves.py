@@ -16,7 +16,7 @@ from eclat.scene import Scene
 from harness.timing import in_turn
 
 if TYPE_CHECKING:
-    from eclat.solution import Solution
+    from eclat.methods.records.solution import Solution
 
 T = TypeVar("T", bound="Image | Solution")
 

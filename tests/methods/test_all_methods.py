@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.options import Options
+from eclat.methods import Method
 from eclat.scene import Scene
 from eclat.scenes import build
 from support.statistics import block_means
@@ -19,7 +19,7 @@ SIZES = {"furnace": (32, 32), "cornell-box": (48, 48), "atrium": (64, 36)}
 BLOCK = {"furnace": (8, 8), "cornell-box": (12, 12), "atrium": (9, 16)}
 RHO = 0.7
 
-METHODS: dict[str, Options] = {
+METHODS: dict[str, Method] = {
     "irradiance-cache": eclat.IrradianceCache(),
     "radiance-cache": eclat.RadianceCache(),
     "photon-map": eclat.PhotonMap(photons=50_000),

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.error_estimate import error_text
 from eclat.errors import EclatError
+from eclat.measure.error_estimate import error_text
 from eclat.scene import Camera, Environment, Material, Scene, grey, look_at
 from eclat.scenes import glossy_box
 from eclat.scenes.geometry import box, mesh
@@ -89,7 +89,7 @@ def test_records_that_reflect_otherwise_than_their_neighbours_shrink() -> None:
     """Too sparse a spacing is made up for where it matters."""
     scene, errors, counts = glossy_box.build(0.4), {}, {}
     for adaptive in (False, True):
-        options = eclat.RadianceCache(gloss_spacing=2.0, gloss_rows=32, adaptive=adaptive)
+        options = eclat.RadianceCache(gloss_spacing=2.0, gloss_rows=32, shrink_disagreeing=adaptive)
         solution = eclat.solve(scene, options, size=SIZE, check=False)
         assert solution.radiance is not None
         image = eclat.render(scene, solution, samples=8, size=SIZE)

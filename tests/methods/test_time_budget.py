@@ -10,9 +10,11 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat import time_budget
+from eclat.methods.records import time_budget
+from eclat.methods.records.laws import core_options, first_options
+from eclat.methods.records.solving import Job
+from eclat.methods.work import Care, View, Work
 from eclat.scenes import build
-from eclat.solution import core_options
 
 SIZE = (24, 24)
 
@@ -39,10 +41,22 @@ class Machine:
     def perf_counter(self) -> float:
         return self.now
 
-    def solve(self, scene: eclat.Scene, options: eclat.IrradianceCache, **keywords: Any) -> eclat.Solution:
-        solution = eclat.solve(scene, options, **keywords)
-        self.now += solution.statistics["rays"] / 1e6
-        return solution
+    def job(self, *arguments: Any) -> Any:
+        """A `Job` whose solves take the machine's time."""
+        job, machine = Job(*arguments), self
+
+        class Timed:
+            def solve(self, options: eclat.IrradianceCache, check_share: float) -> eclat.Solution:
+                solution = job.solve(options, check_share)
+                machine.now += solution.statistics["rays"] / 1e6
+                return solution
+
+        return Timed()
+
+
+def within(scene: eclat.Scene, deadline: float, size: tuple[int, int]) -> eclat.Solution:
+    view = View(scene.cameras[0], size)
+    return time_budget.solve_within(scene, eclat.IrradianceCache(), deadline, view, Work(), Care())
 
 
 def test_more_time_makes_finer_records(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -50,12 +64,11 @@ def test_more_time_makes_finer_records(cornell: eclat.Scene, monkeypatch: pytest
     for deadline in (0.4, 6.0, 30.0):
         machine = Machine()
         monkeypatch.setattr(time_budget, "clock", machine)
-        monkeypatch.setattr(time_budget, "solve", machine.solve)
-        options = eclat.IrradianceCache()
-        found.append(time_budget.solve_within(cornell, options, deadline, check=False, size=(64, 64)))
+        monkeypatch.setattr(time_budget, "Job", machine.job)
+        found.append(within(cornell, deadline, (64, 64)))
         seconds.append(machine.now)
     # What is left is less than the first solve took: that is all there is.
-    assert found[0].options == time_budget.first_options(eclat.IrradianceCache())
+    assert found[0].options == first_options(eclat.IrradianceCache())
     # Then pixels are covered, then all is finer.
     first, covering, fine = (core_options(solution.options) for solution in found)
     assert first.least_pixels == 4 and covering.least_pixels == 1
@@ -71,12 +84,19 @@ def test_a_solve_that_takes_too_long_is_given_up(cornell: eclat.Scene, monkeypat
     machine = Machine()
     monkeypatch.setattr(time_budget, "clock", machine)
 
-    def solve(scene: eclat.Scene, options: eclat.IrradianceCache, **keywords: Any) -> eclat.Solution:
+    def job(scene: eclat.Scene, purpose: View, work: Work) -> Any:
         if machine.now:  # all but the first
             machine.now = 19.0
-            keywords["progress"]("solve", 0.5, {})
-        return machine.solve(scene, options, **keywords)
+            assert work.progress is not None
+            timely = work.progress
 
-    monkeypatch.setattr(time_budget, "solve", solve)
-    found = time_budget.solve_within(cornell, eclat.IrradianceCache(), 20.0, check=False, size=(24, 24))
-    assert found.options == time_budget.first_options(eclat.IrradianceCache()) and machine.now == 19.0
+            class Late:
+                def solve(self, *arguments: Any) -> None:
+                    timely("solve", 0.5, {})
+
+            return Late()
+        return machine.job(scene, purpose, work)
+
+    monkeypatch.setattr(time_budget, "Job", job)
+    found = within(cornell, 20.0, (24, 24))
+    assert found.options == first_options(eclat.IrradianceCache()) and machine.now == 19.0

@@ -28,6 +28,7 @@ class FakeApi:
         self.metadata: dict[str, Any] = {}
         """Beside what every picture says."""
         monkeypatch.setitem(vars(eclat), "render", self.render)
+        monkeypatch.setattr("eclat.verbs.compare.render", self.render)
         monkeypatch.setitem(vars(eclat), "irradiance", self.irradiance)
 
     def render(self, scene: Scene, what: Any = None, **keywords: Any) -> Image:

@@ -11,9 +11,10 @@ from __future__ import annotations
 import io
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import numpy as np
+from numpy.typing import NDArray
 from PIL import Image as PillowImage
 
 from eclat.gltf_export import Part
@@ -27,16 +28,33 @@ from eclat.lightmap.atlas import Atlas, Unwrapped
 from eclat.lightmap.gutters import dilate
 from eclat.lightmap.sides import reflects_diffusely
 from eclat.lightmap.texels import Ints, Texels, corners_of, rasterize
-from eclat.scene import DEFAULTS, FloatArray, Value
-
-if TYPE_CHECKING:
-    from eclat.lightmap.lightmap import Lightmap
+from eclat.scene import DEFAULTS, FloatArray, Scene, Value
 
 WHITE = 0.95
 """Share of the texels that are darker than white where nobody chose an exposure."""
 
 
-def encode_flat(lightmap: Lightmap, exposure: float | None, tone_mapping: str, generator: str) -> bytes:
+class LitParts(Protocol):
+    """What a light map holds of a scene, as far as its colours need it."""
+
+    @property
+    def scene(self) -> Scene:
+        """Whose cameras go into the file."""
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Meshes with their places in the map."""
+
+    @property
+    def irradiance(self) -> NDArray[np.float32]:
+        """(H, W, 3)."""
+
+    @property
+    def gutter(self) -> int:
+        """Texels between charts."""
+
+
+def encode_flat(lightmap: LitParts, exposure: float | None, tone_mapping: str, generator: str) -> bytes:
     """A binary glTF file with unlit materials.
 
     `exposure` in stops, None such that few texels are white; `tone_mapping` a key of `TONE_MAPPINGS`.
@@ -90,7 +108,7 @@ def _unlit(document: Document, part: Part, texture: int, shown: Callable[[FloatA
     return json | {"pbrMetallicRoughness": surface}
 
 
-def _shine(lightmap: Lightmap) -> tuple[FloatArray, FloatArray]:
+def _shine(lightmap: LitParts) -> tuple[FloatArray, FloatArray]:
     """Radiance (H, W, 3) and opacity (H, W) of all texels, gutters included."""
     height, width = lightmap.irradiance.shape[:2]
     size = np.array([width, height])

@@ -7,7 +7,6 @@ from __future__ import annotations
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.bridge.compiled import compiled
 from eclat.methods.method import Solved
 from eclat.methods.records.options import RecordOptions
@@ -47,4 +46,4 @@ class IrradianceCache(RecordOptions):
         return refine_records(solved, scene, purpose, work, care, max_error)
 
     def at_effort(self, share: float, max_error: float) -> Self:
-        return replace(self, max_error=min(MAX_ERROR_RANGE[1], max_error))
+        return replace(self, max_error=max_error)

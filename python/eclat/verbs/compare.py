@@ -11,6 +11,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
+from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.errors import EclatError
 from eclat.images.image import Image
 from eclat.measure.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
@@ -51,9 +52,10 @@ class Effort:
     def at(self, level: int) -> tuple[dict[str, Any], float]:
         """Arguments of `render` at a level from 0, and `max_error` of options that have one."""
         factor = 2 ** (self.levels - 1 - level)
+        max_error = min(MAX_ERROR_RANGE[1], self.max_error * factor)
         if self.time is not None:
-            return {"time": self.time / factor**2}, self.max_error * factor
-        return {"samples": max(1, self.samples // factor**2)}, self.max_error * factor
+            return {"time": self.time / factor**2}, max_error
+        return {"samples": max(1, self.samples // factor**2)}, max_error
 
 
 @dataclass(frozen=True)

@@ -137,8 +137,8 @@ def solve(
 
     Raises
     ------
-    EclatError : a method that has nothing to solve, arguments out of range, arrays that do not fit or are not finite, more than one of view, points and
-        view_independent.
+    EclatError : a method that has nothing to solve, arguments out of range, arrays that do not fit or are not finite, more
+        than one of view, points and view_independent.
 
     Examples
     --------

@@ -210,13 +210,13 @@ def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
         ("solve cornell-box -o a.npy", "a.npy: expected a name that ends in .npz"),
         (
             "solve cornell-box --method path -o a.npz",
-            "--method: expected one of irradiance-cache, radiance-cache, radiosity, got 'path'",
+            "--method: expected one of irradiance-cache, radiance-cache, photon-map, radiosity, got 'path'",
         ),
         ("compare cornell-box -o a.pdf", "a.pdf: expected a name that ends in .html"),
         (
             "compare cornell-box --methods pth",
-            "methods: expected some of direct, path, irradiance-cache, radiance-cache, photon-map, radiosity, "
-            "got 'pth'; did you mean 'path'?",
+            "methods: unknown method 'pth', expected one of direct, path, irradiance-cache, radiance-cache, photon-map, "
+            "radiosity; did you mean 'path'?",
         ),
         ("irradiance cornell-box --points none.csv", "none.csv: file not found"),
     ],

@@ -16,10 +16,10 @@ from pathlib import Path
 import PIL.Image
 import pytest
 
-from eclat.compare import Comparison, Effort, compare
 from eclat.loaders import load
-from eclat.options import METHODS
+from eclat.methods import METHODS
 from eclat.report.compare_page import FLIP_MISSING, compare_page, error_scale, percent
+from eclat.verbs.compare import Comparison, Effort, compare
 from support.fake_api import FakeApi
 
 VOID = {"meta", "img", "line", "circle", "rect", "path", "polyline", "br"}

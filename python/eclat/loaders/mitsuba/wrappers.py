@@ -6,18 +6,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import replace
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 from eclat.errors import EclatError, warn
 from eclat.loaders.mitsuba.node import Node, parse_numbers
 from eclat.loaders.mitsuba.optics import relative_ior
 from eclat.scene import Material, NormalMap, Value, grey
 
-if TYPE_CHECKING:
-    from eclat.loaders.mitsuba.materials import Materials
-
 _MAX_MIXTURE = 32
 _TRANSPARENT = ("dielectric", "thin_dielectric")
+
+
+class MaterialReader(Protocol):
+    """What wrappers ask about the bsdfs that they wrap, and about their own values."""
+
+    def of(self, node: Node) -> Material:
+        """The material of a bsdf."""
+
+    def reflectance(self, node: Node, *names: str, default: float = 0.5) -> Value:
+        """A colour between 0 and 1."""
+
+    def scalar(self, node: Node, *names: str, default: float) -> Value:
+        """A number that a texture may vary."""
+
+    def roughness(self, node: Node, default: float) -> dict[str, Value]:
+        """alpha_u and, where it differs, alpha_v."""
 
 
 def nested(node: Node) -> list[Node]:
@@ -45,7 +58,7 @@ def _texture(node: Node, name: str) -> Node:
     return textures[0]
 
 
-def _twosided(materials: Materials, node: Node) -> Material:
+def _twosided(materials: MaterialReader, node: Node) -> Material:
     inside = nested(node)
     if len(inside) not in (1, 2):
         raise EclatError(f"{node.where}: expected one or two bsdfs inside, got {len(inside)}")
@@ -62,7 +75,7 @@ def _on_both_sides(material: Material) -> Material:
     return replace(material, two_sided=True, children=children)
 
 
-def _mask(materials: Materials, node: Node) -> Material:
+def _mask(materials: MaterialReader, node: Node) -> Material:
     opacity = materials.scalar(node, "opacity", default=0.5)
     inner = materials.of(_one(node))
     other = inner.opacity
@@ -76,7 +89,7 @@ def _mask(materials: Materials, node: Node) -> Material:
     return replace(inner, opacity=replace(other, constant=(r, g, b)))
 
 
-def _bump(materials: Materials, node: Node) -> Material:
+def _bump(materials: MaterialReader, node: Node) -> Material:
     value = materials.textures.of(_texture(node, "bumpmap"), node, "bumpmap", "scalar")
     height = node.number("scale", default=1.0) * value.constant[0]
     inner = materials.of(_one(node))
@@ -85,7 +98,7 @@ def _bump(materials: Materials, node: Node) -> Material:
     return _with_normals(inner, NormalMap(replace(value, constant=(1.0, 1.0, 1.0)), "bump", height), node)
 
 
-def _normalmap(materials: Materials, node: Node) -> Material:
+def _normalmap(materials: MaterialReader, node: Node) -> Material:
     value = materials.textures.of(_texture(node, "normalmap"), node, "normalmap", "normal")
     return _with_normals(materials.of(_one(node)), NormalMap(value), node)
 
@@ -96,7 +109,7 @@ def _with_normals(inner: Material, normals: NormalMap, node: Node) -> Material:
     return replace(inner, normal_map=normals)
 
 
-def _blend(materials: Materials, node: Node) -> Material:
+def _blend(materials: MaterialReader, node: Node) -> Material:
     inside = nested(node)
     if len(inside) != 2:
         raise EclatError(f"{node.where}: expected two bsdfs inside, got {len(inside)}")
@@ -110,7 +123,7 @@ def _blended(first: Material, second: Material, weight: Value) -> Material:
     return Material("blend", {"weight": weight}, two_sided=both, children=(first, second))
 
 
-def _mixture(materials: Materials, node: Node) -> Material:
+def _mixture(materials: MaterialReader, node: Node) -> Material:
     """Mixtures of any count, as blends of blends; what the weights leave to 1 is black."""
     weights = parse_numbers(node.string("weights"), f"{node.where}, weights")
     parts = [materials.of(child) for child in nested(node)]
@@ -132,7 +145,7 @@ def _mixture(materials: Materials, node: Node) -> Material:
     return result
 
 
-def _coating(materials: Materials, node: Node) -> Material:
+def _coating(materials: MaterialReader, node: Node) -> Material:
     """A coat over a diffuse bsdf is our plastic; over anything else it is left out."""
     inner = materials.of(_one(node))
     ior = relative_ior(node, "bk7")
@@ -152,11 +165,11 @@ def _coating(materials: Materials, node: Node) -> Material:
     return replace(inner, kind="plastic", parameters=parameters, distribution="beckmann" if beckmann else "ggx")
 
 
-def _null(materials: Materials, node: Node) -> Material:
+def _null(materials: MaterialReader, node: Node) -> Material:
     return Material("diffuse", {"reflectance": grey(0.0)}, opacity=grey(0.0))
 
 
-WRAPPERS: dict[str, Callable[[Materials, Node], Material]] = {
+WRAPPERS: dict[str, Callable[[MaterialReader, Node], Material]] = {
     "twosided": _twosided,
     "mask": _mask,
     "bump": _bump,

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import pytest
 
-from eclat.error_estimate import ErrorEstimate, error_text
+from eclat.measure.error_estimate import ErrorEstimate, error_text
 
 
 @pytest.mark.parametrize(

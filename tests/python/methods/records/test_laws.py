@@ -9,11 +9,10 @@ from typing import Any
 import pytest
 
 import eclat
-from eclat import refining
-from eclat.error_estimate import ErrorEstimate
-from eclat.refining import finer, rays_after, step_towards
+from eclat.measure.error_estimate import ErrorEstimate
+from eclat.methods.records import laws
+from eclat.methods.records.laws import core_options, core_radiance_options, finer, rays_after, step_towards
 from eclat.scenes import build
-from eclat.solution import core_options, core_radiance_options
 
 COARSE = eclat.IrradianceCache(max_error=0.04, far_records=300)
 
@@ -49,7 +48,7 @@ def test_a_step_aims_below_what_is_wanted_and_is_bounded() -> None:
     estimate = ErrorEstimate(0.02, 0.018, 0.022)
     assert step_towards(estimate, 0.015) == pytest.approx(0.6)
     assert step_towards(estimate, 0.0199) == pytest.approx(0.796)
-    assert step_towards(estimate, 1e-4) == refining.LARGEST_STEP
+    assert step_towards(estimate, 1e-4) == laws.LARGEST_STEP
     assert rays_after(1.0, 0.5) == pytest.approx(2 ** (7 / 3))
 
 
@@ -67,7 +66,7 @@ def test_refines_until_the_estimate_meets_the_target() -> None:
 def test_says_why_it_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = build("furnace")
     rough: Any = eclat.IrradianceCache(max_error=0.01, rows=2, far_records=100)
-    monkeypatch.setattr(refining, "MOST_RAYS", 1000)
+    monkeypatch.setattr(laws, "MOST_RAYS", 1000)
     with pytest.warns(eclat.EclatWarning, match=r"stopped at \d.*%, expected 1 %: another refinement would take"):
         solution = eclat.solve(scene, rough, size=(16, 16), refine=True)
     assert solution.statistics["refinements"] == 0

@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat import baking
 from eclat.errors import EclatError, EclatWarning
 from eclat.gltf_export import Part
 from eclat.lightmap.atlas import Atlas, Unwrapped
@@ -21,6 +20,7 @@ from eclat.lightmap.texels import corners_of
 from eclat.scene import Environment, Material, Mesh, NormalMap, PointLight, Scene, Texture, Value, grey
 from eclat.scenes import build
 from eclat.scenes.geometry import icosphere, mesh
+from eclat.verbs import bake as baking
 from support.light_maps import lookup, read_at_random
 
 SQUARE = np.array([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]], np.float64)

@@ -7,12 +7,12 @@ from __future__ import annotations
 import pytest
 
 from eclat.errors import EclatError
-from eclat.options import METHODS, make_options, method_name
+from eclat.methods import METHODS, make_options
 
 
 @pytest.mark.parametrize("method", METHODS)
 def test_defaults_are_within_their_own_ranges(method: str) -> None:
-    assert method_name(make_options(method)) == method  # or an EclatError names the option
+    assert make_options(method).name == method  # or an EclatError names the option
 
 
 @pytest.mark.parametrize(

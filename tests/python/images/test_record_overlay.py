@@ -11,7 +11,7 @@ import pytest
 
 from eclat.errors import EclatError
 from eclat.images.image import RECORD_MARK, Image
-from eclat.record_overlay import project, record_density
+from eclat.images.record_overlay import project, record_density
 from eclat.scene import Camera, look_at
 
 CAMERA = Camera(look_at((0, 0, 4), (0, 0, 0)), fov=90.0, fov_axis="y")

@@ -46,9 +46,9 @@ def test_save_and_load(photons: eclat.Photons, scene: eclat.Scene, tmp_path: Pat
     assert (loaded.options, loaded.emissions, loaded.max_depth) == (photons.options, photons.emissions, -1)
     first, second = (eclat.render(scene, p, samples=1, size=(16, 16)).pixels for p in (photons, loaded))
     assert np.array_equal(first, second)
-    with pytest.raises(eclat.EclatError, match="traced in another scene"):
+    with pytest.raises(eclat.EclatError, match="this photon map was solved for another scene"):
         eclat.Photons.load(file, build("furnace"))
-    with pytest.raises(eclat.EclatError, match="traced with max_depth -1: expected the same, got 4"):
+    with pytest.raises(eclat.EclatError, match="solved with max_depth -1: expected the same, got 4"):
         eclat.render(scene, loaded, samples=1, size=(16, 16), max_depth=4)
 
 
@@ -59,27 +59,27 @@ def test_damaged_files(photons: eclat.Photons, tmp_path: Path) -> None:
     photons.save(file)
     whole = file.read_bytes()
     file.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(eclat.EclatError, match="not photons that Éclat saved, or damaged"):
+    with pytest.raises(eclat.EclatError, match="nothing that Éclat saved, or damaged"):
         eclat.Photons.load(file)
     eclat.solve(build("furnace"), points=([[0.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])).save(file)
-    with pytest.raises(eclat.EclatError, match="not photons that Éclat saved"):
+    with pytest.raises(eclat.EclatError, match="expected a photon map, got a cache"):
         eclat.Photons.load(file)
 
 
 def test_merge_refuses_what_does_not_belong_together(photons: eclat.Photons, scene: eclat.Scene) -> None:
     with pytest.raises(eclat.EclatError, match="of seed 0: expected maps of different seeds"):
         eclat.merge(photons, photons)
-    with pytest.raises(eclat.EclatError, match="traced in different scenes"):
+    with pytest.raises(eclat.EclatError, match="a scene of its own: expected the same"):
         eclat.merge(photons, eclat.solve(build("furnace"), OPTIONS, seed=1))
-    with pytest.raises(eclat.EclatError, match="traced with different options"):
+    with pytest.raises(eclat.EclatError, match="options of its own: expected the same"):
         eclat.merge(photons, eclat.solve(scene, eclat.PhotonMap(photons=1000, caustic_photons=1000), seed=1))
     records = eclat.solve(build("furnace"), points=([[0.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]]))
-    with pytest.raises(eclat.EclatError, match="expected records and records, or photons and photons"):
+    with pytest.raises(eclat.EclatError, match="merge: expected two of one kind, got a photon map and a cache"):
         eclat.merge(photons, records)
 
 
 def test_photons_are_for_the_whole_scene(scene: eclat.Scene) -> None:
-    with pytest.raises(eclat.EclatError, match="photons are for the whole scene"):
+    with pytest.raises(eclat.EclatError, match="photon-map is for the whole scene"):
         eclat.solve(scene, OPTIONS, size=(16, 16))
 
 

@@ -18,7 +18,7 @@ from eclat.scenes import build
 SIZE = (48, 48)
 
 # The attribute of the package is the function of that name.
-rendering = importlib.import_module("eclat.rendering")
+rendering = importlib.import_module("eclat.verbs.render")
 
 
 @pytest.fixture(scope="module")

@@ -14,11 +14,11 @@ import pytest
 
 import eclat
 from eclat.cli import main
-from eclat.compare import Effort, Reference, auto_exposure, compare, default_size
 from eclat.errors import EclatError
 from eclat.images.image import Image
 from eclat.loaders import load
 from eclat.report.compare_page import page_facts
+from eclat.verbs.compare import Effort, Reference, auto_exposure, compare, default_size
 from support.fake_api import FakeApi
 
 

@@ -9,8 +9,8 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.point_irradiance import paths_for_few
 from eclat.scenes import build
+from eclat.verbs.irradiance import paths_for_few
 
 
 def test_few_points_are_gathered_by_paths_and_many_by_records() -> None:
