@@ -52,8 +52,10 @@ using FoundRadiance = Array<float, -1, 2, 3>;
 /// An estimator that is a function in Python: (rays, 3) origins and directions, and a number for each ray to draw random
 /// numbers from → (rays, 2, 3) radiance, and the part of it of paths with at most two edges. Albedo, normal and depth of
 /// what the camera sees are found here, so that all methods show the same.
-Estimator called_estimator(const World& world, nb::callable function) {
-    const Estimator first_hits = path_estimator(world, {.max_depth = 1});
+Estimator called_estimator(const World& world, nb::object function) {
+    PathOptions first_edge;
+    first_edge.max_depth = 1;
+    const Estimator first_hits = path_estimator(world, first_edge);
     return [first_hits, function](std::span<const PathRay> rays, std::span<PathResult> results, Progress& progress) {
         first_hits(rays, results, progress);
         const nb::gil_scoped_acquire locked;
@@ -76,7 +78,7 @@ Estimator called_estimator(const World& world, nb::callable function) {
 }
 
 /// A function in Python: positions and normals, (points, 3) each, and the name of the component → irradiance (points, 3).
-PointEstimator called_point_estimator(nb::callable function) {
+PointEstimator called_point_estimator(nb::object function) {
     return [function](std::span<const PointNormal> points, const PointIrradianceOptions& options, Progress& progress) {
         progress.begin(1);
         const nb::gil_scoped_acquire locked;
@@ -201,14 +203,10 @@ void bind_pixels(nb::module_& m) {
             "__init__",
             [](RenderRange* r, std::array<int, 4> crop, uint32_t seed, int threads, Filter filter,
                std::vector<uint32_t> tile_order) {
-                new (r) RenderRange{.x0 = crop[0],
-                                    .y0 = crop[1],
-                                    .x1 = crop[2],
-                                    .y1 = crop[3],
-                                    .seed = seed,
-                                    .threads = threads,
-                                    .filter = filter,
-                                    .tile_order = std::move(tile_order)};
+                auto& range = *new (r) RenderRange{};
+                range.x0 = crop[0], range.y0 = crop[1], range.x1 = crop[2], range.y1 = crop[3];
+                range.seed = seed, range.threads = threads, range.filter = filter;
+                range.tile_order = std::move(tile_order);
             },
             nb::kw_only(), "crop"_a, "seed"_a, "threads"_a, "filter"_a, "tile_order"_a);
     m.def("render", &render_samples, "camera"_a, "film"_a, "estimator"_a, "range"_a, "first"_a, "end"_a, "progress"_a,
@@ -237,8 +235,9 @@ void bind_estimators(nb::module_& m) {
     m.def(
         "path_estimator",
         [](const CoreScene& scene, int max_depth, int roulette_depth) {
-            return EstimatorHolder{
-                path_estimator(scene.world(), {.max_depth = max_depth, .roulette_depth = roulette_depth})};
+            PathOptions options;
+            options.max_depth = max_depth, options.roulette_depth = roulette_depth;
+            return EstimatorHolder{path_estimator(scene.world(), options)};
         },
         nb::keep_alive<0, 1>(), "scene"_a, nb::kw_only(), "max_depth"_a, "roulette_depth"_a);
     m.def(
@@ -262,15 +261,13 @@ void bind_estimators(nb::module_& m) {
         nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), "scene"_a, "caches"_a, "options"_a);
     m.def(
         "called_estimator",
-        [](const CoreScene& scene, nb::typed<nb::callable, nb::object(nb::object, nb::object, nb::object)> function) {
+        [](const CoreScene& scene, nb::object function) {
             return EstimatorHolder{called_estimator(scene.world(), std::move(function))};
         },
         nb::keep_alive<0, 1>(), "scene"_a, "function"_a);
     m.def(
         "called_point_estimator",
-        [](nb::typed<nb::callable, nb::object(nb::object, nb::object, nb::object)> function) {
-            return PointEstimatorHolder{called_point_estimator(std::move(function))};
-        },
+        [](nb::object function) { return PointEstimatorHolder{called_point_estimator(std::move(function))}; },
         "function"_a);
 }
 

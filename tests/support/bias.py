@@ -9,7 +9,7 @@ import functools
 import numpy as np
 
 import eclat
-from eclat.options import Options
+from eclat.methods import Method
 from eclat.scene import Scene
 from eclat.scenes import build
 from support.courtyard import LIGHTS, court
@@ -25,7 +25,7 @@ def traced(name: str, samples: int, max_depth: int = -1) -> tuple[Scene, np.ndar
     return scene, eclat.render(scene, eclat.Path(), samples=samples, size=SIZE, seed=1, max_depth=max_depth).pixels
 
 
-def bias(scene: Scene, reference: np.ndarray, options: Options, *, samples: int = 64, max_depth: int = -1) -> float:
+def bias(scene: Scene, reference: np.ndarray, options: Method, *, samples: int = 64, max_depth: int = -1) -> float:
     """RMS over blocks of 12 × 12 pixels, relative, darkness floored by a tenth of the mean."""
     image = eclat.render(scene, options, samples=samples, size=SIZE, max_depth=max_depth).pixels
     ours, theirs = block_means(image, 12), block_means(reference, 12)

@@ -11,6 +11,7 @@ from typing import Protocol
 from eclat.errors import EclatError, warn
 from eclat.loaders.mitsuba.node import Node, parse_numbers
 from eclat.loaders.mitsuba.optics import relative_ior
+from eclat.loaders.mitsuba.textures import Textures
 from eclat.scene import Material, NormalMap, Value, grey
 
 _MAX_MIXTURE = 32
@@ -19,6 +20,8 @@ _TRANSPARENT = ("dielectric", "thin_dielectric")
 
 class MaterialReader(Protocol):
     """What wrappers ask about the bsdfs that they wrap, and about their own values."""
+
+    textures: Textures
 
     def of(self, node: Node) -> Material:
         """The material of a bsdf."""
