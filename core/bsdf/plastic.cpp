@@ -11,7 +11,7 @@ struct FacetShares {
     float reflected = 0, refracted = 0;
 };
 
-/// Of light at cosine `mu`, the shares that rough facets reflect and refract, unmasked on the way out; `eta` is the
+/// The shares of light at cosine `mu` that rough facets reflect and refract, unmasked on the way out; `eta` is the
 /// index beyond the facets over that before.
 FacetShares facet_shares(float mu, float eta, float alpha, Distribution distribution) {
     constexpr int columns = 32, rows = 32;

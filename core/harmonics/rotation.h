@@ -71,7 +71,7 @@ enum class Horizon : uint8_t {
 
 class HemisphericalRotation {
   public:
-    /// Of the functions on the sphere that agree on the hemisphere to the Tikhonov factor, `continued` takes the least:
+    /// Many functions on the sphere agree on the hemisphere up to the Tikhonov factor; `continued` takes the least of them:
     /// tuned to errors and to noise, which a smaller factor lets grow below the horizon (measured on the page).
     static constexpr double continuation_tikhonov = 1e-3;
     /// The spherical order that serves a horizon best.

@@ -44,7 +44,7 @@ int columns_for(int rows) { return static_cast<int>(std::lround(pi * static_cast
 RowWall row_wall(Rows kind, int j, int rows) {
     const float part = static_cast<float>(j) / static_cast<float>(rows);
     if (kind == Rows::cosine) return {std::sqrt(part), safe_sqrt(1 - part)};
-    // Of the density (2 z + 1) / 2 over the height z, (z² + z) / 2 lies below z.
+    // The density (2 z + 1) / 2 over the height z has the integral (z² + z) / 2 below z.
     const float z = 0.5f * (std::sqrt(1 + 8 * (1 - part)) - 1);
     return {safe_sqrt(1 - z * z), z};
 }

@@ -22,7 +22,7 @@ struct TangentHessian {
     float uu = 0, uv = 0, vv = 0;
 };
 
-/// Of the irradiance's luminance [W m⁻⁴]. Whatever lies farther than `far` counts as that far.
+/// The Hessian of the irradiance's luminance [W m⁻⁴]. Whatever lies farther than `far` counts as that far.
 ///
 /// Needs directions, and hit normals where the curvature is not that of occlusion.
 TangentHessian irradiance_hessian(const HemisphereSamples& samples, Curvature curvature, float far);

@@ -27,7 +27,7 @@ namespace eclat {
 
 /// Orders of radiance records.
 constexpr int max_radiance_order = 12;
-/// Of the fit that makes the basis: small enough for irradiance to 10⁻⁴, large enough that what a tilt brings up from below
+/// The Tikhonov factor of the fit that makes the basis: small enough for irradiance to 10⁻⁴, large enough that what a tilt brings up from below
 /// the horizon does not amplify noise.
 constexpr double radiance_tikhonov = 1e-4;
 

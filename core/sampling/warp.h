@@ -19,7 +19,7 @@ struct SineCosine {
     float sine, cosine;
 };
 
-/// Of |x| ≤ π/4, by their Taylor series: off by at most 6e-8, without branches or a call.
+/// Sine and cosine of |x| ≤ π/4 by their Taylor series: the error is at most 6e-8, without branches or a call.
 inline SineCosine sine_and_cosine(float x) {
     const float y = x * x;
     return {x * (1 + y * (-1.0f / 6 + y * (1.0f / 120 + y * (-1.0f / 5040 + y * (1.0f / 362880))))),

@@ -38,7 +38,7 @@ struct ReflectedFactors {
     std::array<std::array<float, max_radiance_coefficients>, 3> factors;
 };
 
-/// Of each lobe what its factors hold is marked as given by a cache.
+/// Marks the share of each lobe that its factors hold as given by a cache.
 inline void set_cached(Bsdf& bsdf, const ReflectedFactors& factors) {
     for (int i = 0, count = bsdf.count(); i < count; ++i) bsdf.set_cached(i, factors.shares[size_t(i)]);
 }

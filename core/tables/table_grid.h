@@ -47,7 +47,7 @@ class TableGrid {
     /// Nodes of a lobe: over |p|, or the quadrant's rows.
     size_t directions() const { return isotropic_ ? resolution_ : resolution_ * resolution_; }
 
-    /// Of `wo`, wo.z > 0; none below the least roughness of several.
+    /// The place of `wo`, with wo.z > 0; there is none below the least roughness of several.
     TableCorners around(Vec3 wo, float alpha) const {
         TableCorners out;
         const size_t n = resolution_;

@@ -61,7 +61,7 @@ class Compiled:
         position = tuple(map(float, self._shifted(matrix[:3, 3], what, "position")))
         check_length(camera.aperture_radius, what, "aperture_radius")
         check_length(camera.focus_distance, what, "focus_distance")
-        # Of a perspective camera it is a slope, which makes directions of the corners.
+        # For a perspective camera this is a slope, so that the corners are directions.
         for reach, axis in zip((half_width, half_height), camera.shift, strict=True):
             check_length(reach * (1 + 2 * abs(axis)), what, "the picture's extent (fov, shift)")
         return _core.Camera(

@@ -64,7 +64,7 @@ class Meter:
 
     @property
     def seconds_left(self) -> float | None:
-        """Of this phase, were its pace to stay; None where nothing is done yet."""
+        """Seconds until this phase ends if its pace stays the same; None where nothing is done yet."""
         spent, done = self._clock() - self._started, self._fraction - self._first_fraction
         return spent * (1.0 - self._fraction) / done if done > 0 and spent > 0 else None
 

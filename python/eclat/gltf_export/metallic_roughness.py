@@ -110,7 +110,7 @@ _CONVERSIONS = {
 
 
 def _blended(material: Material) -> Material:
-    """Of two materials without textures the mean of their parameters, else the one that weighs more."""
+    """Two materials without textures become one with the mean of their parameters; otherwise the heavier one is kept."""
     weight = constant_of(average(_of(material, "weight")))[0]
     first, second = (as_metallic_roughness(child) for child in material.children)
     chosen = second if weight > 0.5 else first

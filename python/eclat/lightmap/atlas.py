@@ -30,7 +30,7 @@ TYPICAL_TEXELS = 1 << 18
 """Texels on surfaces where nobody chose their size: a map of about 700 × 700."""
 
 TYPICAL_FILL = 0.5
-"""Of an atlas, the share that charts cover."""
+"""The share of an atlas that charts usually cover."""
 
 LEAST_DIGITS = 2
 """Digits to which the default texel size is rounded, so that it can be said."""
@@ -62,7 +62,7 @@ class Atlas:
 
 
 NOTHING = Unwrapped(np.zeros(0, np.int64), np.zeros((0, 3), np.int64), np.zeros((0, 2)), np.zeros(0, np.int64))
-"""Of a mesh without triangles."""
+"""What a mesh without triangles gets."""
 
 
 def areas(mesh: Mesh) -> FloatArray:

@@ -30,7 +30,7 @@ JOIN = 4.0
 """σ: seams are seen as lines, so that a step there weighs more than the same error inside."""
 
 TOLERANCE = 1e-5
-"""Of the residual, relative to where the iteration began."""
+"""The iteration ends at this residual, relative to the first one."""
 
 MOST_ITERATIONS = 200
 

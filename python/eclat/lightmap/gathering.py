@@ -22,7 +22,7 @@ from eclat.scene import FloatArray, Scene
 from eclat.verbs.irradiance import Component, asks_for_indirect, irradiance
 
 DARK = 0.05
-"""Of the usual irradiance: less is dark behind surfaces."""
+"""Share of the usual irradiance below which a texel counts as dark, since it lies behind a surface."""
 
 DOUBTFUL_PATHS = 16
 """For a point that may be dark behind a surface."""

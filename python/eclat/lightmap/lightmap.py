@@ -26,7 +26,7 @@ from eclat.lightmap.flat import encode_flat
 from eclat.scene import Scene
 
 VERSION = 1
-"""Of the JSON side-car."""
+"""Version of the format of the JSON side-car."""
 
 CLIPPED = 0.002
 """Share of the map's texels that may be clipped in the embedded 8-bit image, so that the others get finer steps."""

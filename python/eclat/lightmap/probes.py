@@ -14,7 +14,7 @@ from eclat.lightmap.solids import Mask
 from eclat.scene import DirectionalLight, FloatArray, Scene
 
 RAYS = 32
-"""Of a point, spread over its hemisphere with the density of the cosine."""
+"""Rays from one point, spread over its hemisphere with the density of the cosine."""
 
 BURIED = 0.5
 """Share of the rays that may meet the insides of solids."""
@@ -23,10 +23,10 @@ BEHIND = 0.3
 """Share that may meet the backs of one-sided surfaces: half meet them below a floor that a wall passes through."""
 
 GRAZING = 1e-5
-"""Of the scene's radius: what is no higher above a point's plane lies in it."""
+"""Share of the scene's radius: whatever is no higher above a point's plane counts as lying in the plane."""
 
 OFFSET = 2.0**-18
-"""Of the scene's radius: how far rays start from their surface."""
+"""Share of the scene's radius: the distance from their surface at which rays start."""
 
 RAYS_AT_ONCE = 1 << 21
 

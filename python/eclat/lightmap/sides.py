@@ -25,7 +25,7 @@ from eclat.scene import DEFAULTS, FloatArray, Material, Mesh, Scene
 SidesChoice = Literal["auto", "front", "both"]
 
 CORNERWARDS = 0.9
-"""Of the way from a triangle's middle to its corners, where it is asked what it sees."""
+"""Share of the way from a triangle's middle to its corners at which the points lie that look around."""
 
 
 @dataclass(frozen=True, eq=False)

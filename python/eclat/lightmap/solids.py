@@ -22,7 +22,7 @@ Ints = NDArray[np.int64]
 Mask = NDArray[np.bool_]
 
 FLAT = 1e-4
-"""Of a piece's diameter: how far a hole's border may leave its plane, and what is too thin to be a solid."""
+"""Share of a piece's diameter: how far a hole's border may leave its plane, and the thickness below which a piece is no solid."""
 
 
 def solid_triangles(scene: Scene, meshes: Sequence[Mesh]) -> list[Mask]:

@@ -38,7 +38,7 @@ EDGE_DEPTH = 0.02
 EDGE_PIXELS = 2
 
 PIXELS_PER_DEGREE = 67.0
-"""Of FLIP: a 0.7 m wide 4K screen seen from 0.7 m, the default of its authors [Andersson et al. 2020]."""
+"""Pixels per degree for FLIP: a 4K screen 0.7 m wide seen from 0.7 m, its authors' default [Andersson et al. 2020]."""
 
 
 def relative_rmse(

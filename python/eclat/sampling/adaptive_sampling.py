@@ -24,10 +24,10 @@ from numpy.typing import NDArray
 from eclat.measure.metrics import RELATIVE_C
 
 FASTEST_GROWTH = 8
-"""Of a pixel's samples in one pass: what few samples say of a pixel's variance is not worth more."""
+"""A pixel's samples grow by at most this factor in one pass: few samples do not tell its variance well enough for more."""
 
 LEAST_SHARE = 0.25
-"""Of the mean of √v, below which no pixel is taken for quieter: what its samples did not show may be there."""
+"""Share of the mean of √v below which no pixel counts as quieter: its samples may have missed some light."""
 
 Counts = NDArray[np.uint32]
 Picture = NDArray[np.floating]

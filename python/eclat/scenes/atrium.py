@@ -34,7 +34,7 @@ DADO = (1.2, GALLERY + 0.9)
 EAVES = 8.72
 
 LIGHT_SCALE = 0.02
-"""Of true daylight, so that sunlit plaster comes out near 1 and a picture needs no exposure."""
+"""Share of true daylight, chosen so that sunlit plaster comes out near 1 and a picture needs no exposure."""
 
 
 def build(sun_azimuth: float = 287.0, sun_elevation: float = 52.0, turbidity: float = 3.0) -> Scene:

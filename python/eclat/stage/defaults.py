@@ -35,7 +35,7 @@ from eclat.stage.framing import framed_camera, sky_above, sphere_directions, sur
 Point = tuple[float, float, float]
 
 DAYLIGHT_SCALE = (0.01, 0.04)
-"""Of true daylight, in the open and in a room, where the sun is the only light: then no exposure is needed."""
+"""Shares of true daylight, in the open and in a room where the sun is the only light, that need no exposure."""
 GROUND_ALBEDO = 0.2
 SUN_ELEVATION = 48.0
 SUN_ASIDE = 50.0

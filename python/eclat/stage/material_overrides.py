@@ -122,7 +122,7 @@ def _on_sides_of(old: Material, new: Material) -> Material:
 
 
 def _base_colour(material: Material) -> Value | None:
-    """Of the material, or the first of its parts that has one."""
+    """The base colour of the material, or of the first of its parts that has one."""
     for name in _BASE_COLOURS:
         if name in material.parameters:
             return material.parameters[name]
