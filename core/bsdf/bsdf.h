@@ -105,12 +105,13 @@ class Bsdf {
     Color albedo_of_lobes(Vec3 wo, LobeSet set) const;
     float select(Vec3 wo, Mask set, std::array<float, capacity>& probability) const;
 
-    union {
-        std::array<Entry, capacity> entries_;
-    };
+    // Beside the first lobe, since that is all that most points read of a Bsdf.
     int count_ = 0;
     Mask diffuse_ = 0, delta_ = 0, cached_ = 0;
     bool is_lambertian_ = false;  // one diffuse lobe with the same value everywhere: the fast path
+    union {
+        std::array<Entry, capacity> entries_;
+    };
 };
 
 // --- makers, one per kind of material; α below `smallest_alpha` is smooth -----------------------------------------

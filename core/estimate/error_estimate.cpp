@@ -25,7 +25,6 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t layout_stream = 51, draw_stream = 52;
 constexpr uint32_t guess_paths = 16;                        // of the first phase
 constexpr uint32_t samples_first = 4, samples_second = 32;  // that tell R, in each phase
 constexpr uint32_t round_places = 32;                       // of the second phase, at least two rounds of them
@@ -88,7 +87,7 @@ class Estimator {
         parallel_for(count, check_.threads, [&](size_t i) {
             progress_.check();
             const auto index = static_cast<uint32_t>(i);
-            Sampler sampler(check_.seed ^ hash(layout_stream), index, 0);
+            Sampler sampler(stream_seed(check_.seed, Stream::estimate_layout), index, 0);
             const Vec2 jitter = sampler.next_2d();
             places_[i].u = {(static_cast<float>(i % columns) + jitter.x) / static_cast<float>(columns),
                             (static_cast<float>(i / columns) + jitter.y) / static_cast<float>(rows)};
@@ -128,7 +127,7 @@ class Estimator {
     /// Draws places, evenly along the running sum of their chances, and gathers there twice.
     void add_round(uint32_t round, ErrorEstimate& out) {
         std::vector<uint32_t> drawn;
-        const double shift = to_unit_float(hash(check_.seed ^ hash(draw_stream), round));
+        const double shift = to_unit_float(hash(stream_seed(check_.seed, Stream::estimate_draws), round));
         double sum = 0;
         for (uint32_t i = 0; i < places_.size(); ++i) {
             sum += places_[i].probability;

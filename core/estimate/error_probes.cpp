@@ -3,18 +3,21 @@
 
 #include "estimate/error_probes.h"
 
+#include "transport/path_loop.h"
+
 namespace eclat {
 
 namespace {
 
-constexpr uint32_t camera_stream = 41, chain_stream = 42, gather_stream = 43, shown_stream = 44, guess_stream = 45;
+/// Keys the random numbers of guesses, as `stream` does those of the other questions.
+constexpr auto guess_round = static_cast<uint32_t>(Stream::probe_guesses);
 
 /// What a gather's paths collect: everything that the near cache answers for. They go to their end unless `end` is given.
 PathOptions gather_options(int max_depth, const CachedIrradiance& end) {
     PathOptions options;
     options.cache = end;
     options.max_depth = max_depth;
-    options.roulette_depth = 2;
+    options.roulette_depth = roulette_after::gather_edges;
     options.light_set = LightSet::without_environment_image;
     options.emission_at_first_hit = false;
     return options;
@@ -38,10 +41,9 @@ Color traced(const World& world, std::span<const PathRay> rays, std::span<const 
 }  // namespace
 
 /// A vertex some of whose lobes a cache answers for.
-struct PixelProbes::Vertex {
-    SurfacePoint point;
+struct PixelProbes::Served {
+    Vertex vertex;
     LobeSet lobes;
-    Vec3 wo;           // local
     Color throughput;  // of the path up to here
     Color read;        // radiance that the cache adds there
     int edges;
@@ -59,7 +61,7 @@ Ray PixelProbes::ray(Vec2 u, Sampler& sampler) const {
 Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t samples, Progress& progress) const {
     std::vector<PathRay> rays;
     for (uint32_t s = 0; s < samples; ++s) {
-        Sampler sampler(seed_ ^ hash(shown_stream, stream), place, s);
+        Sampler sampler(stream_seed(seed_, Stream::probe_shown, stream), place, s);
         const Ray first = ray(u, sampler);
         rays.push_back({first, sampler});
     }
@@ -76,47 +78,37 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     return sum / static_cast<float>(samples);
 }
 
-// The path that `trace_paths` follows, with the same decisions: served vertices go on by their other lobes only.
-std::vector<PixelProbes::Vertex> PixelProbes::vertices(const Ray& first, Sampler sampler, Progress& progress) const {
+// The kit of transport/vertex.h makes the decisions that it makes for `trace_paths`: served vertices go on by their other
+// lobes only. What differs is that nothing is collected; the served vertices are what is wanted.
+std::vector<PixelProbes::Served> PixelProbes::served_vertices(const Ray& first, const Sampler& sampler,
+                                                              Progress& progress) const {
     constexpr int longest = 64;  // edges; roulette ends almost all paths long before
-    constexpr int roulette_depth = 3;
     const CachedIrradiance cache = read_near(caches_);
-    std::vector<Vertex> out;
-    Ray ray = first;
-    Color throughput(1);
-    for (int edges = 1; edges < longest && (max_depth_ < 0 || edges + 1 < max_depth_); ++edges) {
-        Hit hit;
-        world_.geometry.rays().intersect({&ray, 1}, {&hit, 1}, Coherence::none);
-        progress.count_rays(1);
-        if (hit.missed()) break;
-        SurfacePoint point = world_.geometry.surface_point(hit, -ray.direction);
-        const Vec3 wo = point.frame.to_local(-ray.direction);
-        if (reflection_ && point.bsdf.has(LobeSet::glossy)) {
-            const Color reflected = reflection_(point, wo);
-            if (point.bsdf.has(LobeSet::cached))
-                out.push_back({point, LobeSet::cached, wo, throughput, reflected, edges});
-        }
-        if (point.bsdf.has(LobeSet::diffuse))
-            if (const auto E = cache(point, hit.t)) {
-                const Color read = point.bsdf.diffuse_albedo(wo) * *E * inv_pi;
-                out.push_back({point, LobeSet::diffuse, wo, throughput, read, edges});
-                point.bsdf.set_cached(LobeSet::diffuse);
+    std::vector<Served> out;
+    Paths<PathState> paths;
+    if (max_depth_ < 0 || max_depth_ > 2) paths.push({.sampler = sampler, .from = first.origin}, first);
+    follow_paths(
+        world_, std::move(paths), Coherence::none, Span::batch, progress,
+        [&](int edges, std::span<PathState> states, std::span<Vertex> vertices, Paths<PathState>& next) {
+            Vertex& v = vertices[0];
+            PathState& path = states[0];
+            if (v.missed()) return;
+            Bsdf& bsdf = v.point.bsdf;
+            if (reflection_ && bsdf.has(LobeSet::glossy)) {
+                const Color reflected = reflection_(v.point, v.wo_local);
+                if (bsdf.has(LobeSet::cached)) out.push_back({v, LobeSet::cached, path.throughput, reflected, edges});
             }
-        const float u_lobe = sampler.next_1d();
-        const auto sample = point.bsdf.sample(wo, u_lobe, sampler.next_2d(), LobeSet::uncached);
-        if (!sample) break;
-        const Vec3 wi = point.frame.to_world(sample->wi);
-        if (dot(wi, point.normal) * sample->wi.z <= 0) break;
-        throughput *= sample->weight;
-        const float u_roulette = sampler.next_1d();
-        if (edges >= roulette_depth) {
-            const float survival = std::min(0.95f, max_component(throughput));
-            if (u_roulette >= survival) break;
-            throughput *= 1 / survival;
-        }
-        if (!(max_component(throughput) > 0)) break;
-        ray = point.ray(wi);
-    }
+            if (bsdf.has(LobeSet::diffuse))
+                if (const auto E = cache(v.point, v.hit.t)) {
+                    const Color read = bsdf.diffuse_albedo(v.wo_local) * *E * inv_pi;
+                    out.push_back({v, LobeSet::diffuse, path.throughput, read, edges});
+                    bsdf.set_cached(LobeSet::diffuse);
+                }
+            if (edges + 1 >= longest || (max_depth_ >= 0 && edges + 2 >= max_depth_)) return;
+            Ray ray;
+            if (go_on(v, LobeSet::uncached, edges >= roulette_after::probe_edges, path, ray)) next.push(path, ray);
+        },
+        [](Paths<PathState>&) {});
     return out;
 }
 
@@ -126,36 +118,35 @@ Probe PixelProbes::error(Vec2 u, uint32_t stream, uint32_t place, uint32_t looks
 }
 
 Probe PixelProbes::guess(Vec2 u, uint32_t place, uint32_t paths, Progress& progress) const {
-    return compared(u, guess_stream, place, 1, paths, end_in(caches_.far, max_depth_), progress);
+    return compared(u, guess_round, place, 1, paths, end_in(caches_.far, max_depth_), progress);
 }
 
 Probe PixelProbes::compared(Vec2 u, uint32_t stream, uint32_t place, uint32_t looks, uint32_t paths,
                             const CachedIrradiance& end, Progress& progress) const {
     Probe out;
     for (uint32_t look = 0; look < looks; ++look) {
-        Sampler at(seed_ ^ hash(camera_stream, stream), place, look);
+        Sampler at(stream_seed(seed_, Stream::probe_cameras, stream), place, look);
         const Ray first = ray(u, at);
-        const auto found = vertices(first, Sampler(seed_ ^ hash(chain_stream, stream), place, look), progress);
+        const auto found =
+            served_vertices(first, Sampler(stream_seed(seed_, Stream::probe_chains, stream), place, look), progress);
         for (size_t v = 0; v < found.size(); ++v) {
-            const Vertex& vertex = found[v];
+            const auto& [vertex, lobes, throughput, read, edges] = found[v];
             if (!out.served) out.position = vertex.point.position;
             out.served = true;
             std::vector<PathRay> rays;
             std::vector<Color> weights;
             for (uint32_t j = 0; j < paths; ++j) {
                 // The looks of a probe share one sequence: most see the same surface.
-                Sampler sampler(seed_ ^ hash(gather_stream, stream, static_cast<uint32_t>(v)), place, look * paths + j);
-                const float u_lobe = sampler.next_1d();
-                const auto sample = vertex.point.bsdf.sample(vertex.wo, u_lobe, sampler.next_2d(), vertex.lobes);
-                if (!sample) continue;
-                const Vec3 wi = vertex.point.frame.to_world(sample->wi);
-                if (dot(wi, vertex.point.normal) * sample->wi.z <= 0) continue;
-                rays.push_back({vertex.point.ray(wi), sampler});
-                weights.push_back(sample->weight);
+                Sampler sampler(stream_seed(seed_, Stream::probe_gathers, stream, static_cast<uint32_t>(v)), place,
+                                look * paths + j);
+                const auto next = scatter(vertex.point, vertex.wo_local, sampler, lobes);
+                if (!next) continue;
+                rays.push_back({vertex.point.ray(next->direction), sampler});
+                weights.push_back(next->sample.weight);
             }
-            const int depth = max_depth_ < 0 ? -1 : max_depth_ - vertex.edges;
+            const int depth = max_depth_ < 0 ? -1 : max_depth_ - edges;
             const Color truth = traced(world_, rays, weights, depth, end, progress) / static_cast<float>(paths);
-            out.value += vertex.throughput * (vertex.read - truth);
+            out.value += throughput * (read - truth);
         }
     }
     out.value = out.value / static_cast<float>(looks);
@@ -174,22 +165,15 @@ std::optional<Color> PointProbes::read(const PointNormal& point) const {
 Color PointProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t samples, Progress& progress) const {
     const PointNormal& point = at(u);
     const SurfacePoint surface = bare_point(world_, point);
-    std::vector<Ray> rays;
-    std::vector<Color> contributions;
+    Shadows shadows;
     for (uint32_t s = 0; s < samples; ++s) {
-        Sampler sampler(seed_ ^ hash(shown_stream, stream), place, s);
+        Sampler sampler(stream_seed(seed_, Stream::probe_shown, stream), place, s);
         if (const auto shadow =
-                sample_irradiance(world_, surface, point.normal, LightSet::without_environment_image, sampler)) {
-            rays.push_back(shadow->ray);
-            contributions.push_back(shadow->contribution);
-        }
+                sample_irradiance(world_, surface, point.normal, LightSet::without_environment_image, sampler))
+            shadows.push(shadow->ray, shadow->contribution, 0, true);
     }
-    std::vector<uint8_t> occluded(rays.size());
-    world_.geometry.rays().occluded(rays, occluded);
-    progress.count_rays(rays.size());
     Color sum;
-    for (size_t i = 0; i < rays.size(); ++i)
-        if (!occluded[i]) sum += contributions[i];
+    shadows.resolve(world_, progress, [&](uint32_t, Color contribution, bool) { sum += contribution; });
     return sum / static_cast<float>(samples) + read(point).value_or(Color());
 }
 
@@ -199,7 +183,7 @@ Probe PointProbes::error(Vec2 u, uint32_t stream, uint32_t place, uint32_t looks
 }
 
 Probe PointProbes::guess(Vec2 u, uint32_t place, uint32_t paths, Progress& progress) const {
-    return compared(u, guess_stream, place, paths, end_in(caches_.far, max_depth_), progress);
+    return compared(u, guess_round, place, paths, end_in(caches_.far, max_depth_), progress);
 }
 
 Probe PointProbes::compared(Vec2 u, uint32_t stream, uint32_t place, uint32_t paths, const CachedIrradiance& end,
@@ -212,7 +196,7 @@ Probe PointProbes::compared(Vec2 u, uint32_t stream, uint32_t place, uint32_t pa
     const SurfacePoint surface = bare_point(world_, point);
     std::vector<PathRay> rays;
     for (uint32_t s = 0; s < paths; ++s) {
-        Sampler sampler(seed_ ^ hash(gather_stream, stream), place, s);
+        Sampler sampler(stream_seed(seed_, Stream::probe_gathers, stream), place, s);
         const Vec3 w = square_to_cosine_hemisphere(sampler.next_2d());
         rays.push_back({surface.ray(surface.frame.to_world(w)), sampler});
     }

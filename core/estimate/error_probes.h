@@ -47,11 +47,11 @@ class PixelProbes {
     Probe guess(Vec2 u, uint32_t place, uint32_t paths, Progress& progress) const;
 
   private:
-    struct Vertex;
+    struct Served;
     Probe compared(Vec2 u, uint32_t stream, uint32_t place, uint32_t looks, uint32_t paths, const CachedIrradiance& end,
                    Progress& progress) const;
     Ray ray(Vec2 u, Sampler& sampler) const;
-    std::vector<Vertex> vertices(const Ray& ray, Sampler sampler, Progress& progress) const;
+    std::vector<Served> served_vertices(const Ray& first, const Sampler& sampler, Progress& progress) const;
 
     const World& world_;
     const Camera& camera_;

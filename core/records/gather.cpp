@@ -110,7 +110,7 @@ class HorizonLook {
 PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& options) {
     PathOptions paths;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
-    paths.roulette_depth = 2;
+    paths.roulette_depth = roulette_after::gather_edges;
     paths.light_set = LightSet::without_environment_image;
     paths.emission_at_first_hit = false;
     paths.cache = far.irradiance;
@@ -121,7 +121,7 @@ PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& option
 /// Radiance and distance in each cell of a hemisphere of `rows` rows around a candidate. `enclosed`: most rays met the
 /// back of surfaces that have none.
 HemisphereSamples sample_hemisphere(const World& world, const Candidate& candidate, const FarEnd& far,
-                                    const IrradianceCacheOptions& options, uint32_t stream, int rows, Rows kind,
+                                    const IrradianceCacheOptions& options, Stream stream, int rows, Rows kind,
                                     Progress& progress, bool& enclosed) {
     HemisphereSamples samples;
     samples.rows = rows;
@@ -129,7 +129,7 @@ HemisphereSamples sample_hemisphere(const World& world, const Candidate& candida
     samples.columns = columns_for(rows);
     const size_t count = size_t(samples.rows) * samples.columns;
     // A random turn of the grid, or neighbouring records would share the pattern of their error.
-    const uint32_t key = hash(candidate.key, stream);
+    const uint32_t key = hash(candidate.key, static_cast<uint32_t>(stream));
     const float turn = 2 * pi * to_unit_float(hash(key, options.seed));
     const Frame around = Frame::around(candidate.normal);
     const Vec3 u = around.u * std::cos(turn) + around.v * std::sin(turn);
@@ -140,7 +140,7 @@ HemisphereSamples sample_hemisphere(const World& world, const Candidate& candida
     for (int j = 0; j < samples.rows; ++j)
         for (int k = 0; k < samples.columns; ++k) {
             const auto index = static_cast<uint32_t>(j * samples.columns + k);
-            Sampler sampler(options.seed ^ hash(stream), key, index);
+            Sampler sampler(stream_seed(options.seed, stream), key, index);
             const Vec3 w = cell_direction(samples.rows, samples.columns, j, k, sampler.next_2d(), kind);
             rays.push_back({candidate.ray(samples.frame.to_world(w)), sampler});
         }
@@ -169,14 +169,14 @@ struct Excess {
 // Earlier gathers found those places; had this one's own rays chosen where to look closer, what they missed would be lost.
 Excess gather_excess(const World& world, const Candidate& candidate, const HemisphereSamples& samples, float limit,
                      const FarEnd& far, const BrightPlaces& bright, const IrradianceCacheOptions& options,
-                     uint32_t stream, Progress& progress, std::vector<Sighting>& sightings) {
+                     Stream stream, Progress& progress, std::vector<Sighting>& sightings) {
     constexpr size_t aimed_share = 4;  // of the grid's rays so many have one aimed ray
     const AimedCones cones = bright.seen_from(candidate.position, candidate.normal);
     const size_t count = samples.radiance.size(), aimed = cones.empty() ? 0 : count / aimed_share;
     std::vector<PathRay> rays;
-    const uint32_t key = hash(candidate.key, stream);
+    const uint32_t key = hash(candidate.key, static_cast<uint32_t>(stream));
     for (size_t i = 0; i < aimed; ++i) {
-        Sampler sampler(options.seed ^ hash(stream), key, static_cast<uint32_t>(count + i));
+        Sampler sampler(stream_seed(options.seed, stream), key, static_cast<uint32_t>(count + i));
         const float u_cone = (static_cast<float>(i) + sampler.next_1d()) / static_cast<float>(aimed);
         const Vec3 w = cones.sample(u_cone, sampler.next_2d());
         if (dot(w, candidate.normal) > 0) rays.push_back({candidate.ray(w), sampler});
@@ -232,7 +232,7 @@ float noise_when_read(const HemisphereSamples& samples, float excess_noise, floa
 }  // namespace
 
 Gathered gather(const World& world, const Candidate& candidate, const FarEnd& far, const BrightPlaces& bright,
-                const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress, Rows kind,
+                const IrradianceCacheOptions& options, Stream stream, int rows, Progress& progress, Rows kind,
                 const std::function<void(const HemisphereSamples&)>& keep) {
     Gathered out;
     IrradianceRecord& record = out.record;

@@ -21,7 +21,7 @@ struct Gathered {
 /// Gather rays end where `far` knows what comes next; with cosine rows some are aimed at `bright` places. `keep` is handed the
 /// samples, without excess and too small distances.
 Gathered gather(const World& world, const Candidate& candidate, const FarEnd& far, const BrightPlaces& bright,
-                const IrradianceCacheOptions& options, uint32_t stream, int rows, Progress& progress,
+                const IrradianceCacheOptions& options, Stream stream, int rows, Progress& progress,
                 Rows kind = Rows::cosine, const std::function<void(const HemisphereSamples&)>& keep = {});
 
 }  // namespace eclat

@@ -14,8 +14,6 @@ namespace eclat {
 
 namespace {
 
-enum Stream : uint32_t { far_stream = 2, near_stream, radiance_stream = 6 };
-
 constexpr float bright_cell = 0.02f;     // of the scene's radius: what is aimed at
 constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
 constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
@@ -23,7 +21,7 @@ constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since
 /// `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
 template <class Rows>
 std::vector<Gathered> gather_each(const World& world, std::span<const Candidate> candidates, const FarEnd& far,
-                                  const BrightPlaces& bright, const IrradianceCacheOptions& options, uint32_t stream,
+                                  const BrightPlaces& bright, const IrradianceCacheOptions& options, Stream stream,
                                   const Rows& rows, float mean, Progress& progress) {
     return parallel_map<Gathered>(candidates.size(), options.threads, [&](size_t i) {
         progress.check();
@@ -85,7 +83,7 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 }
 
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const FarEnd& far, const IrradianceCacheOptions& options, uint32_t stream,
+                                             const FarEnd& far, const IrradianceCacheOptions& options, Stream stream,
                                              int rows, Progress& progress) {
     return records_of(
         gather_each(world, candidates, far, {}, options, stream, [&](const Candidate&) { return rows; }, 0, progress));
@@ -96,8 +94,8 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
                                              const GatherPlan& plan, Progress& progress) {
     return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
         progress.check();
-        IrradianceRecord record = gather(world, candidates[i], far, {}, options, radiance_stream, plan.count, progress,
-                                         plan.kind, [&](const HemisphereSamples& s) { plan.keep(i, s); })
+        IrradianceRecord record = gather(world, candidates[i], far, {}, options, Stream::radiance_records, plan.count,
+                                         progress, plan.kind, [&](const HemisphereSamples& s) { plan.keep(i, s); })
                                       .record;
         space(record, candidates[i].footprint, plan.mean,
               {options.metric, options.spacing, options.gradient_limit, options.balanced});
@@ -168,7 +166,7 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     const auto wanted = thinned(unserved(caches.far, candidates, options.threads), 2 * least);
     auto records = remembered(world,
                               gather_each(
-                                  world, wanted, {}, caches.bright, coarse, far_stream,
+                                  world, wanted, {}, caches.bright, coarse, Stream::far_records,
                                   [&](const Candidate&) { return options.far_rows; }, 0, progress),
                               caches.bright);
     for (IrradianceRecord& r : records) {
@@ -187,18 +185,16 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
     for (uint32_t i = first; i < end; ++i) {
         const double turns = golden_ratio * i;
         const auto from = static_cast<size_t>((turns - std::floor(turns)) * static_cast<double>(seen.size()));
-        Sampler sampler(options.seed ^ hash(far_stream), 0, i);
+        Sampler sampler(stream_seed(options.seed, Stream::far_records), 0, i);
         const Frame around = Frame::around(seen[from].normal);
         rays.push_back(seen[from].ray(around.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
     }
-    std::vector<Hit> hits(rays.size());
-    world.geometry.rays().intersect(rays, hits);
-    progress.count_rays(rays.size());
     std::vector<Candidate> out;
-    for (uint32_t i = 0; i < rays.size(); ++i) {
-        if (hits[i].missed()) continue;
-        const SurfacePoint point = world.geometry.surface_point(hits[i], -rays[i].direction);
-        if (point.bsdf.has(LobeSet::diffuse)) out.emplace_back(point, 0.0f, first + i);
+    Vertices vertices;
+    uint32_t key = first;
+    for (const Vertex& v : vertices.meet(world, rays, Coherence::none, progress)) {
+        if (!v.missed() && v.point.bsdf.has(LobeSet::diffuse)) out.emplace_back(v.point, 0.0f, key);
+        ++key;
     }
     return out;
 }
@@ -225,8 +221,8 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto records =
         remembered(world,
                    gather_each(
-                       world, wanted, far_end(world, caches, options, progress), caches.bright, options, near_stream,
-                       [&](const Candidate& c) { return rows_for(c, caches.near, options); },
+                       world, wanted, far_end(world, caches, options, progress), caches.bright, options,
+                       Stream::near_records, [&](const Candidate& c) { return rows_for(c, caches.near, options); },
                        caches.near.mean_luminance(), progress),
                    caches.bright);
     caches.near.insert(records, options.spacing, options.threads);

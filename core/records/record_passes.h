@@ -91,7 +91,7 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 
 /// Gathers indirect irradiance at points.
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const FarEnd& far, const IrradianceCacheOptions& options, uint32_t stream,
+                                             const FarEnd& far, const IrradianceCacheOptions& options, Stream stream,
                                              int rows, Progress& progress);
 
 /// Gathers of one shape, of which more is made than irradiance.

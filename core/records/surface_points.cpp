@@ -12,11 +12,7 @@
 
 namespace eclat {
 
-namespace {
-
-constexpr uint32_t surface_stream = 33;
-
-}  // namespace
+namespace {}  // namespace
 
 SurfacePoints::SurfacePoints(const World& world) : world_(world) {
     const Geometry& g = world.geometry;
@@ -29,7 +25,7 @@ SurfacePoints::SurfacePoints(const World& world) : world_(world) {
 }
 
 std::vector<SurfacePoints::Place> SurfacePoints::spread(size_t count, uint32_t pass, uint32_t seed) const {
-    const uint32_t key = hash(seed ^ hash(surface_stream), pass);
+    const uint32_t key = hash(stream_seed(seed, Stream::surface_points), pass);
     const double shift = to_unit_float(hash(key, 0));
     std::vector<Place> out;
     for (size_t i = 0; i < count; ++i) {

@@ -7,6 +7,8 @@
 
 #include <cstdint>
 
+#include "base/streams.h"
+
 namespace eclat {
 
 /// Mixes all bits of `x`: a bijection of 32-bit words in which each input bit flips each output bit about half the time.
@@ -21,6 +23,17 @@ inline uint32_t hash(uint32_t x) {
 
 inline uint32_t hash(uint32_t a, uint32_t b) { return hash(a ^ (hash(b) + 0x9e3779b9u)); }
 inline uint32_t hash(uint32_t a, uint32_t b, uint32_t c) { return hash(hash(a, b), c); }
+
+/// The seed of one use of random numbers, from that of all.
+inline uint32_t stream_seed(uint32_t seed, Stream stream) { return seed ^ hash(static_cast<uint32_t>(stream)); }
+
+/// … of one part of such a use, which it numbers itself.
+inline uint32_t stream_seed(uint32_t seed, Stream stream, uint32_t part) {
+    return seed ^ hash(static_cast<uint32_t>(stream), part);
+}
+inline uint32_t stream_seed(uint32_t seed, Stream stream, uint32_t part, uint32_t detail) {
+    return seed ^ hash(static_cast<uint32_t>(stream), part, detail);
+}
 
 /// The 24 leading bits as a float in [0, 1): 24 is what a float's significand holds.
 inline float to_unit_float(uint32_t x) { return static_cast<float>(x >> 8) * 0x1p-24f; }

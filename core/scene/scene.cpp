@@ -4,14 +4,11 @@
 #include "scene/scene.h"
 
 #include "base/error.h"
+#include "base/precision.h"
 
 namespace eclat {
 
 namespace {
-
-// Intersections are exact to some ulps of the largest coordinate involved; 16 of them (2⁻²⁰ relative to it) keep rays
-// from meeting the surface that they leave, at any scale of the scene.
-constexpr float offset_ulps = 0x1p-20f;
 
 float magnitude(Vec3 v) { return std::max(std::fabs(v.x), std::max(std::fabs(v.y), std::fabs(v.z))); }
 
@@ -200,7 +197,7 @@ SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
             .normal = normal,
             .frame = frame,
             .uv = material.emission.uv_set == 0 ? at.uv : at.uv2,
-            .offset = offset_ulps * std::max(magnitude(p0), std::max(magnitude(p1), magnitude(p2))),
+            .offset = coordinate_resolution * std::max(magnitude(p0), std::max(magnitude(p1), magnitude(p2))),
             .triangle = triangle,
             .bsdf = make_bsdf(materials_, mesh.material, at, from_behind)};
 }

@@ -6,6 +6,19 @@
 // At each vertex: emission, next-event estimation, and one continued direction, combined by multiple importance
 // sampling [Veach97]. Where a cache knows the indirect irradiance of a vertex, its diffuse lobes take ρ_d / π · E and
 // end there; only the other lobes go on. Without a cache this is plain unbiased path tracing [Kajiya86].
+//
+// Symbol   name here           meaning
+//   x_k      vertices[i]         the k-th vertex of path i, x_0 being where its ray begins
+//   f_k      sample.weight       BSDF at x_k times cosine over the density p_k of the direction in which the path goes on
+//   q_k      survival            chance to go on after x_k, 1 before roulette begins
+//   n_k      paths_from          paths that go on from x_k, each with a share 1 / n_k
+//   T_k      path.throughput     f_1 … f_{k−1} / (q_1 … q_{k−1} n_1 … n_{k−1}), T_1 = 1
+//
+// T_k estimates how much of the radiance that x_k sends back along the path reaches x_0: the sum over all paths of
+// T_k · L(x_k → x_{k−1}) has the expectation ∫ … ∫ f_1 … f_{k−1} L(x_k → x_{k−1}) over all directions of k − 1 scatterings,
+// which is the radiance at x_0 of light that left its source, or a cached vertex, at x_k. The result is the sum over k of
+// T_k times what x_k emits (weighted against light sampling at x_{k−1}), times what it reflects of sampled lights, and times
+// what caches know of its lobes.
 
 #pragma once
 
@@ -15,6 +28,8 @@
 
 #include "base/progress.h"
 #include "sampling/sampler.h"
+#include "transport/direct_light.h"
+#include "transport/vertex.h"
 #include "transport/world.h"
 
 namespace eclat {
@@ -29,7 +44,7 @@ using CachedReflection = std::function<Color(SurfacePoint& point, Vec3 wo)>;
 
 struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
-    int roulette_depth = 5;
+    int roulette_depth = roulette_after::picture_edges;
     int light_samples = 1;               // at the first vertex
     int miss_paths = 1;                  // that go on from a first vertex which the cache does not serve
     int gloss_paths = 1;                 // … from one which it does, along rough lobes
@@ -63,13 +78,16 @@ struct PathResult {
 void trace_paths(const World& world, std::span<const PathRay> rays, const PathOptions& options,
                  std::span<PathResult> out, Progress& progress);
 
-/// Radiance times cosine over density from one light sample at a point with normal `n`, before the shadow ray.
-/// Returns the shadow ray, or nothing.
-struct ShadowRay {
-    Ray ray;
-    Color contribution;
-};
-std::optional<ShadowRay> sample_irradiance(const World& world, const SurfacePoint& point, Vec3 n, LightSet set,
-                                           Sampler& sampler);
+/// Tells the result of a path what its first vertex is.
+void describe_first(const World& world, const Vertex& vertex, PathResult& out);
+
+/// Adds what was found at `vertex`, at the end of a path of so many `edges`, to the path's result.
+inline void deposit(const Vertex& vertex, int edges, PathResult& out) {
+    out.radiance += vertex.arriving;
+    if (edges <= 2) out.direct += vertex.arriving;
+    if (vertex.missed()) return;
+    out.radiance += vertex.read_diffuse;
+    out.radiance += vertex.read_glossy;
+}
 
 }  // namespace eclat

@@ -4,6 +4,7 @@
 #include "transport/point_irradiance.h"
 
 #include "base/parallel.h"
+#include "base/precision.h"
 
 namespace eclat {
 
@@ -52,12 +53,11 @@ bool may_arrive(int max_depth) { return max_depth < 0 || max_depth > 1; }
 }  // namespace
 
 SurfacePoint bare_point(const World& world, const PointNormal& at) {
-    constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
     SurfacePoint point;
     point.position = at.position;
     point.normal = at.normal;
     point.frame = Frame::around(at.normal);
-    point.offset = resolution * (world.geometry.radius() + length(at.position));
+    point.offset = coordinate_resolution * (world.geometry.radius() + length(at.position));
     return point;
 }
 

@@ -9,8 +9,6 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t gather_stream = 21;  // keys the gathers of points, apart from those of records
-
 /// The part of `component` that the caches leave out, without the environment's image, which they include.
 Color beside_cache(const World& world, const SurfacePoint& point, uint32_t index, const PointIrradianceOptions& options,
                    Progress& progress) {
@@ -48,7 +46,7 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
             }
         }
         const auto gathered = gather_records(world, missed, far_end(world, caches, cache_options, progress),
-                                             cache_options, gather_stream, cache_options.rows, progress);
+                                             cache_options, Stream::point_gathers, cache_options.rows, progress);
         // Nobody shares the excess of a single gather: both are its whole estimate.
         for (size_t k = 0; k < gathered.size(); ++k)
             out.irradiance[missed_index[k]] = gathered[k].irradiance + gathered[k].excess;

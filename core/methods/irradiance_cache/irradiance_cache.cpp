@@ -26,7 +26,6 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t chain_stream = 4;
 constexpr float coarsest = 32;  // pixels between the candidates of the first pass
 
 /// Pixel centres, or places between them, of one class of a lattice: the three finer points of each cell of `2 · step`, or
@@ -52,7 +51,7 @@ float finest_step(const IrradianceCacheOptions& options) {
 std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
                                          const IrradianceCacheOptions& options, Progress& progress,
                                          const MarkCached& mark) {
-    return follow_chains<Candidate>(world, camera, pixels, chain_stream, options, progress,
+    return follow_chains<Candidate>(world, camera, pixels, Stream::camera_chains, options, progress,
                                     [&](SeenVertex& vertex, std::vector<Candidate>& found) {
                                         Bsdf& bsdf = vertex.point.bsdf;
                                         if (!is_black(bsdf.diffuse_albedo(vertex.wo)))

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "base/precision.h"
 #include "base/progress.h"
 #include "methods/photon_map/kernel.h"
 #include "methods/photon_map/photon_map.h"
@@ -43,8 +44,8 @@ struct DensityPoint {
     DensityPoint(Vec3 position, Vec3 normal, float offset)
         : position(position), normal(normal), shading(normal), offset(offset) {}
     static DensityPoint of_photon(const World& world, const Photon& photon) {
-        constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
-        return {photon.position, photon.normal, resolution * (world.geometry.radius() + length(photon.position))};
+        return {photon.position, photon.normal,
+                coordinate_resolution * (world.geometry.radius() + length(photon.position))};
     }
 };
 

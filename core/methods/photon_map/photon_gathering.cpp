@@ -24,151 +24,96 @@
 
 #include <algorithm>
 
-#include "base/parallel.h"
-#include "sampling/mis.h"
+#include "transport/path_loop.h"
 
 namespace eclat {
 
 namespace {
 
-// As in transport/paths.cpp.
-constexpr float shadow_shortening = 1 - 0x1p-13f;
-constexpr int roulette_depth = 3;
-
-enum class Arrival : uint8_t { whole, weighted };
-
-struct State {
-    Color throughput{1};
-    Sampler sampler;
-    uint32_t index;
-    float pdf = 0;   // of the ray's direction
-    float eta2 = 1;  // radiance scaling by refraction
-    Arrival arrival = Arrival::whole;
-    bool gathering = false;
-    Vec3 from;
-};
-
-struct Shadow {
-    Color contribution;
-    uint32_t index;
-    bool direct;
+struct State : PathState {
+    bool gathering = false;  // a diffuse ray led here from what the camera sees
 };
 
 class Gatherer {
   public:
     Gatherer(const World& world, const PhotonMaps& maps, const PhotonMapOptions& options, std::span<PathResult> out,
              Progress& progress)
-        : world_(world), maps_(maps), options_(options), out_(out), progress_(progress) {}
+        : world_(world),
+          maps_(maps),
+          options_(options),
+          lights_(world, LightSet::all),
+          out_(out),
+          progress_(progress) {}
 
     void run(std::span<const PathRay> rays) {
-        for (uint32_t i = 0; i < rays.size(); ++i) {
-            rays_.push_back(rays[i].ray);
-            states_.push_back({.sampler = rays[i].sampler, .index = i, .from = rays[i].ray.origin});
-        }
-        for (edges_ = 1; !states_.empty(); ++edges_) {
-            hits_.resize(rays_.size());
-            world_.geometry.rays().intersect(rays_, hits_, edges_ == 1 ? Coherence::camera : Coherence::none);
-            progress_.count_rays(rays_.size());
-            for (size_t i = 0; i < states_.size(); ++i) advance(states_[i], rays_[i], hits_[i]);
-            states_.swap(next_states_);
-            rays_.swap(next_rays_);
-            next_states_.clear();
-            next_rays_.clear();
-            resolve_shadows();
-        }
+        Paths<State> paths;
+        for (uint32_t i = 0; i < rays.size(); ++i)
+            paths.push({{.sampler = rays[i].sampler, .index = i, .from = rays[i].ray.origin}}, rays[i].ray);
+        follow_paths(
+            world_, std::move(paths), Coherence::camera, Span::batch, progress_,
+            [&](int edges, std::span<State> states, std::span<Vertex> vertices, Paths<State>& next) {
+                edges_ = edges;
+                at_vertices(states, vertices, next);
+            },
+            [&](Paths<State>&) {
+                shadows_.resolve(world_, progress_, [&](uint32_t index, Color radiance, bool direct) {
+                    out_[index].radiance += radiance;
+                    if (direct) out_[index].direct += radiance;
+                });
+            });
     }
 
   private:
-    bool may_have(int edges) const { return options_.max_depth < 0 || edges <= options_.max_depth; }
-
-    void add(uint32_t index, Color radiance, bool direct) {
-        out_[index].radiance += radiance;
-        if (direct) out_[index].direct += radiance;
-    }
-
-    void advance(State& s, const Ray& ray, const Hit& hit) {
-        if (hit.missed()) {
-            if (!s.gathering) add_environment(s, ray.direction);
-            return;
+    /// The stages of a vertex, each for all vertices of the batch.
+    void at_vertices(std::span<State> paths, std::span<Vertex> vertices, Paths<State>& next) {
+        for (size_t i = 0; i < vertices.size(); ++i) {
+            if (edges_ == 1 && !vertices[i].missed()) describe_first(world_, vertices[i], out_[paths[i].index]);
+            if (!paths[i].gathering) lights_.arrive(paths[i], vertices[i]);
         }
-        const Vec3 wo = -ray.direction;
-        const SurfacePoint point = world_.geometry.surface_point(hit, wo);
-        const Vec3 wo_local = point.frame.to_local(wo);
-        if (edges_ == 1) {
-            PathResult& first = out_[s.index];
-            first.distance = hit.t;
-            first.normal = point.frame.n;
-            first.albedo = point.bsdf.albedo(wo_local);
+        const bool goes_on = options_.max_depth < 0 || edges_ < options_.max_depth;
+        if (goes_on) {
+            sample_lights(paths, vertices);
+            read_photons(paths, vertices);
         }
-        if (!s.gathering) add_emission(s, hit, point, wo);
-        if (!may_have(edges_ + 1)) return;
-        sample_light(s, point, wo_local);
-        if (const Color albedo = point.bsdf.diffuse_albedo(wo_local); !is_black(albedo))
-            add_diffuse(s, point, wo, wo_local, albedo, hit.t);
-        if (point.bsdf.has(LobeSet::glossy)) {
-            State next = s;
-            next.sampler.skip(6);
-            go_on(next, point, wo_local, LobeSet::glossy);
-        }
-    }
-
-    void add_environment(const State& s, Vec3 w) {
-        const Lights::Infinite sampled = world_.lights.infinite(w);
-        const float weight = s.arrival == Arrival::whole ? 1 : power_heuristic(s.pdf, sampled.pdf_solid_angle);
-        add(s.index, s.throughput * sampled.radiance * weight, edges_ <= 2);
-    }
-
-    void add_emission(const State& s, const Hit& hit, const SurfacePoint& point, Vec3 wo) {
-        const uint32_t emitter = world_.emitter(hit.triangle);
-        if (emitter == not_emitting) return;
-        const Color radiance = world_.lights.emitted(emitter, {hit.u, hit.v}, wo);
-        if (is_black(radiance)) return;
-        const float weight =
-            s.arrival == Arrival::whole
-                ? 1
-                : power_heuristic(s.pdf, world_.lights.pdf_solid_angle(emitter, s.from, point.position));
-        add(s.index, s.throughput * radiance * weight, edges_ <= 2);
+        for (size_t i = 0; i < vertices.size(); ++i) deposit(vertices[i], edges_, out_[paths[i].index]);
+        if (goes_on) continue_paths(paths, vertices, next);
     }
 
     /// Direct light: the diffuse lobes take all of it; the glossy lobes, where no gather leads here, their weighted part.
-    void sample_light(State& s, const SurfacePoint& point, Vec3 wo) {
-        const float u = s.sampler.next_1d();
-        const Vec2 uv = s.sampler.next_2d();
-        if (!point.bsdf.has_non_delta()) return;
-        const LightSample light = world_.lights.sample(point.position, u, uv);
-        if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
-        const Vec3 wi = point.frame.to_local(light.wi);
-        if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading normal and the surface disagree
-        Color f = point.bsdf.eval(wo, wi, LobeSet::diffuse).f;
-        if (!s.gathering) {
-            const EvalPdf glossy = point.bsdf.eval(wo, wi, LobeSet::glossy);
-            f += glossy.f * (light.delta ? 1 : power_heuristic(light.pdf_solid_angle, glossy.pdf_solid_angle));
+    void sample_lights(std::span<State> paths, std::span<const Vertex> vertices) {
+        LitLobes lobes{.alone = LobeSet::diffuse, .shared = LobeSet::glossy};
+        for (size_t i = 0; i < vertices.size(); ++i) {
+            const Vertex& v = vertices[i];
+            if (v.missed()) continue;
+            lobes.has_shared = !paths[i].gathering;
+            if (v.point.bsdf.has_non_delta())
+                lights_.sample(paths[i], paths[i].sampler, v, lobes, edges_ == 1, shadows_);
+            paths[i].sampler.skip(light_sample_dimensions);
         }
-        if (is_black(f)) return;
-        const Color contribution = s.throughput * f * light.radiance * (std::fabs(wi.z) / light.pdf_solid_angle);
-        shadow_rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
-        shadows_.push_back({contribution, s.index, edges_ == 1});
     }
 
-    /// Indirect light that the diffuse lobes reflect.
-    void add_diffuse(const State& s, const SurfacePoint& point, Vec3 wo, Vec3 wo_local, Color albedo, float distance) {
-        const DensityPoint at(point, wo);
-        const Color reflected = s.throughput * albedo * inv_pi;
-        if (s.gathering) {
-            const auto far = far_irradiance(world_, maps_, at, distance, max_photon_edges(), progress_);
-            if (far) return add(s.index, reflected * *far, false);
-        } else if (options_.gather_rays == 0) {
-            const Color diffuse = density(maps_.global, at, maps_.reading.global);
-            return add(s.index, reflected * (diffuse + density(maps_.caustic, at, maps_.reading.caustic)), false);
-        }
-        add(s.index, reflected * density(maps_.caustic, at, maps_.reading.caustic), false);
-        const auto parts = static_cast<uint32_t>(edges_ == 1 ? options_.gather_rays : 1);
-        for (uint32_t part = 0; part < parts; ++part) {
-            State next = s;
-            next.sampler = s.sampler.split(parts, part);
-            next.throughput *= 1 / static_cast<float>(parts);
-            next.gathering = true;
-            go_on(next, point, wo_local, LobeSet::diffuse);
+    /// Indirect light that the diffuse lobes reflect, as far as photons tell it here; where gather rays must find it,
+    /// `gathers_` says so.
+    void read_photons(std::span<const State> paths, std::span<Vertex> vertices) {
+        gathers_.assign(vertices.size(), 0);
+        for (size_t i = 0; i < vertices.size(); ++i) {
+            Vertex& v = vertices[i];
+            if (v.missed()) continue;
+            const Color albedo = v.point.bsdf.diffuse_albedo(v.wo_local);
+            if (is_black(albedo)) continue;
+            const DensityPoint at(v.point, v.wo);
+            const Color reflected = paths[i].throughput * albedo * inv_pi;
+            if (paths[i].gathering) {
+                const auto far = far_irradiance(world_, maps_, at, v.hit.t, max_photon_edges(), progress_);
+                gathers_[i] = !far;
+                v.read_diffuse = reflected * (far ? *far : density(maps_.caustic, at, maps_.reading.caustic));
+            } else if (options_.gather_rays == 0) {
+                const Color diffuse = density(maps_.global, at, maps_.reading.global);
+                v.read_diffuse = reflected * (diffuse + density(maps_.caustic, at, maps_.reading.caustic));
+            } else {
+                gathers_[i] = 1;
+                v.read_diffuse = reflected * density(maps_.caustic, at, maps_.reading.caustic);
+            }
         }
     }
 
@@ -180,52 +125,42 @@ class Gatherer {
     /// Of photons' paths that are not too long with that of the camera.
     int max_photon_edges() const { return options_.max_depth < 0 ? -1 : options_.max_depth - edges_; }
 
-    /// One more edge by `lobes`, if it survives.
-    void go_on(State& s, const SurfacePoint& point, Vec3 wo, LobeSet lobes) {
-        const float u_lobe = s.sampler.next_1d();
-        const Vec2 u = s.sampler.next_2d();
-        const float u_roulette = s.sampler.next_1d();
-        const auto sample = point.bsdf.sample(wo, u_lobe, u, lobes);
-        if (!sample) return;
-        const Vec3 wi = point.frame.to_world(sample->wi);
-        if (dot(wi, point.normal) * sample->wi.z <= 0) return;
-        s.throughput *= sample->weight;
-        if (sample->transmission) s.eta2 *= sqr(sample->eta_ratio);
-        if (edges_ >= roulette_depth) {
-            const float survival = std::min(0.95f, max_component(s.throughput) * s.eta2);  // [ArvoKirk90]
-            if (!(u_roulette < survival)) return;
-            s.throughput *= 1 / survival;
+    /// Gather rays by the diffuse lobes, and one ray by the glossy lobes.
+    void continue_paths(std::span<const State> paths, std::span<const Vertex> vertices, Paths<State>& next) {
+        constexpr uint32_t gather_dimensions = 6;  // kept for gathers, so that both parts never share one
+        const auto parts = static_cast<uint32_t>(edges_ == 1 ? options_.gather_rays : 1);
+        for (size_t i = 0; i < vertices.size(); ++i) {
+            const Vertex& v = vertices[i];
+            if (v.missed()) continue;
+            for (uint32_t part = 0; gathers_[i] && part < parts; ++part) {
+                State one = paths[i];
+                one.sampler = one.sampler.split(parts, part);
+                one.throughput *= 1 / static_cast<float>(parts);
+                one.gathering = true;
+                push(one, v, LobeSet::diffuse, next);
+            }
+            if (!v.point.bsdf.has(LobeSet::glossy)) continue;
+            State one = paths[i];
+            one.sampler.skip(gather_dimensions);
+            push(one, v, LobeSet::glossy, next);
         }
-        if (!(max_component(s.throughput) > 0)) return;
-        s.from = point.position;
-        s.pdf = sample->pdf_solid_angle;
-        s.arrival = sample->delta ? Arrival::whole : Arrival::weighted;
-        next_states_.push_back(s);
-        next_rays_.push_back(point.ray(wi));
     }
 
-    void resolve_shadows() {
-        occluded_.resize(shadow_rays_.size());
-        world_.geometry.rays().occluded(shadow_rays_, occluded_);
-        progress_.count_rays(shadow_rays_.size());
-        for (size_t i = 0; i < shadows_.size(); ++i)
-            if (!occluded_[i]) add(shadows_[i].index, shadows_[i].contribution, shadows_[i].direct);
-        shadow_rays_.clear();
-        shadows_.clear();
+    /// One more edge by `lobes`, if it survives.
+    void push(State& path, const Vertex& v, LobeSet lobes, Paths<State>& next) const {
+        Ray ray;
+        if (go_on(v, lobes, edges_ >= roulette_after::photon_gather_edges, path, ray)) next.push(path, ray);
     }
 
     const World& world_;
     const PhotonMaps& maps_;
     const PhotonMapOptions& options_;
+    DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;  // of all paths under way, the one that is traced included
-    std::vector<State> states_, next_states_;
-    std::vector<Ray> rays_, next_rays_;  // of each state
-    std::vector<Hit> hits_;
-    std::vector<Ray> shadow_rays_;
-    std::vector<Shadow> shadows_;
-    std::vector<uint8_t> occluded_;
+    int edges_ = 0;  // of all paths under way
+    Shadows shadows_;
+    std::vector<uint8_t> gathers_;  // for each vertex
 };
 
 }  // namespace

@@ -13,17 +13,14 @@
 #include <algorithm>
 
 #include "base/parallel.h"
-#include "sampling/sampler.h"
+#include "base/precision.h"
+#include "transport/path_loop.h"
 
 namespace eclat {
 
 namespace {
 
-constexpr uint32_t photon_stream = 51, guide_stream = 52;
-constexpr uint64_t block = 4096;           // paths that are traced together
-constexpr float resolution = 0x1p-20f;     // of coordinates, with three bits to spare
-constexpr int sure_edges = 8;              // before a path that lost nothing may end by chance
-constexpr float largest_survival = 0.95f;  // after that: light caught in glass must end somewhere
+constexpr uint64_t block = 4096;  // paths that are traced together
 
 struct State {
     Color power;
@@ -35,35 +32,31 @@ struct State {
 
 class Tracer {
   public:
-    Tracer(const World& world, const TraceOptions& options, uint32_t stream, Progress& progress)
+    Tracer(const World& world, const TraceOptions& options, Stream stream, Progress& progress)
         : world_(world), options_(options), stream_(stream), progress_(progress) {}
 
-    void run(PhotonPaths paths) {
-        emit(paths);
-        for (edges_ = 1; !rays_.empty(); ++edges_) {
-            hits_.resize(rays_.size());
-            world_.geometry.rays().intersect(rays_, hits_);
-            progress_.count_rays(rays_.size());
-            size_t kept = 0;
-            for (size_t i = 0; i < rays_.size(); ++i) {
-                if (hits_[i].missed() || !advance(states_[i], rays_[i], hits_[i])) continue;
-                states_[kept] = states_[i];
-                rays_[kept++] = rays_[i];
-            }
-            states_.erase(states_.begin() + static_cast<ptrdiff_t>(kept), states_.end());
-            rays_.resize(kept);
-        }
+    void run(PhotonPaths range) {
+        follow_paths(
+            world_, emit(range), Coherence::none, Span::part, progress_,
+            [&](int edges, std::span<State> states, std::span<const Vertex> vertices, Paths<State>& next) {
+                edges_ = edges;
+                store(states, vertices);
+                if (options_.max_edges < 0 || edges < options_.max_edges) scatter_all(states, vertices, next);
+            },
+            [](Paths<State>&) {});
     }
 
     std::vector<Photon> photons;                 // in order of their edges
     std::vector<EmissionGuide::Result> emitted;  // what each path brought
 
   private:
-    void emit(PhotonPaths paths) {
-        if (options_.max_edges == 0) return;
-        for (uint64_t i = paths.first; i < paths.end; ++i) {
+    Paths<State> emit(PhotonPaths range) {
+        Paths<State> paths;
+        if (options_.max_edges == 0) return paths;
+        for (uint64_t i = range.first; i < range.end; ++i) {
             // The sampler counts 2^32 samples; what lies beyond is another sequence.
-            Sampler sampler(options_.seed ^ hash(stream_), static_cast<uint32_t>(i >> 32), static_cast<uint32_t>(i));
+            Sampler sampler(stream_seed(options_.seed, stream_), static_cast<uint32_t>(i >> 32),
+                            static_cast<uint32_t>(i));
             const float u_box = sampler.next_1d(), u_light = sampler.next_1d();
             const Vec2 u_position = sampler.next_2d(), u_direction = sampler.next_2d();
             const auto [u, pdf, box] =
@@ -72,17 +65,17 @@ class Tracer {
             const PhotonSample photon = world_.lights.emit(u[0], {u[1], u[2]}, {u[3], u[4]});
             if (is_black(photon.power)) continue;
             const auto emission = static_cast<uint32_t>(emitted.size() - 1);
-
-            states_.push_back({photon.power * (1 / pdf), sampler, emission, pdf});
-            rays_.push_back({start(photon), 0, photon.direction, infinity});
+            paths.push({photon.power * (1 / pdf), sampler, emission, pdf},
+                       {start(photon), 0, photon.direction, infinity});
         }
+        return paths;
     }
 
     /// Off the surface that it leaves, if it leaves one.
     Vec3 start(const PhotonSample& photon) const {
         if (photon.triangle == no_triangle) return photon.origin;
         const Vec3 n = world_.geometry.geometric_normal(photon.triangle);
-        const float offset = resolution * (world_.geometry.radius() + length(photon.origin));
+        const float offset = coordinate_resolution * (world_.geometry.radius() + length(photon.origin));
         return photon.origin + n * (dot(n, photon.direction) >= 0 ? offset : -offset);
     }
 
@@ -91,21 +84,28 @@ class Tracer {
         return s.scattered_diffusely ? options_.stored.indirect : options_.stored.caustic;
     }
 
-    /// Store the photon that arrived at `hit`; true where its path goes on, along `ray`.
-    bool advance(State& s, Ray& ray, const Hit& hit) {
-        const Vec3 from = -ray.direction;
-        const SurfacePoint point = world_.geometry.surface_point(hit, from);
-        if (point.bsdf.has(LobeSet::diffuse) && wanted(s)) {
-            const Vec3 n = dot(point.normal, from) >= 0 ? point.normal : -point.normal;
-            photons.push_back({point.position, s.power, from, n, static_cast<float>(edges_)});
-            emitted[s.emission].value += luminance(s.power) * s.pdf;
+    /// Stores the photons that arrived at diffuse surfaces.
+    void store(std::span<const State> states, std::span<const Vertex> vertices) {
+        for (size_t i = 0; i < states.size(); ++i) {
+            const Vertex& v = vertices[i];
+            if (v.missed() || !v.point.bsdf.has(LobeSet::diffuse) || !wanted(states[i])) continue;
+            const Vec3 normal = v.point.normal;
+            const Vec3 n = dot(normal, v.wo) >= 0 ? normal : -normal;
+            photons.push_back({v.point.position, states[i].power, v.wo, n, static_cast<float>(edges_)});
+            emitted[states[i].emission].value += luminance(states[i].power) * states[i].pdf;
         }
-        if (options_.max_edges >= 0 && edges_ >= options_.max_edges) return false;
-        return scatter(s, ray, point, from);
     }
 
-    bool scatter(State& s, Ray& ray, const SurfacePoint& point, Vec3 from) const {
-        const Vec3 from_local = point.frame.to_local(from);
+    void scatter_all(std::span<State> states, std::span<const Vertex> vertices, Paths<State>& next) const {
+        for (size_t i = 0; i < states.size(); ++i) {
+            Ray ray;
+            if (!vertices[i].missed() && scatter_photon(states[i], vertices[i], ray)) next.push(states[i], ray);
+        }
+    }
+
+    bool scatter_photon(State& s, const Vertex& v, Ray& ray) const {
+        const SurfacePoint& point = v.point;
+        const Vec3 from = v.wo, from_local = v.wo_local;
         float u_lobe = s.sampler.next_1d();
         const Vec2 u = s.sampler.next_2d();
         const float u_roulette = s.sampler.next_1d();
@@ -119,39 +119,36 @@ class Tracer {
         const float p = diffusely ? p_diffuse : 1 - p_diffuse;
         u_lobe = std::min((diffusely ? u_lobe : u_lobe - p_diffuse) / p, below_one);
         if (diffusely && !options_.stored.indirect) return false;
-        const auto sample = point.bsdf.sample(from_local, u_lobe, u, diffusely ? LobeSet::diffuse : LobeSet::glossy);
-        if (!sample) return false;
-        const Vec3 to = point.frame.to_world(sample->wi);
-        if (dot(to, point.normal) * sample->wi.z <= 0) return false;  // shading normal and surface disagree
+        const auto to = scatter(point, from_local, u_lobe, u, diffusely ? LobeSet::diffuse : LobeSet::glossy);
+        if (!to) return false;
+        const BsdfSample& sample = to->sample;
 
         // What `sample` weighs is radiance that travels the other way [Veach97 §5.3].
-        float adjoint =
-            std::fabs(from_local.z * dot(to, point.normal)) / std::fabs(dot(from, point.normal) * sample->wi.z);
-        if (sample->transmission) adjoint *= sqr(sample->eta_ratio);
-        const Color power = s.power * sample->weight * (adjoint / p);
+        float adjoint = std::fabs(from_local.z * dot(to->direction, point.normal)) /
+                        std::fabs(dot(from, point.normal) * sample.wi.z);
+        if (sample.transmission) adjoint *= sqr(sample.eta_ratio);
+        const Color power = s.power * sample.weight * (adjoint / p);
+        // Unlike paths from the eye, photons keep equal powers: roulette at each vertex takes what the surface absorbs.
         float survival = std::min(1.0f, max_component(power) / max_component(s.power));
-        if (edges_ >= sure_edges) survival = std::min(survival, largest_survival);
+        if (edges_ >= roulette_after::photon_edges) survival = std::min(survival, largest_survival);
         if (!(u_roulette < survival)) return false;
         s.power = power * (1 / survival);
         s.scattered_diffusely |= diffusely;
-        ray = point.ray(to);
+        ray = point.ray(to->direction);
         return true;
     }
 
     const World& world_;
     const TraceOptions& options_;
-    uint32_t stream_;
+    Stream stream_;
     Progress& progress_;
-    int edges_ = 0;  // of all paths under way, the one that is traced included
-    std::vector<State> states_;
-    std::vector<Ray> rays_;  // of each state
-    std::vector<Hit> hits_;
+    int edges_ = 0;  // of all paths under way
 };
 
 /// `f(tracer, b)` for each block b of paths, once it is traced.
 template <class F>
-void trace_blocks(const World& world, PhotonPaths paths, const TraceOptions& options, uint32_t stream,
-                  Progress& progress, const F& f) {
+void trace_blocks(const World& world, PhotonPaths paths, const TraceOptions& options, Stream stream, Progress& progress,
+                  const F& f) {
     const uint64_t blocks = (paths.end - paths.first + block - 1) / block;
     parallel_for(blocks, options.threads, [&](size_t b) {
         progress.check();
@@ -174,7 +171,7 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
 std::vector<Photon> trace_photons(const World& world, PhotonPaths paths, const TraceOptions& options,
                                   Progress& progress) {
     std::vector<std::vector<Photon>> parts((paths.end - paths.first + block - 1) / block);
-    trace_blocks(world, paths, options, photon_stream, progress,
+    trace_blocks(world, paths, options, Stream::photons, progress,
                  [&](Tracer& tracer, size_t b) { parts[b].swap(tracer.photons); });
     return joined(parts);
 }
@@ -188,7 +185,7 @@ EmissionGuide learn_emission(const World& world, const TraceOptions& options, Pr
     uint64_t first = 0;
     for (int round = 0; round < rounds; ++round) {
         std::vector<std::vector<EmissionGuide::Result>> parts(first_round / block);
-        trace_blocks(world, {first, first + first_round}, learning, guide_stream, progress,
+        trace_blocks(world, {first, first + first_round}, learning, Stream::emission_guides, progress,
                      [&](Tracer& tracer, size_t b) { parts[b].swap(tracer.emitted); });
         first += first_round;
         const auto results = joined(parts);

@@ -21,7 +21,6 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t chain_stream = 5;
 constexpr uint32_t glossy_pass = 1u << 21;  // of points everywhere, beside those of diffuse ones
 
 /// Where a radiance record could be wanted.
@@ -49,7 +48,7 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
                                                const RadianceCache& cache, std::span<const Vec2> pixels,
                                                const RadianceCacheOptions& options, Progress& progress) {
     return follow_chains<GlossyCandidate>(
-        world, camera, pixels, chain_stream, options.irradiance, progress,
+        world, camera, pixels, Stream::glossy_chains, options.irradiance, progress,
         [&](SeenVertex& vertex, std::vector<GlossyCandidate>& found) {
             SurfacePoint& point = vertex.point;
             ReflectedFactors factors;

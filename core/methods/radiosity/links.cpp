@@ -16,15 +16,14 @@
 #include <algorithm>
 
 #include "base/parallel.h"
+#include "base/precision.h"
 #include "methods/radiosity/form_factor.h"
 
 namespace eclat {
 
 namespace {
 
-constexpr size_t block = 1024;          // links that are looked at together, whose rays are one batch
-constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
-constexpr float shortening = 1 - 0x1p-13f;
+constexpr size_t block = 1024;  // links that are looked at together, whose rays are one batch
 
 // What is not known of a link that is hidden in part, in units of what it would carry: about the deviation of a share that
 // is anywhere between nothing and all.
@@ -155,10 +154,12 @@ class Refiner {
     }
 
     Ray ray_between(const PointPair& p) const {
-        const auto off = [&](Vec3 x, Vec3 n) { return x + n * (resolution * (world_.geometry.radius() + length(x))); };
+        const auto off = [&](Vec3 x, Vec3 n) {
+            return x + n * (coordinate_resolution * (world_.geometry.radius() + length(x)));
+        };
         const Vec3 from = off(p.x, p.normal_x), to = off(p.y, p.normal_y) - from;
         const float distance = length(to);
-        return {from, 0, to / distance, distance * shortening};
+        return {from, 0, to / distance, distance * shadow_shortening};
     }
 
     void trace(Decided& out) {

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/parallel.h"
+#include "base/precision.h"
 #include "sampling/sampler.h"
 #include "sampling/warp.h"
 
@@ -14,15 +15,12 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t surface_stream = 61, light_stream = 62, closure_stream = 63;
-constexpr float shadow_shortening = 1 - 0x1p-13f;  // as in transport/paths.cpp
 constexpr int texture_samples = 16;
 // Of the samples of a face cluster each side takes its share, but at least this part.
 constexpr float least_share = 1.0f / 8;
 constexpr float low_ray = 0.02f;  // height of rays along a patch, in units of its radius
 // Of a patch: where less than this is, its light is not known.
 constexpr float least_exposed = 0.1f;
-constexpr float resolution = 0x1p-20f;  // of coordinates, with three bits to spare
 
 class PatchMeter {
   public:
@@ -57,7 +55,7 @@ class PatchMeter {
         point.position = position;
         point.normal = patch.normal;
         point.frame = Frame::around(patch.normal);
-        point.offset = resolution * (world_.geometry.radius() + length(position));
+        point.offset = coordinate_resolution * (world_.geometry.radius() + length(position));
         return point;
     }
 
@@ -70,7 +68,8 @@ class PatchMeter {
         float opacity = 0;
         const int count = samples(texture_samples);
         for (int i = 0; i < count; ++i) {
-            Sampler sampler(options_.seed ^ hash(surface_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            Sampler sampler(stream_seed(options_.seed, Stream::patch_surfaces), key(tree_.name(index)),
+                            static_cast<uint32_t>(i));
             const Hit hit =
                 hit_on_triangle(world_.geometry, patch.triangle, patch.point(square_to_triangle(sampler.next_2d())));
             const Vec3 wo = frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()));
@@ -93,7 +92,8 @@ class PatchMeter {
         contributions_.clear();
         const int count = samples(options_.light_samples);
         for (int i = 0; i < count; ++i) {
-            Sampler sampler(options_.seed ^ hash(light_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            Sampler sampler(stream_seed(options_.seed, Stream::patch_lights), key(tree_.name(index)),
+                            static_cast<uint32_t>(i));
             const Vec2 anywhere = square_to_triangle(sampler.next_2d());
             const SurfacePoint point = bare(patch, patch.point(out.exposed_point(anywhere, sampler.next_1d())));
             const float u = sampler.next_1d();
@@ -118,7 +118,8 @@ class PatchMeter {
         std::vector<Vec2> where;
         const int count = samples(options_.closure_rays);
         for (int i = 0; i < count; ++i) {
-            Sampler sampler(options_.seed ^ hash(closure_stream), key(tree_.name(index)), static_cast<uint32_t>(i));
+            Sampler sampler(stream_seed(options_.seed, Stream::patch_closure), key(tree_.name(index)),
+                            static_cast<uint32_t>(i));
             where.push_back(square_to_triangle(sampler.next_2d()));
             const SurfacePoint point = bare(patch, patch.point(where.back()));
             rays_.push_back(point.ray(point.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));

@@ -53,7 +53,7 @@ Room furnace(float albedo, float emission) {
     return closed_room(albedos, emissions);
 }
 
-constexpr uint32_t stream = 7;
+constexpr Stream stream{7};
 
 }  // namespace
 
@@ -212,7 +212,7 @@ TEST_CASE("a record depends on its key, its stream and the seed, not on who is g
     const Room room = closed_room({0.5f, 0.7f, 0.2f, 0.6f, 0.5f, 0.5f}, {0, 0, 3, 0, 0, 0});
     Progress progress;
     const auto wanted = on_the_floor(5);
-    const auto gather = [&](std::span<const Candidate> some, const IrradianceCacheOptions& options, uint32_t s) {
+    const auto gather = [&](std::span<const Candidate> some, const IrradianceCacheOptions& options, Stream s) {
         return gather_records(room.world(), some, {}, options, s, 6, progress);
     };
     const auto same = [](const IrradianceRecord& a, const IrradianceRecord& b) {
@@ -220,7 +220,7 @@ TEST_CASE("a record depends on its key, its stream and the seed, not on who is g
     };
     const IrradianceRecord alone = gather(std::span(wanted).subspan(3, 1), coarse(), stream)[0];
     CHECK(same(alone, gather(wanted, coarse(), stream)[3]));
-    CHECK_FALSE(same(alone, gather(wanted, coarse(), stream + 1)[3]));
+    CHECK_FALSE(same(alone, gather(wanted, coarse(), Stream::far_records)[3]));
     IrradianceCacheOptions other = coarse();
     other.seed = 1;
     CHECK_FALSE(same(alone, gather(wanted, other, stream)[3]));

@@ -73,7 +73,7 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
         c.key = i;
         wanted.push_back(c);
     }
-    const auto gathered = [&](const FarEnd& far, uint32_t stream) {
+    const auto gathered = [&](const FarEnd& far, Stream stream) {
         Progress counted;
         double sum = 0;
         for (const IrradianceRecord& r : gather_records(world, wanted, far, options.irradiance, stream, 24, counted))
@@ -85,8 +85,8 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
     caches.tables = &place.lobes;
     const FarEnd both = far_end(world, caches, options.irradiance, progress);
     REQUIRE(both.reflection);
-    const auto [traced, rays_traced] = gathered(diffuse, 20);
-    const auto [read, rays_read] = gathered(both, 21);
+    const auto [traced, rays_traced] = gathered(diffuse, Stream{20});
+    const auto [read, rays_read] = gathered(both, Stream{21});
     CHECK(read == doctest::Approx(traced).epsilon(0.015));
     CHECK(rays_read < 0.95 * rays_traced);
 

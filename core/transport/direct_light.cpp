@@ -1,0 +1,79 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+#include "transport/direct_light.h"
+
+#include <cmath>
+
+#include "base/precision.h"
+#include "sampling/mis.h"
+
+namespace eclat {
+
+void Shadows::push(const Ray& ray, Color contribution, uint32_t index, bool direct) {
+    rays_.push_back(ray);
+    waiting_.push_back({contribution, index, direct});
+}
+
+void DirectLight::arrive(const PathState& path, Vertex& vertex) const {
+    vertex.arriving = vertex.missed() ? from_behind_everything(path, -vertex.wo) : from_surface(path, vertex);
+}
+
+Color DirectLight::from_behind_everything(const PathState& path, Vec3 w) const {
+    const Lights::Infinite sampled = world_.lights.infinite(w, set_);
+    Color radiance = sampled.radiance;
+    if (path.arrival == Arrival::none) radiance = Color();
+    if (path.arrival == Arrival::weighted)
+        radiance *= power_heuristic(path.pdf, static_cast<float>(path.light_samples) * sampled.pdf_solid_angle);
+    // What light sampling leaves out arrives whole.
+    if (set_ == LightSet::without_environment_image) radiance += world_.lights.environment(w) - sampled.radiance;
+    return path.throughput * radiance;
+}
+
+Color DirectLight::from_surface(const PathState& path, const Vertex& vertex) const {
+    const uint32_t emitter = world_.emitter(vertex.hit.triangle);
+    if (emitter == not_emitting || path.arrival == Arrival::none) return {};
+    const Color radiance = world_.lights.emitted(emitter, {vertex.hit.u, vertex.hit.v}, vertex.wo);
+    if (is_black(radiance)) return {};
+    float weight = 1;
+    if (path.arrival == Arrival::weighted)
+        weight = power_heuristic(path.pdf,
+                                 static_cast<float>(path.light_samples) *
+                                     world_.lights.pdf_solid_angle(emitter, path.from, vertex.point.position, set_));
+    return path.throughput * radiance * weight;
+}
+
+void DirectLight::sample(const PathState& path, Sampler sampler, const Vertex& vertex, const LitLobes& lobes,
+                         bool direct, Shadows& shadows) const {
+    const SurfacePoint& point = vertex.point;
+    const float u = sampler.next_1d();
+    const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d(), set_);
+    if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
+    const Vec3 wi = point.frame.to_local(light.wi);
+    if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading normal and the surface disagree
+    // All samples of the vertex together are one technique, of so many times the density.
+    const float density = static_cast<float>(lobes.light_samples) * light.pdf_solid_angle;
+    Color f;
+    if (point.bsdf.has(lobes.alone)) f = point.bsdf.eval(vertex.wo_local, wi, lobes.alone).f;
+    if (lobes.has_shared) {
+        const EvalPdf e = point.bsdf.eval(vertex.wo_local, wi, lobes.shared);
+        const float others = static_cast<float>(lobes.paths) * e.pdf_solid_angle;
+        f += e.f * (light.delta ? 1 : power_heuristic(density, others));
+    }
+    if (is_black(f)) return;
+    shadows.push(point.ray(light.wi, light.distance * shadow_shortening),
+                 path.throughput * f * light.radiance * (std::fabs(wi.z) / density), path.index, direct);
+}
+
+std::optional<ShadowRay> sample_irradiance(const World& world, const SurfacePoint& point, Vec3 n, LightSet set,
+                                           Sampler& sampler) {
+    const float u = sampler.next_1d();
+    const Vec2 uv = sampler.next_2d();
+    const LightSample light = world.lights.sample(point.position, u, uv, set);
+    const float cosine = dot(light.wi, n);
+    if (!(light.pdf_solid_angle > 0) || cosine <= 0) return std::nullopt;
+    return ShadowRay{point.ray(light.wi, light.distance * shadow_shortening),
+                     light.radiance * (cosine / light.pdf_solid_angle)};
+}
+
+}  // namespace eclat
