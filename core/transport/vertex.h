@@ -30,7 +30,7 @@ struct PathState {
     float eta2 = 1;                    // radiance scaling by refraction, which roulette must not mistake for absorption
     Arrival arrival = Arrival::whole;  // of light that the ray finds
     int light_samples = 1;             // that the last vertex took
-    Vec3 from;                         // position of the last vertex
+    Vec3 from{};                       // position of the last vertex
 };
 
 /// Where the ray of a path ended: on a surface, or beyond the scene, where `point` is empty.
