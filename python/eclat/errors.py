@@ -5,8 +5,11 @@
 from __future__ import annotations
 
 import difflib
+import re
 import warnings
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 
 class EclatError(ValueError):
@@ -17,9 +20,37 @@ class EclatWarning(UserWarning):
     """Something was replaced, ignored or guessed; the result still means something. The CLI says it, scenes keep it."""
 
 
+_heard: ContextVar[tuple[list[str], ...]] = ContextVar("heard", default=())
+"""Lists that keep what is said in this thread or task: `warnings.catch_warnings` would mix those of all threads."""
+
+_UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""Control characters, which a terminal obeys, those that turn the direction of text, and bytes that are no text."""
+
+
 def warn(message: str) -> None:
     """Issue an `EclatWarning` that points at the caller's caller."""
+    for heard in _heard.get():
+        heard.append(message)
     warnings.warn(message, EclatWarning, stacklevel=3)
+
+
+@contextmanager
+def heard_warnings() -> Iterator[list[str]]:
+    """The text of every `EclatWarning` of this thread until the block ends; they are issued all the same."""
+    heard: list[str] = []
+    token = _heard.set((*_heard.get(), heard))
+    try:
+        yield heard
+    finally:
+        _heard.reset(token)
+
+
+def printable(text: str, *, lines: bool = False) -> str:
+    """`text` with its control characters spelled out (`\\x1b`), so that a name from a file cannot steer a terminal.
+
+    With `lines`, line ends stay.
+    """
+    return _UNPRINTABLE.sub(lambda c: c[0] if lines and c[0] == "\n" else ascii(c[0])[1:-1], text)
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:

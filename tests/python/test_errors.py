@@ -4,11 +4,12 @@
 
 from __future__ import annotations
 
+import threading
 import warnings
 
 import pytest
 
-from eclat.errors import EclatError, EclatWarning, did_you_mean, warn
+from eclat.errors import EclatError, EclatWarning, did_you_mean, heard_warnings, printable, warn
 
 
 def test_the_nearest_word_is_proposed_and_only_a_near_one() -> None:
@@ -33,3 +34,37 @@ def test_a_warning_points_at_the_line_that_called_the_loader() -> None:
 def test_an_error_of_the_user_is_a_value_error() -> None:
     with pytest.raises(ValueError, match="roughness"):
         raise EclatError("roughness must be between 0 and 1")
+
+
+def test_warnings_of_two_threads_stay_apart() -> None:
+    heard: dict[str, list[str]] = {}
+    both = threading.Barrier(2)
+
+    def speak(name: str) -> None:
+        with heard_warnings() as mine:
+            for number in range(5):
+                both.wait(10)
+                warn(f"{name} {number}")
+        heard[name] = mine
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        threads = [threading.Thread(target=speak, args=(name,)) for name in ("a", "b")]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(20)
+    assert heard == {name: [f"{name} {number}" for number in range(5)] for name in ("a", "b")}
+
+
+def test_warnings_in_a_block_within_are_heard_outside_too() -> None:
+    with pytest.warns(EclatWarning), heard_warnings() as outer:
+        warn("one")
+        with heard_warnings() as inner:
+            warn("two")
+    assert (outer, inner) == (["one", "two"], ["two"])
+
+
+def test_control_characters_are_spelled_out() -> None:
+    assert printable("a\x1b[31mb\x07\x9b\u202e\udc80é°\n") == r"a\x1b[31mb\x07\x9b\u202e\udc80é°\n"
+    assert printable("a\r\nb\t", lines=True) == "a\\r\nb\\t"

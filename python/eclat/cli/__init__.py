@@ -2,14 +2,19 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: the table of commands, and what becomes of errors.
 
-Exit codes: 0 done, 1 standard output was closed early, 2 the user's mistake (said on standard error), 130 Ctrl-C.
+Exit codes: 0 done, 1 standard output was closed early, 2 the user's mistake (said on standard error), 130 Ctrl-C,
+143 SIGTERM, 129 SIGHUP: all three stop a command in the same way, which leaves no half-written file.
 """
 
 from __future__ import annotations
 
 import os
+import signal
 import sys
-from collections.abc import Sequence
+import threading
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager, suppress
+from types import FrameType
 from typing import Any
 
 import click
@@ -17,7 +22,7 @@ import click
 import eclat
 from eclat.cli.command import Group
 from eclat.cli.reporting import message_of, say_error
-from eclat.errors import EclatError
+from eclat.errors import EclatError, printable
 
 COMMANDS: dict[str, str] = {
     "render": "eclat.cli.render",
@@ -59,26 +64,72 @@ def group() -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line; returns the exit code and never raises for what a user can cause."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
+    with _stopped_by_signals() as received:
+        try:
+            with group.make_context("eclat", arguments or ["--help"]) as context:
+                group.invoke(context)
+            if sys.stdout is not None:
+                sys.stdout.flush()
+        except BaseException as error:
+            return _exit_code(error, received)
+    return DONE
+
+
+@contextmanager
+def _stopped_by_signals() -> Iterator[list[int]]:
+    """Makes SIGTERM and SIGHUP interrupt as Ctrl-C does; gives the list of those that came.
+
+    Signals that someone ignores (nohup) or handles stay theirs.
+    """
+    received: list[int] = []
+
+    def interrupt(number: int, frame: FrameType | None) -> None:
+        received.append(number)
+        raise KeyboardInterrupt
+
+    mine = []
+    if threading.current_thread() is threading.main_thread():
+        mine = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) is signal.SIG_DFL]
+    for number in mine:
+        signal.signal(number, interrupt)
     try:
-        with group.make_context("eclat", arguments or ["--help"]) as context:
-            group.invoke(context)
+        yield received
+    finally:
+        for number in mine:
+            signal.signal(number, signal.SIG_DFL)
+
+
+def _exit_code(error: BaseException, signals: Sequence[int]) -> int:
+    """What is said of an error that ended a command, and its exit code. Raises what no user can cause."""
+    try:
+        raise error
     except click.exceptions.Exit as stop:
         return stop.exit_code
     except (KeyboardInterrupt, click.Abort):
-        say_error("interrupted")
-        return INTERRUPTED
+        say_error("terminated" if signals else "interrupted")
+        return 128 + signals[0] if signals else INTERRUPTED
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else "eclat"
-        say_error(f"{message_of(error)}\n       try: {command} --help")
+        say_error(f"{printable(message_of(error))}\n       try: {command} --help")
         return MISTAKE
     except (EclatError, click.ClickException) as error:
-        say_error(message_of(error))
+        say_error(printable(message_of(error)))
         return MISTAKE
     except MemoryError:
         say_error("not enough memory")
         return MISTAKE
     except BrokenPipeError:
-        # Python would complain once more when it flushes standard output at exit.
-        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        _give_up_standard_output()
         return BROKEN_PIPE
-    return DONE
+    except OSError as error:
+        # Files that cannot be read or written are EclatErrors by now: what is left is standard output.
+        reason = error.strerror or str(error)
+        say_error(f"{error.filename}: {reason}" if error.filename else f"standard output: cannot be written: {reason}")
+        _give_up_standard_output()
+        return MISTAKE
+
+
+def _give_up_standard_output() -> None:
+    """Python would complain once more when it flushes it at exit."""
+    with suppress(OSError, ValueError, AttributeError):
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

@@ -13,6 +13,7 @@ import eclat
 from eclat.cli.command import Command
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import scene_argument
+from eclat.errors import printable
 from eclat.scene import DirectionalLight, PointLight, SpotLight
 from eclat.stage.material_overrides import material_names
 
@@ -110,7 +111,7 @@ def _text(description: dict[str, Any]) -> str:
     ]
     if not description["cameras"]:
         lines.insert(7, ("cameras", "none"))
-    return "\n".join(f"{label:<10}  {value}" for label, value in lines)
+    return "\n".join(f"{label:<10}  {printable(value)}" for label, value in lines)
 
 
 def _camera_line(index: int, camera: dict[str, Any]) -> tuple[str, str]:

@@ -60,12 +60,15 @@ def encode_irradiance(table: NDArray[np.float32], suffix: str) -> bytes:
 
 
 def _read(name: str) -> bytes:
+    if name == "-" and sys.stdin is None:
+        raise EclatError("standard input: expected points, but it is closed")
     try:
         return sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
     except FileNotFoundError:
         raise EclatError(f"{name}: file not found") from None
-    except OSError as error:
-        raise EclatError(f"{name}: cannot be read: {error.strerror or error}") from None
+    except (OSError, ValueError) as error:
+        reason = error.strerror if isinstance(error, OSError) and error.strerror else error
+        raise EclatError(f"{name}: cannot be read: {reason}") from None
 
 
 def _from_npy(data: bytes, label: str) -> Float64:

@@ -9,8 +9,10 @@ falls means that more is to be done than was expected (pictures whose error fall
 
 from __future__ import annotations
 
+import io
 import json
 import math
+import re
 import sys
 import time
 from collections import deque
@@ -20,6 +22,9 @@ from typing import Any, Self, TextIO
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
+
+_CONTROL = re.compile("[\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
+"""What JSON leaves as it is though terminals, or readers of lines, obey it."""
 
 SHOW_AFTER = 2.0
 """Seconds before a bar appears: what is shorter needs none."""
@@ -138,7 +143,7 @@ class JsonEvents:
     """
 
     def __init__(self, stream: TextIO | None = None, clock: Clock = time.monotonic) -> None:
-        self._stream = stream or sys.stdout
+        self._stream = stream or sys.stdout or io.StringIO()  # None where standard output is closed
         self._clock = clock
         self._begun = clock()
         self._meter = Meter(clock)
@@ -157,7 +162,9 @@ class JsonEvents:
     def emit(self, event: str, **fields: Any) -> None:
         """Write one event."""
         record = {"event": event, "time": round(self._clock() - self._begun, 3), **fields}
-        self._stream.write(json.dumps(_finite(record), ensure_ascii=False, allow_nan=False) + "\n")
+        # JSON spells out what is below a space itself, and leaves other control characters as they are.
+        text = json.dumps(_finite(record), ensure_ascii=False, allow_nan=False)
+        self._stream.write(_CONTROL.sub(lambda c: f"\\u{ord(c[0]):04x}", text) + "\n")
         self._stream.flush()
 
 

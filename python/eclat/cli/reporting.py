@@ -18,7 +18,7 @@ import click
 
 from eclat.cli.command import option, together
 from eclat.cli.progress import JsonEvents, ProgressBar
-from eclat.errors import EclatError, EclatWarning
+from eclat.errors import EclatError, EclatWarning, printable
 
 reporting_options = together(
     option(
@@ -67,13 +67,13 @@ class Reporter:
         if self.events is not None:
             self.events.emit("result", **fields)
         elif not self.quiet:
-            click.echo(text)
+            click.echo(printable(text, lines=True))
 
     def note(self, text: str) -> None:
         """Say something beside a result that stands on standard output."""
         self.end_progress()
         if not self.quiet and self.events is None:
-            click.echo(f"eclat: {text}", err=True)
+            click.echo(f"eclat: {printable(text)}", err=True)
 
     def warn(self, message: str) -> None:
         """Say a warning, once."""
@@ -83,7 +83,7 @@ class Reporter:
         if self.events is not None:
             self.events.emit("warning", message=message)
         else:
-            click.echo(f"eclat: warning: {message}", err=True)
+            click.echo(f"eclat: warning: {printable(message)}", err=True)
 
     def __enter__(self) -> Self:
         self._stack.enter_context(warnings.catch_warnings())
@@ -132,4 +132,4 @@ def message_of(error: EclatError | click.ClickException) -> str:
 def say_error(message: str) -> None:
     """`eclat: message` on standard error, where that still works."""
     with suppress(OSError):
-        click.echo(f"eclat: {message}", err=True)
+        click.echo(f"eclat: {printable(message, lines=True)}", err=True)

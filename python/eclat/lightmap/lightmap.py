@@ -18,7 +18,7 @@ from PIL import Image as PillowImage
 
 import eclat
 from eclat.errors import EclatError
-from eclat.files.atomic_file import check_writable, write_file
+from eclat.files.atomic_file import check_writable, write_file, write_files
 from eclat.gltf_export import LIGHTMAP_TEXTURE, LightmapTexture, Part, encode_glb
 from eclat.images.exr import encode_exr
 from eclat.images.tone import srgb_encode
@@ -83,7 +83,7 @@ class Lightmap:
         """Write `room_lit.glb`, and `room_lit.lightmap.exr` and `room_lit.lightmap.json` beside it; their paths.
 
         The scene in the .glb has its light map as MOZ_lightmap in 8 bits a channel; the EXR is the same in single
-        precision. Each file is whole or not there, the .glb comes last.
+        precision. The three are written together or not at all.
 
         Raises
         ------
@@ -125,9 +125,9 @@ class Lightmap:
             "statistics": self.statistics | {"clipped_share": self.clipped_share()},
             "settings": self.settings,
         }
-        write_file(exr, encode_exr(self.irradiance, {}, {"unit": self.unit, "component": self.component}, {}))
-        write_file(side_car, json.dumps(description, ensure_ascii=False, indent=2).encode() + b"\n")
-        write_file(glb, data)
+        picture = encode_exr(self.irradiance, {}, {"unit": self.unit, "component": self.component}, {})
+        text = json.dumps(description, ensure_ascii=False, indent=2).encode() + b"\n"
+        write_files({exr: picture, side_car: text, glb: data})
         return list(names)
 
     def save_flat(

@@ -6,14 +6,13 @@ from __future__ import annotations
 
 import importlib
 import os
-import warnings
 from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
 from eclat import scenes
-from eclat.errors import EclatError, EclatWarning, did_you_mean
+from eclat.errors import EclatError, did_you_mean, heard_warnings
 from eclat.scene import Scene
 
 __all__ = ["SUFFIXES", "load", "load_dict"]
@@ -112,14 +111,7 @@ def _is_folder(file: Path) -> bool:
 
 
 def _collecting_warnings(make: Callable[[], Scene]) -> Scene:
-    """The scene that `make` returns, with the text of every `EclatWarning` on the way; all warnings are issued."""
-    caught: list[warnings.WarningMessage] = []
-    try:
-        with warnings.catch_warnings(record=True) as caught:
-            warnings.simplefilter("always")
-            scene = make()
-    finally:
-        for entry in caught:
-            warnings.warn_explicit(entry.message, entry.category, entry.filename, entry.lineno, source=entry.source)
-    messages = [str(entry.message) for entry in caught if issubclass(entry.category, EclatWarning)]
+    """The scene that `make` returns, with the text of every `EclatWarning` on the way."""
+    with heard_warnings() as messages:
+        scene = make()
     return replace(scene, warnings=tuple(dict.fromkeys([*scene.warnings, *messages])))

@@ -35,11 +35,11 @@ _DECODER_ERRORS = (
 def decode_image(data: bytes) -> NDArray[Any]:
     """(H, W, C) with C = 1, 3 or 4: uint8, or float32 in 0..1 for images of 16 bits. Raises EclatError."""
     try:
-        with warnings.catch_warnings():
-            warnings.simplefilter("ignore", Image.DecompressionBombWarning)
-            with Image.open(io.BytesIO(data), formats=FORMATS) as image:
-                _check_size(image, len(data))
-                pixels = _pixels(image, data)
+        # For good, since `catch_warnings` would undo what other threads do meanwhile; our own limit is the same.
+        warnings.simplefilter("ignore", Image.DecompressionBombWarning)
+        with Image.open(io.BytesIO(data), formats=FORMATS) as image:
+            _check_size(image, len(data))
+            pixels = _pixels(image, data)
     except EclatError:
         raise
     except UnidentifiedImageError:

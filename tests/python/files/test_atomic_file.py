@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from eclat.errors import EclatError
-from eclat.files.atomic_file import check_writable, write_file
+from eclat.files.atomic_file import check_writable, write_file, write_files
 
 
 def test_a_new_file_has_the_permissions_that_open_would_give(tmp_path: Path) -> None:
@@ -104,3 +104,40 @@ def test_bad_places_are_named(tmp_path: Path) -> None:
     assert str(caught.value) == (
         f"{tmp_path}: cannot be written: expected a file name, but this is a folder or a device"
     )
+
+
+def test_a_set_of_files_is_written_whole_or_not_at_all(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    one, two, three = (tmp_path / name for name in ("one", "two", "three"))
+    write_files({one: b"1", two: b"2", three: b"3"})
+    three.unlink()
+    real = os.replace
+
+    def failing(at: Path, error: BaseException) -> None:
+        def replace(source: str, target: str | Path) -> None:
+            if Path(target) == at and Path(source).read_bytes() == b"new":
+                raise error
+            real(source, target)
+
+        monkeypatch.setattr(os, "replace", replace)
+
+    for at in (one, two, three):
+        for error, kind in (
+            (OSError(28, "No space left on device"), EclatError),
+            (KeyboardInterrupt(), KeyboardInterrupt),
+        ):
+            failing(at, error)
+            with pytest.raises(kind):
+                write_files({three: b"new", two: b"new", one: b"new"})
+            assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "two"]
+            assert (one.read_bytes(), two.read_bytes()) == (b"1", b"2")
+    monkeypatch.setattr(os, "replace", real)
+    with pytest.raises(EclatError, match="does not exist"):
+        write_files({one: b"new", tmp_path / "none" / "x": b"new"})
+    assert one.read_bytes() == b"1"
+    write_files({three: b"new", one: b"new"})
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["one", "three", "two"]
+
+
+def test_names_that_are_too_long_are_refused_before_the_work(tmp_path: Path) -> None:
+    with pytest.raises(EclatError, match="cannot be written: File name too long"):
+        check_writable(tmp_path / ("n" * 300 + ".exr"))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import importlib
 import subprocess
 import sys
+import threading
 import warnings
 from pathlib import Path
 
@@ -136,3 +137,25 @@ def test_every_real_scene_loads(scenes: Path) -> None:
     assert len(paths) > 40
     for path in paths:
         assert load(path).meshes, path
+
+
+def test_scenes_loaded_in_two_threads_keep_their_own_warnings(tmp_path: Path) -> None:
+    for name in ("a", "b"):
+        text = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n" * 50 + f"odd_{name} 1\n"
+        (tmp_path / f"{name}.obj").write_text(text)
+    found: dict[str, set[tuple[str, ...]]] = {"a": set(), "b": set()}
+
+    def work(name: str) -> None:
+        for _ in range(20):
+            found[name].add(eclat.load(tmp_path / f"{name}.obj").warnings)
+
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")
+        threads = [threading.Thread(target=work, args=(name,)) for name in found]
+        for thread in threads:
+            thread.start()
+        for thread in threads:
+            thread.join(60)
+    for name, seen in found.items():
+        ((text,),) = seen
+        assert f"odd_{name}" in text
