@@ -7,13 +7,13 @@ from __future__ import annotations
 import io
 import json
 import os
-import zipfile
 from collections.abc import Mapping
 from typing import Any
 
 import numpy as np
 
 from eclat.errors import EclatError
+from eclat.files.arrays import arrays_from, read_file
 from eclat.files.atomic_file import write_file
 
 
@@ -30,19 +30,16 @@ def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str
     Raises EclatError where there is no such file, or none that `write_archive` wrote.
     """
     name = os.fspath(path)
+    data = read_file(path, where=name)
     try:
-        with open(path, "rb") as file:
-            if not zipfile.is_zipfile(file):
-                raise zipfile.BadZipFile("it is no .npz archive")
-            file.seek(0)
-            with np.load(file, allow_pickle=False) as data:
-                header = json.loads(str(data["header"]))
-                arrays = {n: data[n] for n in data.files if n != "header"}
-    except FileNotFoundError:
-        raise EclatError(f"{name}: no such file") from None
-    except (OSError, ValueError, KeyError, zipfile.BadZipFile, EOFError, NotImplementedError) as error:
-        raise EclatError(f"{name}: nothing that Éclat saved, or damaged ({error})") from error
+        arrays = arrays_from(data, name)
+        header = json.loads(str(arrays.pop("header")))
+        if not isinstance(header, dict):
+            raise ValueError("its header is no object")
+    except (ValueError, KeyError, RecursionError) as error:
+        reason = str(error).removeprefix(f"{name}: ").removeprefix(f"{name}, ")
+        raise EclatError(f"{name}: nothing that Éclat saved, or damaged ({reason})") from error
     center = arrays.get("center")
     if center is not None and (center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all()):
         raise EclatError(f"{name}: the array 'center' is damaged")
-    return header if isinstance(header, dict) else {}, arrays
+    return header, arrays

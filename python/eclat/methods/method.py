@@ -345,18 +345,24 @@ def _load(path: str | os.PathLike[str], scene: Scene | None) -> Solved:
     if header.get("format") != cls.format:
         raise EclatError(f"{name}: a {cls.called} of another version of Éclat: solve the scene again")
     try:
-        common = Common(
-            known(**header["options"]), str(header["fingerprint"]), int(header["max_depth"]), bool(header["complete"]),
-            dict(header["statistics"]),
-        )  # fmt: skip
+        common = _common(known(**header["options"]), header)
         solved = cls.from_parts(common, header, arrays)
     except DamagedArrayError as error:
         raise EclatError(f"{name}: the array {str(error)!r} is damaged") from error
-    except (KeyError, TypeError, ValueError) as error:
+    except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
         raise EclatError(f"{name}: its header is damaged ({error})") from error
     if scene is not None:
         solved.require_match(scene, solved.max_depth)
     return solved
+
+
+def _common(options: Method, header: Mapping[str, Any]) -> Common:
+    """The fields that all solved values have. Raises KeyError or ValueError, since files can be edited."""
+    for name, kind in (("fingerprint", str), ("max_depth", int), ("complete", bool), ("statistics", dict)):
+        if type(header[name]) is not kind:
+            raise ValueError(f"{name} is {header[name]!r:.60}")
+    statistics = {str(name): float(value) for name, value in header["statistics"].items()}
+    return Common(options, header["fingerprint"], header["max_depth"], header["complete"], statistics)
 
 
 class DamagedArrayError(ValueError):

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from typing import ClassVar
 
 from eclat.methods.method import Method, Prepared
-from eclat.methods.ranges import check_range
+from eclat.methods.ranges import check_range, check_types
 from eclat.methods.traced import ROULETTE_DEPTH, Traced
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
@@ -28,6 +28,7 @@ class Path(Method):
     """Edges of a path before it may be ended at random (1 or more)."""
 
     def __post_init__(self) -> None:
+        check_types(self)
         check_range(self, "roulette_depth", 1, 10**6)
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:

@@ -17,7 +17,7 @@ from eclat.bridge.compiled import compiled, fingerprint
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, warn
 from eclat.methods.method import Common, DamagedArrayError, Method, PassEstimator, Prepared, Solved
-from eclat.methods.ranges import check_names, check_range, core_enum
+from eclat.methods.ranges import check_names, check_range, check_types, core_enum
 from eclat.methods.work import Care, Purpose, View, Work
 from eclat.scene import FloatArray, Material, Scene
 
@@ -167,9 +167,13 @@ class Photons(Solved):
                 or not np.isfinite(array).all()
             ):
                 raise DamagedArrayError(name)
+        emissions = tuple(Emission(**e) for e in header["emissions"])
+        counts = [count for e in emissions for count in (e.seed, e.paths, e.caustic_paths)]
+        if not counts or not all(type(count) is int and 0 <= count < 1 << 63 for count in counts):
+            raise ValueError("emissions")
         return cls(
             common.options, common.fingerprint, arrays["stored"], arrays["caustic"], arrays["center"],
-            tuple(Emission(**e) for e in header["emissions"]), common.statistics, common.max_depth,
+            emissions, common.statistics, common.max_depth,
         )  # fmt: skip
 
     def merged(self, other: Photons) -> Photons:
@@ -318,6 +322,7 @@ class PhotonMap(Method):
     """How slowly discs of `progressive` shrink, 0.1..0.95: larger is smoother and blurs longer."""
 
     def __post_init__(self) -> None:
+        check_types(self)
         check_range(self, "photons", FEWEST_PHOTONS, 10**8)
         check_range(self, "caustic_photons", FEWEST_PHOTONS, 10**8)
         check_range(self, "nearest", 8, 10**5)

@@ -17,7 +17,7 @@ from eclat.bridge.compiled import compiled, fingerprint
 from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
 from eclat.methods.method import Common, DamagedArrayError, Method, Solved
-from eclat.methods.ranges import check_names, check_range, core_enum
+from eclat.methods.ranges import check_names, check_range, check_types, core_enum
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Material, Scene
 
@@ -241,6 +241,7 @@ class Radiosity(Method):
     """Rays of a final gather, per sample of a pixel; 0 shows the patches directly, smoothly reconstructed."""
 
     def __post_init__(self) -> None:
+        check_types(self)
         check_range(self, "patches", 1, 10**8)
         check_range(self, "patch_size", 1e-9, 1e9)
         check_range(self, "refinements", 0, 8)

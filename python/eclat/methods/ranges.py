@@ -4,10 +4,39 @@
 
 from __future__ import annotations
 
+import dataclasses
 import math
+import numbers
 from typing import Any, get_args, get_type_hints
 
 from eclat.errors import EclatError, did_you_mean
+
+_KINDS: dict[type, tuple[type, str]] = {
+    bool: (bool, "True or False"),
+    int: (numbers.Integral, "a whole number"),
+    float: (numbers.Real, "a number"),
+}
+"""Of a field's type: what values may be, and what messages call it."""
+
+
+def check_types(method: object) -> None:
+    """Raises EclatError for the first field that is no truth value, whole number or number where its type says so.
+
+    Numbers of other types, as of NumPy, become Python's, so that they can be saved. Words are `check_names`' task.
+    """
+    types = get_type_hints(type(method))
+    for field in dataclasses.fields(method):  # type: ignore[arg-type]
+        value = getattr(method, field.name)
+        alternatives = get_args(types[field.name]) or (types[field.name],)
+        kind = next((kind for kind in alternatives if kind in _KINDS), None)
+        if kind is None or (value is None and type(None) in alternatives):
+            continue
+        base, noun = _KINDS[kind]
+        if not isinstance(value, base) or isinstance(value, bool) != (kind is bool):
+            empty = " or None" if type(None) in alternatives else ""
+            raise EclatError(f"{type(method).__name__}: {field.name} must be {noun}{empty}, got {value!r}")
+        if type(value) not in (bool, int, float):
+            object.__setattr__(method, field.name, kind(value))
 
 
 def check_range(method: object, name: str, low: float, high: float) -> None:

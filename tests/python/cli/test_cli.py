@@ -185,7 +185,7 @@ BAD_VALUES = {
     "--cache a.npz --set rows=5": (
         "--cache: expected no --method and no --set beside it, since the cache brings its own"
     ),
-    "--cache a.npz": "a.npz: no such file",
+    "--cache a.npz": "a.npz: file not found",
     "-o a.tiff": "a.tiff: expected a suffix of .exr, .png, .pfm, .npy, got '.tiff'",
     "--replay-settings none.exr": "none.exr: file not found",
 }

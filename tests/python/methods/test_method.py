@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
 from eclat.errors import EclatError
@@ -20,7 +21,15 @@ def test_defaults_are_within_their_own_ranges(method: str) -> None:
     [
         ("irradiance-cache", {"max_error": 0}, "IrradianceCache: max_error must be between 0.0005 and 0.5, got 0"),
         ("irradiance-cache", {"max_error": float("nan")}, "max_error must be between"),
-        ("irradiance-cache", {"max_error": "small"}, "max_error must be between"),
+        ("irradiance-cache", {"max_error": "small"}, "IrradianceCache: max_error must be a number, got 'small'"),
+        ("irradiance-cache", {"rows": 2.5}, "IrradianceCache: rows must be a whole number or None, got 2.5"),
+        ("irradiance-cache", {"rows": True}, "rows must be a whole number or None, got True"),
+        ("irradiance-cache", {"rotation_gradient": 1}, "rotation_gradient must be True or False, got 1"),
+        ("irradiance-cache", {"far_spacing": None}, "far_spacing must be a number, got None"),
+        ("radiance-cache", {"order": "ten"}, "RadianceCache: order must be a whole number, got 'ten'"),
+        ("photon-map", {"photons": 1e5}, "PhotonMap: photons must be a whole number, got 100000.0"),
+        ("radiosity", {"patches": [1]}, "Radiosity: patches must be a whole number, got [1]"),
+        ("path", {"roulette_depth": 5.0}, "Path: roulette_depth must be a whole number, got 5.0"),
         ("irradiance-cache", {"least_pixels": 50.0}, "largest_pixels must be between 50 and"),
         ("irradiance-cache", {"weight": "tabelion"}, "did you mean 'tabellion'?"),
         (
@@ -43,3 +52,9 @@ def test_unknown_names_are_answered_with_near_ones() -> None:
         make_options("pat")
     with pytest.raises(EclatError, match="unknown option max_eror for irradiance-cache; did you mean 'max_error'"):
         make_options("irradiance-cache", max_eror=0.1)
+
+
+def test_numbers_of_numpy_become_pythons() -> None:
+    options = make_options("irradiance-cache", rows=np.int64(9), spacing=np.float32(0.5))
+    assert (type(options.rows), type(options.spacing)) == (int, float)
+    assert options.rows == 9 and options.spacing == 0.5

@@ -54,7 +54,7 @@ def test_save_and_load(photons: eclat.Photons, scene: eclat.Scene, tmp_path: Pat
 
 def test_damaged_files(photons: eclat.Photons, tmp_path: Path) -> None:
     file = tmp_path / "photons.npz"
-    with pytest.raises(eclat.EclatError, match="no such file"):
+    with pytest.raises(eclat.EclatError, match="file not found"):
         eclat.Photons.load(file)
     photons.save(file)
     whole = file.read_bytes()

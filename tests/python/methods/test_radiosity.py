@@ -57,7 +57,7 @@ def test_save_and_load(solution: eclat.RadiositySolution, scene: eclat.Scene, tm
 
 def test_damaged_files(solution: eclat.RadiositySolution, scene: eclat.Scene, tmp_path: Path) -> None:
     file = tmp_path / "radiosity.npz"
-    with pytest.raises(eclat.EclatError, match="no such file"):
+    with pytest.raises(eclat.EclatError, match="file not found"):
         eclat.RadiositySolution.load(file)
     solution.save(file)
     whole = file.read_bytes()

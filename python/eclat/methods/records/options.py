@@ -9,7 +9,7 @@ from typing import ClassVar, Literal
 
 from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.methods.method import Method
-from eclat.methods.ranges import check_names, check_range
+from eclat.methods.ranges import check_names, check_range, check_types
 
 
 @dataclass(frozen=True)
@@ -67,6 +67,7 @@ class RecordOptions(Method):
     """Photons in whose irradiance gather rays end, instead of far records; 0 for none. Not under an environment image."""
 
     def __post_init__(self) -> None:
+        check_types(self)
         check_range(self, "max_error", *MAX_ERROR_RANGE)
         check_range(self, "spacing", 0.01, 8)
         check_range(self, "rows", 2, 256)

@@ -86,7 +86,7 @@ def test_files_that_are_no_archives_are_refused(tmp_path: Path, content: bytes) 
     np.save(tmp_path / "array.npy", np.zeros(3))
     with pytest.raises(eclat.EclatError, match=r"array\.npy: nothing that"):
         eclat.Solution.load(tmp_path / "array.npy")
-    with pytest.raises(eclat.EclatError, match="no such file"):
+    with pytest.raises(eclat.EclatError, match="file not found"):
         eclat.Solution.load(tmp_path / "missing.npz")
 
 
