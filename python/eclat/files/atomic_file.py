@@ -33,8 +33,8 @@ def write_files(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
 
     Only a crash between two renames, microseconds apart, leaves some new and some old.
     """
-    for path in contents:
-        check_writable(path)
+    for name in contents:
+        check_writable(name)
     written: list[_Written] = []
     path: str | os.PathLike[str] = ""
     try:
