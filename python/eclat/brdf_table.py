@@ -83,7 +83,9 @@ class BrdfTable:
         if w.ndim != 2 or w.shape[1] != 3 or not np.isfinite(w).all():
             raise EclatError(f"directions must be finite and have shape (N, 3), got {w.shape}")
         if (alpha is not None) != (self.kind == "metallic-roughness"):
-            raise EclatError(f"alpha is asked of a table over roughness only, and always; this is {self.kind!r}")
+            raise EclatError(
+                f"alpha must be given for tables over roughness, and for no others; this one is of {self.kind!r}"
+            )
         roughness = np.asarray(0.0 if alpha is None else alpha, np.float32)
         if roughness.shape not in ((), (len(w),)) or not np.isfinite(roughness).all():
             raise EclatError(f"alpha must be a finite number or {len(w)} of them, got shape {roughness.shape}")

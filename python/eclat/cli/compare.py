@@ -46,7 +46,7 @@ EXAMPLES = {
 @click.command(
     "compare",
     cls=Command,
-    short_help="All methods on one scene, measured, on one page.",
+    short_help="Measure all methods on one scene, on one HTML page.",
     examples=EXAMPLES,
     help="""Render SCENE by several methods and write one self-contained HTML page.
 

@@ -33,7 +33,7 @@ def set_option(function: F) -> F:
         metavar="NAME=VALUE",
         multiple=True,
         section=METHOD,
-        help="An option of the method, see below; repeatable. The defaults need no touching.",
+        help="Set an option of the method, listed below; repeatable. The defaults suit most scenes.",
     )(function)
 
 
@@ -44,7 +44,7 @@ def method_option(function: F) -> F:
         metavar="NAME",
         default=DEFAULT_METHOD,
         section=METHOD,
-        help=f"How light is computed, see below [{DEFAULT_METHOD}].",
+        help=f"The method that computes light, listed below [{DEFAULT_METHOD}].",
     )(function)
 
 

@@ -22,7 +22,7 @@ def max_error_option(help: str, default: float | None = 0.01) -> Callable[[F], F
 
 def max_depth_option() -> Callable[[F], F]:
     """`--max-depth`."""
-    help = "Edges of light paths: 1 emission, 2 direct, -1 no limit [-1]."
+    help = "Most edges of a light path: 1 shows emission only, 2 adds direct light, -1 sets no limit [-1]."
     return option("--max-depth", type=Depth(int, -1, 10**6), default=-1, section=QUALITY, help=help)
 
 
@@ -40,7 +40,7 @@ def time_option(help: str) -> Callable[[F], F]:
 
 def no_check_option() -> Callable[[F], F]:
     """`--no-check`."""
-    help = "Do not estimate the error of the records, which takes up to a quarter of their rays."
+    help = "Skip the error estimate of the records, which costs up to a quarter as many rays as the records."
     return option("--no-check", "check", flag_value=False, default=True, section=QUALITY, help=help)
 
 
@@ -68,7 +68,7 @@ def cache_option() -> Callable[[F], F]:
 def check_cache_alone(flags: dict[str, object], method_given: bool) -> None:
     """Raise EclatError where `--cache` stands beside flags that it makes void."""
     if flags["cache"] and (flags["settings"] or method_given):
-        raise EclatError("--cache: expected no --method and no --set beside it, since the cache brings its own")
+        raise EclatError("--cache cannot be combined with --method or --set: the file holds the method and its options")
 
 
 def _shown(default: float | None) -> str:

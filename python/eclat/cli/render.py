@@ -76,7 +76,7 @@ EXAMPLES = {
     "eclat render hall.obj --sun 135,60 --camera-from -8,2,0 --camera-to 0,3,0": "A model without light or camera:",
     "eclat render room.glb --time 30": "The best that fits into half a minute:",
     "eclat render room.glb --method path --samples 1024 -o truth.exr": "The unbiased reference:",
-    "eclat render room.glb --cache room.npz --camera 1": "Another view of what `eclat solve` solved:",
+    "eclat render room.glb --cache room.npz --camera 1": "Another view from the records of `eclat solve`:",
 }
 
 
@@ -92,22 +92,24 @@ _output_options = together(
         section="Output",
         help="Of .png: none clips at white, filmic rolls off [none].",
     ),
-    keep_partial_option("On Ctrl-C write the picture of the samples that are done."),
-    option("--show-records", is_flag=True, section="Output", help="Mark where the cache's records lie."),
+    keep_partial_option("On Ctrl-C, write the picture of the samples taken so far."),
+    option(
+        "--show-records", is_flag=True, section="Output", help="Draw the positions of the records into the picture."
+    ),
 )
 
 _quality_options = together(
     cache_option(),
-    max_error_option("Relative error to reach"),
+    max_error_option("Relative error at which to stop"),
     samples_option("So many paths per pixel instead"),
-    time_option("Seconds to spend instead."),
+    time_option("Stop after about this many seconds instead."),
     option(
         "--adaptive/--no-adaptive",
         default=None,
         section=QUALITY,
         help="More samples where pixels are noisy, --samples on average [with records, without --crop].",
     ),
-    option("--crop", type=CROP, section=CAMERA, help="Only these pixels; the rest stays black."),
+    option("--crop", type=CROP, section=CAMERA, help="Render only these pixels; the rest stays black."),
     max_depth_option(),
     no_check_option(),
     refine_option("Refine the records until their estimated error meets --max-error."),
@@ -117,14 +119,16 @@ _quality_options = together(
         section=QUALITY,
         help="Repeat the run that made this .exr or .png bit for bit.",
     ),
-    option("--replay", type=REPLAY, section=QUALITY, help="Only this pixel, up to this sample; says its value."),
+    option(
+        "--replay", type=REPLAY, section=QUALITY, help="Render only this pixel, up to this sample, and print its value."
+    ),
 )
 
 
 @click.command(
     "render",
     cls=Command,
-    short_help="A picture of a scene.",
+    short_help="Render a picture of a scene.",
     examples=EXAMPLES,
     notes=method_notes,
     help="""A picture of SCENE: a .gltf, .glb, .obj, .ply or Mitsuba .xml file, or the name of a built-in scene.
@@ -185,15 +189,15 @@ def _outputs(flags: dict[str, Any]) -> list[str]:
 def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
     """The method's options, or None where a solved cache brings its own."""
     if flags["samples"] is not None and flags["time"] is not None:
-        raise EclatError("--time: expected no --samples beside it")
+        raise EclatError("--time cannot be combined with --samples")
     if flags["refine"] and flags["time"] is not None:
-        raise EclatError("--time: expected no --refine beside it")
+        raise EclatError("--time cannot be combined with --refine")
     if flags["refine"] and flags["cache"]:
         raise EclatError(
-            "--refine: expected no --cache beside it; `eclat solve --cache FILE --refine` goes on from a cache"
+            "--refine cannot be combined with --cache: `eclat solve --cache FILE --refine` refines a cache"
         )
     if flags["refine"] and not flags["check"]:
-        raise EclatError("--refine: expected no --no-check beside it, since the estimated error says when to stop")
+        raise EclatError("--refine cannot be combined with --no-check: the estimated error decides when to stop")
     given = context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT
     check_cache_alone(flags, given and not flags["replay_settings"])
     options = None

@@ -75,7 +75,7 @@ def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
     for name in REPEATED:
         if context.get_parameter_source(name) is given:
             flag = next(parameter.opts[-1] for parameter in context.command.params if parameter.name == name)
-            raise EclatError(f"--replay-settings: expected no {flag} beside it, since it repeats all settings")
+            raise EclatError(f"--replay-settings cannot be combined with {flag}: it repeats all settings")
     settings = _metadata(path).get("settings")
     if not isinstance(settings, dict) or not set(REPEATED) <= set(settings):
         raise EclatError(

@@ -34,9 +34,9 @@ EXAMPLES = {
     "eclat solve room.glb -o fine.npz --max-error 0.005": "Finer records:",
     "eclat solve room.glb --method radiance-cache": "Glossy surfaces from records as well:",
     "eclat solve room.glb --method radiosity": "Radiosity of all surfaces, for all views:",
-    "eclat render room.glb --cache fine.npz --samples 64": "Read them; the scene must be the same:",
-    "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Go on from there until that is met:",
-    "eclat solve room.glb --view-independent": "For views that are not chosen yet:",
+    "eclat render room.glb --cache fine.npz --samples 64": "Render from these records; the scene must be the same:",
+    "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Refine records up to --max-error:",
+    "eclat solve room.glb --view-independent": "For all views, also those not chosen yet:",
     "eclat solve room.glb --points desks.csv": "For points with normals, as `eclat irradiance` takes them:",
 }
 
@@ -55,13 +55,13 @@ EXAMPLES = {
 )
 @scene_argument
 @output_option("A file ending in .npz [SCENE.npz].")
-@keep_partial_option("On Ctrl-C write the records of the passes that are done, if any, marked incomplete.")
+@keep_partial_option("On Ctrl-C, write the records of the finished passes, marked as incomplete.")
 @option("--view-independent", is_flag=True, section="Input", help="Records on all surfaces instead of in a view.")
 @option("--points", metavar="FILE", section="Input", help="Records for points x y z nx ny nz; text, .csv or .npy.")
 @max_error_option("Relative error of indirect light")
 @max_depth_option()
 @no_check_option()
-@refine_option("Go on until the estimated error meets --max-error.")
+@refine_option("Refine until the estimated error meets --max-error.")
 @option("--cache", metavar="FILE", section="Input", help="Refine these records, which `eclat solve` wrote.")
 @method_option
 @set_option
@@ -110,10 +110,10 @@ COMMON = ("seed", "threads", "keep_partial", "check")
 def _check_cache(flags: dict[str, Any], context: click.Context) -> None:
     """Raises EclatError where `--cache` stands without `--refine`, or beside what the cache brings itself."""
     if not flags["refine"]:
-        raise EclatError("--cache: expected --refine beside it, which goes on from the cache")
+        raise EclatError("--cache requires --refine: records without it are solved anew")
     for name, flag in (("settings", "--set"), ("method", "--method"), ("max_depth", "--max-depth")):
         if context.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT:
-            raise EclatError(f"--cache: expected no {flag} beside it, since the cache brings its own")
+            raise EclatError(f"--cache cannot be combined with {flag}: the file brings its own")
 
 
 def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:
@@ -122,7 +122,7 @@ def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:
         known = [name for name, cls in eclat.METHODS.items() if cls.solved is not None]
         raise EclatError(f"--method: expected one of {', '.join(known)}, got {flags['method']!r}")
     if flags["refine"] and not flags["check"]:
-        raise EclatError("--refine: expected no --no-check beside it, since the estimated error says when to stop")
+        raise EclatError("--refine cannot be combined with --no-check: the estimated error decides when to stop")
     if method.for_whole_scene:
         for name in ("points", "view_independent", "camera", "size", "cache", "refine", "keep_partial"):
             if flags[name]:
@@ -131,6 +131,6 @@ def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:
                     f"--{flag}: expected a method with records, since {method.name} is for the whole scene"
                 )
     if flags["points"] and flags["view_independent"]:
-        raise EclatError("--points: expected no --view-independent beside it")
+        raise EclatError("--points cannot be combined with --view-independent")
     if (flags["points"] or flags["view_independent"]) and (flags["camera"] is not None or flags["size"] is not None):
-        raise EclatError("--camera, --size: expected neither beside --points or --view-independent")
+        raise EclatError("--camera and --size cannot be combined with --points or --view-independent")

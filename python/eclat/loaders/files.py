@@ -150,7 +150,7 @@ def _resolve_anywhere(folder: Path, text: str, where: str) -> Path:
     base = posixpath.basename(text.rstrip("/"))
     beside = _find(folder, base) if base and base != text else None
     if beside is not None:
-        warn(f"{where}: {_shown(text)} not found; the file of that name in the scene's folder is used")
+        warn(f"{where}: {_shown(text)} does not exist; the file of that name in the scene's folder is used")
         return beside
     return folder / text
 

@@ -25,7 +25,7 @@ class Path(Method):
     )
 
     roulette_depth: int = ROULETTE_DEPTH
-    """Edges of a path before it may be ended at random (1 or more)."""
+    """Number of edges after which a path may be ended at random (1 or more)."""
 
     def __post_init__(self) -> None:
         check_types(self)

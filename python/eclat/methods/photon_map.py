@@ -272,7 +272,7 @@ def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
     stored, paths = traced("photons", False, options.photons)
     caustic, caustic_paths = traced("caustic photons", True, options.caustic_photons)
     if 0 < len(stored) < options.photons:
-        warn(f"only {len(stored):,} of {options.photons:,} photons found their way in {paths:,} paths")
+        warn(f"only {len(stored):,} of {options.photons:,} photons were stored after {paths:,} paths")
     statistics = {
         "photons": float(len(stored)),
         "caustic_photons": float(len(caustic)),
@@ -302,24 +302,25 @@ class PhotonMap(Method):
     solved: ClassVar[type[Solved] | None] = Photons
 
     photons: int = 200_000
-    """Photons to store of light that was scattered diffusely before it arrived."""
+    """Number of photons to store after at least one diffuse reflection."""
     caustic_photons: int = 200_000
-    """Photons to store of light that met mirrors, glass and gloss only."""
+    """Number of photons to store that met only mirrors, glass and glossy surfaces."""
     nearest: int = 100
-    """Photons of one estimate: more are smoother and blur more."""
+    """Number of photons in one estimate: more give less noise and more blur."""
     caustic_nearest: int = 60
     """The same for caustics."""
     kernel: Literal["uniform", "cone", "epanechnikov"] = "epanechnikov"
     """How a photon's weight falls with its distance."""
     gather: int = 4
-    """Rays of a final gather, per sample of a pixel; 0 shows the photons directly."""
+    """Number of rays of the final gather per sample of a pixel; 0 shows the photons directly."""
     guided: bool = True
-    """Learn where on lights and in which directions to emit, so that most photons are stored."""
+    """Whether to learn where on lights and in which directions photons are emitted that will be stored."""
     progressive: bool = False
-    """Trace new photons for each sample of the pixels and show them directly, in discs that shrink from sample to sample:
-    noise and blur both vanish. `photons` is then the number of paths emitted for a sample, of all kinds together."""
+    """Whether to trace new photons for each sample of the pixels and show them directly, in discs that shrink from
+    sample to sample, so that both noise and blur vanish. `photons` is then the number of paths emitted per sample."""
     alpha: float = 0.7
-    """How slowly discs of `progressive` shrink, 0.1..0.95: larger is smoother and blurs longer."""
+    """How slowly the discs of `progressive` shrink, 0.1..0.95: a larger value gives less noise, and blur that vanishes
+    later."""
 
     def __post_init__(self) -> None:
         check_types(self)

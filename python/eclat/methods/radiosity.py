@@ -19,7 +19,7 @@ from eclat.errors import EclatError, warn
 from eclat.methods.method import Common, DamagedArrayError, Method, Solved
 from eclat.methods.ranges import check_names, check_range, check_types, core_enum
 from eclat.methods.work import Care, Purpose, Work
-from eclat.scene import FloatArray, Material, Scene
+from eclat.scene import FloatArray, Material, Scene, triangle_areas
 
 
 @dataclass(frozen=True, eq=False, repr=False)
@@ -75,9 +75,7 @@ class RadiositySolution(Solved):
     @property
     def areas(self) -> FloatArray:
         """(N,) area of each patch, m²."""
-        a, b, c = np.moveaxis(self.local_corners.astype(np.float64), 1, 0)
-        area: FloatArray = 0.5 * np.linalg.norm(np.cross(b - a, c - a), axis=1)
-        return area
+        return triangle_areas(self.local_corners)
 
     @property
     def normals(self) -> FloatArray:
@@ -227,18 +225,20 @@ class Radiosity(Method):
     solved: ClassVar[type[Solved] | None] = RadiositySolution
 
     patches: int = 20_000
-    """About how many patches there are in the end besides one for each side of a triangle (two where a surface has both)."""
+    """About how many patches there are in the end, not counting the one that each side of a triangle has at the start."""
     patch_size: float | None = None
-    """Longest edge of a patch in metres, instead; where light changes fast patches are smaller."""
+    """Longest edge of a patch in metres, instead of a number of patches; patches are smaller where light changes
+    quickly."""
     refinements: int = 2
     """How often patches are divided where the light of neighbours differs: at the edges of shadows and in corners."""
     tolerance: float = 0.003
-    """Irradiance that a link may carry without being refined, relative to the mean radiosity, 0.0001..1. More where that takes
-    too many links: the solution's `statistics["tolerance"]` is the one that held."""
+    """Irradiance above which a link is refined, relative to the mean radiosity, 0.0001..1. It is raised if there would be
+    too many links: `statistics["tolerance"]` of the solution is the value that was used."""
     solver: Literal["gathering", "shooting"] = "gathering"
-    """All patches gather from all others at a time, or the brightest send first (progressive refinement)."""
+    """Whether all patches gather from all others at once, or the brightest patches send their light first (progressive
+    refinement)."""
     gather: int = 4
-    """Rays of a final gather, per sample of a pixel; 0 shows the patches directly, smoothly reconstructed."""
+    """Number of rays of the final gather per sample of a pixel; 0 shows the patches directly, smoothly interpolated."""
 
     def __post_init__(self) -> None:
         check_types(self)

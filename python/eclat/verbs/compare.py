@@ -15,6 +15,7 @@ from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.errors import EclatError
 from eclat.images.image import Image
 from eclat.measure.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
+from eclat.measure.photometry import luminance
 from eclat.methods import METHODS, Method, Path, as_method
 from eclat.verbs.render import render
 
@@ -200,8 +201,8 @@ def auto_exposure(image: Image) -> float:
     Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2; black pixels, which
     have no logarithm, are left out.
     """
-    luminance = image.pixels.astype(np.float64) @ np.array([0.2126, 0.7152, 0.0722])
-    lit = luminance[np.isfinite(luminance) & (luminance > 0)]
+    brightness = luminance(image.pixels)
+    lit = brightness[np.isfinite(brightness) & (brightness > 0)]
     if lit.size == 0:
         return 0.0
     stops = math.log2(0.18) - float(np.log2(lit).mean())

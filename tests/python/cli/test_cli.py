@@ -183,7 +183,7 @@ BAD_VALUES = {
     "--set rows=1": "IrradianceCache: rows must be between 2 and 256, got 1",
     "--method path --show-records": "--show-records: expected a method with records, got path",
     "--cache a.npz --set rows=5": (
-        "--cache: expected no --method and no --set beside it, since the cache brings its own"
+        "--cache cannot be combined with --method or --set: the file holds the method and its options"
     ),
     "--cache a.npz": "a.npz: file not found",
     "-o a.tiff": "a.tiff: expected a suffix of .exr, .png, .pfm, .npy, got '.tiff'",
@@ -322,7 +322,7 @@ def test_settings_repeat_a_run(api: FakeApi, capsys: Output) -> None:
     assert set(Image.load("a.exr").metadata["settings"]) == set(REPEATED)
     capsys.readouterr()
     assert main(["render", "cornell-box", "--replay-settings", "a.exr", "--seed", "3"]) == 2
-    assert errors(capsys) == ("eclat: --replay-settings: expected no --seed beside it, since it repeats all settings\n")
+    assert errors(capsys) == ("eclat: --replay-settings cannot be combined with --seed: it repeats all settings\n")
 
 
 def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
@@ -435,7 +435,7 @@ def test_bake_writes_a_scene_and_what_its_light_map_means(capsys: Output) -> Non
         ("--exposure 1", "--exposure requires --flatten"),
         ("--texel-size 0.00001", "m fits"),
         ("--sides back", "--sides: expected one of auto, front, both, got 'back'"),
-        ("--cache room.npz", "--cache: expected no --method and no --set beside it"),
+        ("--cache room.npz", "--cache cannot be combined with --method or --set"),
     ],
 )
 def test_mistakes_when_baking(flags: str, message: str, capsys: Output) -> None:

@@ -56,7 +56,7 @@ def warn_of_unsupported(document: Document) -> None:
     if optional:
         warn(f"{document.name}: extensions that are not supported are ignored: {_shown(optional)}")
     if document.root.data.get("animations"):
-        warn(f"{document.name}: animations are not supported; everything stands as without them")
+        warn(f"{document.name}: animations are not supported and ignored")
 
 
 def _found(root: dict[str, Any]) -> set[str]:

@@ -26,45 +26,52 @@ class RecordOptions(Method):
     max_error: float = 0.01
     """Wanted relative error of the indirect light, 0.0005..0.5."""
     weight: Literal["tabellion", "ward", "split-sphere"] = "tabellion"
-    """How records are weighted: Tabellion and Lamorlette 2004; Ward's sum of errors, with the same guards against leaks;
-    or Ward's split sphere as published (1988), without them: for comparisons."""
+    """How records are weighted: Tabellion and Lamorlette 2004; Ward's sum of errors, with the same guards against
+    leaks; or, for comparisons, Ward's split sphere as published (1988), without these guards."""
     metric: Literal["occlusion", "radiometric", "geometric", "minimum", "harmonic"] = "occlusion"
-    """What a record's radius follows: how irradiance bends, with what hides and appears (Schwarzhaupt et al. 2012),
-    without it, or for even radiance (Jarosz et al. 2012); the least distance to what it sees; or the harmonic mean of
-    all distances (Ward 1988)."""
+    """The length that a record's radius is proportional to. Three follow the second derivatives of irradiance:
+    `occlusion` counts surfaces that come into view or disappear (Schwarzhaupt et al. 2012), `radiometric` ignores them,
+    `geometric` also takes radiance as constant (Jarosz et al. 2012). The others are the least distance to the surfaces
+    seen, and the harmonic mean of these distances (Ward 1988)."""
     balanced: Literal["squared", "absolute"] = "squared"
-    """Which error is held the same for all records that follow curvature: its squares, summed over pixels, which makes the
-    least error for a number of records; or its absolute values, as Schwarzhaupt et al. (2012) do."""
+    """The error that is the same for all records whose radius follows second derivatives: the sum of its squares over
+    pixels, which gives the least total error for a number of records, or the sum of its absolute values, as in
+    Schwarzhaupt et al. (2012)."""
     spacing: float | None = None
-    """Radius of a record in units of that distance."""
+    """Radius of a record divided by the length that `metric` chooses."""
     rows: int | None = None
-    """Rows M of a gather; it has about π·M² rays."""
+    """Rows M of a gather, which then takes about π·M² rays."""
     least_pixels: float = 1.0
     """Lower bound of a record's radius, in pixels."""
     largest_pixels: float = 40.0
     """Upper bound of a record's radius, in pixels."""
     relaxation: float = 2.0
-    """How much farther a record is read than it keeps others from being placed (1 or more)."""
+    """The distance up to which a record is read, divided by the distance within which it keeps other records from being
+    placed (1 or more)."""
     rotation_gradient: bool = True
     translation_gradient: bool = True
     neighbor_clamping: bool = True
-    """Radii differ no more than places do (Křivánek et al. 2006)."""
+    """Whether the radii of two records may differ by no more than their distance (Křivánek et al. 2006)."""
     shrink_disagreeing: bool = True
-    """Where overlapping records disagree by more than twice `max_error`, beyond what their noise explains, the worse one's
-    radius shrinks, and the next pass fills the gap (Křivánek et al. 2006). Records of radiance are compared by what they
-    reflect."""
+    """Whether to shrink the worse of two overlapping records that differ by more than twice `max_error` and more than
+    their noise explains; the next pass fills the gap (Křivánek et al. 2006). Records of radiance are compared by the
+    light that they reflect."""
     gradient_limit: bool = True
-    """A radius is no longer than the gradient would take to change the record's value by all of it."""
+    """Whether to bound a radius by the distance over which the gradient changes the irradiance by as much as the
+    irradiance itself."""
     obstacle_limit: bool = True
-    """What curvature allows is bounded by the least distance to what stands apart from the surface."""
+    """Whether to bound radii that follow second derivatives by the least distance to an object that stands apart from
+    the surface."""
     far_records: int | None = None
-    """Candidates for the coarse records in which gather rays end; 0 traces every path to its end."""
+    """Number of candidate places for the coarse records in which gather rays end; with 0 every path is traced to its
+    end."""
     far_rows: int | None = None
     """Rows of the gathers of far records."""
     far_spacing: float = 0.3
-    """Radius of a far record in units of the distance to what it sees."""
+    """Radius of a far record divided by the harmonic mean distance of the surfaces that it sees."""
     far_photons: int = 0
-    """Photons in whose irradiance gather rays end, instead of far records; 0 for none. Not under an environment image."""
+    """Number of photons from which the irradiance at the ends of gather rays is estimated, instead of far records; 0
+    uses far records. It cannot be combined with an environment image."""
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -86,11 +93,13 @@ class RadianceOptions(RecordOptions):
     """The same, and settings of records of incident radiance."""
 
     order: int = 8
-    """Bands of the harmonics in which light and lobes are written, 2..12; order² numbers a colour."""
+    """Number of bands of the harmonics that represent light and lobes, 2..12: order² coefficients per colour
+    channel."""
     gloss_error: float = 0.4
-    """Relative L2 error of a lobe in that order up to which it is cached; what is worse is traced."""
+    """A lobe is cached if harmonics of this order represent it with at most this relative L2 error; otherwise it is
+    traced."""
     gloss_spacing: float | None = None
-    """As spacing, for a lobe as wide as a diffuse one; narrower lobes reach less far."""
+    """The same as `spacing`, for a lobe as wide as a diffuse one; radii for narrower lobes are smaller."""
     gloss_rows: int | None = None
     """Rows of a gather of radiance."""
 
