@@ -22,11 +22,13 @@ class Parts:
 
     Examples
     --------
-    >>> parts = Parts()
+    >>> parts, numbers = Parts(), []
     >>> for text in ("1", "2"):
     ...     with parts.one():
-    ...         int(text)
+    ...         numbers.append(int(text))
     >>> parts.finish()
+    >>> numbers
+    [1, 2]
     """
 
     def __init__(self) -> None:
