@@ -18,7 +18,7 @@ PathOptions gather_options(int max_depth, const CachedIrradiance& end) {
     options.cache = end;
     options.max_depth = max_depth;
     options.roulette_depth = roulette_after::gather_edges;
-    options.light_set = LightSet::without_environment_image;
+    options.light_set = LightSet::without_smooth_environment;
     options.emission_at_first_hit = false;
     return options;
 }
@@ -67,7 +67,7 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     }
     PathOptions options;
     options.max_depth = max_depth_;
-    options.light_set = LightSet::without_environment_image;
+    options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches_);
     options.reflection = reflection_;
     options.light_samples = cached_light_samples;
@@ -169,7 +169,7 @@ Color PointProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     for (uint32_t s = 0; s < samples; ++s) {
         Sampler sampler(stream_seed(seed_, Stream::probe_shown, stream), place, s);
         if (const auto shadow =
-                sample_irradiance(world_, surface, point.normal, LightSet::without_environment_image, sampler))
+                sample_irradiance(world_, surface, point.normal, LightSet::without_smooth_environment, sampler))
             shadows.push(shadow->ray, shadow->contribution, 0, true);
     }
     Color sum;

@@ -7,6 +7,7 @@
 #include <string>
 
 #include "base/error.h"
+#include "lights/environment_split.h"
 
 namespace eclat {
 
@@ -65,7 +66,22 @@ EnvironmentImage::EnvironmentImage(std::span<const float> rgb, uint32_t width, u
         integral_ = first * (4 * pi);
     } else {
         build_distribution();
+        smooth_limit_ = smooth_limit(texels_, width_, height_);
     }
+}
+
+std::optional<EnvironmentImage> EnvironmentImage::sharp_part() const {
+    if (smooth_limit_ == infinity) return std::nullopt;
+    EnvironmentImage out = *this;
+    for (uint32_t y = 0; y < height_; ++y)
+        for (uint32_t x = 0; x < width_; ++x) {
+            const Color rest = texel(x, y) - smooth_texel(x, y);
+            float* p = out.texels_.data() + (size_t(y) * width_ + x) * 3;
+            for (int c = 0; c < 3; ++c) p[c] = std::max(0.0f, rest[c]);
+        }
+    out.smooth_limit_ = 0;
+    out.build_distribution();
+    return out;
 }
 
 void EnvironmentImage::build_distribution() {
@@ -99,6 +115,12 @@ void EnvironmentImage::build_distribution() {
 Color EnvironmentImage::texel(uint32_t x, uint32_t y) const {
     const float* p = texels_.data() + (size_t(y) * width_ + x) * 3;
     return {p[0], p[1], p[2]};
+}
+
+Color EnvironmentImage::smooth_texel(uint32_t x, uint32_t y) const {
+    const Color all = texel(x, y);
+    const float L = luminance(all);
+    return L > smooth_limit_ ? all * (smooth_limit_ / L) : all;
 }
 
 Vec2 EnvironmentImage::to_uv(Vec3 w) const {
@@ -138,6 +160,14 @@ EnvironmentImage::Lookup EnvironmentImage::between(const Cell& cell, float sine)
 }
 
 Color EnvironmentImage::radiance(Vec3 w) const { return constant_ ? texel(0, 0) : lookup(w).radiance; }
+
+Color EnvironmentImage::smooth_radiance(Vec3 w) const {
+    if (smooth_limit_ == infinity) return radiance(w);
+    const Cell cell = locate(to_uv(w));
+    const float sx = 1 - cell.tx, sy = 1 - cell.ty;
+    return smooth_texel(cell.x0, cell.y0) * (sx * sy) + smooth_texel(cell.x1, cell.y0) * (cell.tx * sy) +
+           smooth_texel(cell.x0, cell.y1) * (sx * cell.ty) + smooth_texel(cell.x1, cell.y1) * (cell.tx * cell.ty);
+}
 
 float EnvironmentImage::pdf_solid_angle(Vec3 w) const { return lookup(w).pdf_solid_angle; }
 

@@ -11,6 +11,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -36,6 +37,11 @@ class EnvironmentImage {
     };
     Lookup lookup(Vec3 w) const;
 
+    /// The part of the radiance that gathers collect, see environment_split.h: all of it where nothing is sharp.
+    Color smooth_radiance(Vec3 w) const;
+    /// An image of the rest, to be sampled as direct light; nothing where nothing is sharp.
+    std::optional<EnvironmentImage> sharp_part() const;
+
     LightSample sample(Vec2 u) const;
     /// A photon from a disc outside of the scene's sphere, in a direction chosen as `sample` does.
     PhotonSample emit(Vec3 center, float radius, Vec2 u_position, Vec2 u_direction) const;
@@ -48,6 +54,7 @@ class EnvironmentImage {
     Cell locate(Vec2 uv) const;
     Lookup between(const Cell& cell, float sine) const;
     Color texel(uint32_t x, uint32_t y) const;
+    Color smooth_texel(uint32_t x, uint32_t y) const;
     Vec2 to_uv(Vec3 w) const;
     void build_distribution();
 
@@ -55,6 +62,7 @@ class EnvironmentImage {
     std::vector<float> texels_;
     Vec3 x_, y_, z_;  // the environment's axes in the world
     bool constant_ = false;
+    float smooth_limit_ = infinity;  // luminance beyond which radiance is sharp
     Color integral_;
     PiecewiseConstant2D cells_;      // width × (height + 1)
     std::vector<float> row_factor_;  // of a row of cells: density on the image over luminance

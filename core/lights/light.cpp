@@ -55,6 +55,10 @@ Lights::Lights(LightInputs inputs)
         powers_of("spot light", spots_, total_power_, [](const SpotLight& l) { return l.power(); });
     powers[static_cast<size_t>(LightKind::directional)] = powers_of(
         "directional light", directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(radius_); });
+    if (environment_) sharp_environment_ = environment_->sharp_part();
+    if (sharp_environment_)
+        powers[static_cast<size_t>(LightKind::sharp_environment)] = {
+            luminance(sharp_environment_->integral() * (pi * radius_ * radius_))};
     if (environment_) {
         const Color power = environment_->integral() * (pi * radius_ * radius_);
         total_power_ += power;
@@ -109,13 +113,14 @@ LightSample Lights::sample(Vec3 position, float u_light, Vec2 u, LightSet set) c
         case LightKind::spot: s = spots_[choice.index].sample(position); break;
         case LightKind::directional: s = directionals_[choice.index].sample(u); break;
         case LightKind::environment: s = environment_->sample(u); break;
+        case LightKind::sharp_environment: s = sharp_environment_->sample(u); break;
     }
     if (s.pdf_solid_angle == 0) return {};
     s.pdf_solid_angle *= choice.pdf_discrete;
     if (s.delta || std::isfinite(s.distance)) return s;
     // Image and discs overlap: one direction has one radiance and one density, whoever chose it.
     Infinite all;
-    if (choice.kind == LightKind::environment) {
+    if (choice.kind == LightKind::environment || choice.kind == LightKind::sharp_environment) {
         all = {s.radiance, s.pdf_solid_angle};
     } else {
         add_image(s.wi, set, all);
@@ -134,10 +139,13 @@ Lights::Infinite Lights::infinite(Vec3 direction, LightSet set) const {
 }
 
 void Lights::add_image(Vec3 direction, LightSet set, Infinite& out) const {
-    if (!environment_ || set != LightSet::all) return;
-    const EnvironmentImage::Lookup at = environment_->lookup(direction);
+    const bool whole = set == LightSet::all;
+    const auto& image = whole ? environment_ : sharp_environment_;
+    if (!image) return;
+    const EnvironmentImage::Lookup at = image->lookup(direction);
+    const LightKind kind = whole ? LightKind::environment : LightKind::sharp_environment;
     out.radiance += at.radiance;
-    out.pdf_solid_angle += at.pdf_solid_angle * sampler_.pdf_discrete(set, LightKind::environment, 0);
+    out.pdf_solid_angle += at.pdf_solid_angle * sampler_.pdf_discrete(set, kind, 0);
 }
 
 void Lights::add_discs(Vec3 direction, LightSet set, Infinite& out) const {
@@ -161,6 +169,7 @@ PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) cons
             photon = directionals_[choice.index].emit(center_, radius_, u_position, u_direction);
             break;
         case LightKind::environment: photon = environment_->emit(center_, radius_, u_position, u_direction); break;
+        case LightKind::sharp_environment: return {};  // photons start from the whole image
     }
     photon.power *= 1 / choice.pdf_discrete;
     return photon;

@@ -72,6 +72,12 @@ class Lights {
     size_t emitter_count() const { return areas_.size(); }
     const AreaLight& emitter(uint32_t i) const { return areas_[i]; }
     bool has_environment_image() const { return environment_.has_value(); }
+    /// Radiance of what lies behind everything and is not in `set`: what a ray that escapes finds although light sampling
+    /// by that set leaves it out.
+    Color left_out(Vec3 direction, LightSet set) const {
+        if (!environment_ || set == LightSet::all) return Color();
+        return environment_->smooth_radiance(direction);
+    }
     /// No light at all, or only black ones.
     bool dark() const { return sampler_.empty(); }
 
@@ -87,6 +93,7 @@ class Lights {
     std::vector<DirectionalLight> directionals_;
     std::vector<uint32_t> discs_;  // the directional lights with an extent
     std::optional<EnvironmentImage> environment_;
+    std::optional<EnvironmentImage> sharp_environment_;  // its part that is direct light in every set
     Vec3 center_;
     float radius_ = 1;
     LightSampler sampler_;

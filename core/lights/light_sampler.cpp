@@ -3,6 +3,7 @@
 
 #include "lights/light_sampler.h"
 
+#include <algorithm>
 #include <numeric>
 
 namespace eclat {
@@ -10,18 +11,16 @@ namespace eclat {
 namespace {
 
 // Lights that are sampled side by side: a lamp, a sun, a sky.
-constexpr std::array<size_t, light_kinds> group_of = {0, 1, 1, 2, 3};
+constexpr std::array<size_t, light_kinds> group_of = {0, 1, 1, 2, 3, 3};
 constexpr size_t groups = 4;
-constexpr size_t environment_group = 3;
 
 /// Odds: half by power, half shared equally by the groups that shine. By power alone a desk lamp would get one sample
 /// in a million beside the sun, also where the sun does not reach.
-std::vector<double> odds(const std::array<std::vector<double>, light_kinds>& powers, bool with_environment) {
+std::vector<double> odds(std::array<std::vector<double>, light_kinds> powers, LightKind without) {
+    std::ranges::fill(powers[static_cast<size_t>(without)], 0.0);
     std::array<double, groups> sum{};
-    for (size_t kind = 0; kind < light_kinds; ++kind) {
-        if (group_of[kind] == environment_group && !with_environment) continue;
+    for (size_t kind = 0; kind < light_kinds; ++kind)
         for (const double p : powers[kind]) sum[group_of[kind]] += p;
-    }
     const double total = std::accumulate(sum.begin(), sum.end(), 0.0);
     double shining = 0;
     for (const double s : sum) shining += s > 0;
@@ -42,8 +41,11 @@ LightSampler::LightSampler(const std::array<std::vector<double>, light_kinds>& p
         first_[kind] = static_cast<uint32_t>(all.size());
         all.insert(all.end(), powers[kind].begin(), powers[kind].end());
     }
-    tables_[static_cast<size_t>(LightSet::all)] = AliasTable(odds(powers, true));
-    tables_[static_cast<size_t>(LightSet::without_environment_image)] = AliasTable(odds(powers, false));
+    tables_[static_cast<size_t>(LightSet::all)] = AliasTable(odds(powers, LightKind::sharp_environment));
+    tables_[static_cast<size_t>(LightSet::without_smooth_environment)] =
+        AliasTable(odds(powers, LightKind::environment));
+    // Photons start from the whole image.
+    if (!powers[static_cast<size_t>(LightKind::sharp_environment)].empty()) all.back() = 0;
     emission_ = AliasTable(all);
 }
 

@@ -15,18 +15,20 @@ namespace eclat {
 /// Which lights take part.
 enum class LightSet {
     all,
-    /// Without the environment's image, where a gather over the hemisphere collects it. Suns stay.
-    without_environment_image,
+    /// Without the smooth part of the environment's image, which a gather over the hemisphere collects. Its sharp part and
+    /// suns stay.
+    without_smooth_environment,
 };
 
 /// Kinds of light, in the order in which they are numbered.
-enum class LightKind { triangle, point, spot, directional, environment };
-constexpr size_t light_kinds = 5;
+enum class LightKind { triangle, point, spot, directional, environment, sharp_environment };
+constexpr size_t light_kinds = 6;
 
 class LightSampler {
   public:
     LightSampler() = default;
-    /// Weights (powers) of each kind's lights; the environment is one light or none.
+    /// Weights (powers) of each kind's lights; the environment is one light or none, and so is its sharp part, which takes its
+    /// place where the set leaves the smooth one out.
     explicit LightSampler(const std::array<std::vector<double>, light_kinds>& powers);
 
     struct Choice {

@@ -26,7 +26,7 @@ Color DirectLight::from_behind_everything(const PathState& path, Vec3 w) const {
     if (path.arrival == Arrival::weighted)
         radiance *= power_heuristic(path.pdf, static_cast<float>(path.light_samples) * sampled.pdf_solid_angle);
     // What light sampling leaves out arrives whole.
-    if (set_ == LightSet::without_environment_image) radiance += world_.lights.environment(w) - sampled.radiance;
+    radiance += world_.lights.left_out(w, set_);
     return path.throughput * radiance;
 }
 

@@ -13,7 +13,7 @@ namespace {
 Color beside_cache(const World& world, const SurfacePoint& point, uint32_t index, const PointIrradianceOptions& options,
                    Progress& progress) {
     if (options.component == Component::indirect && !world.lights.has_environment_image()) return {};
-    Color sum = direct_irradiance(world, point, index, LightSet::without_environment_image, options, progress);
+    Color sum = direct_irradiance(world, point, index, LightSet::without_smooth_environment, options, progress);
     if (options.component == Component::indirect)
         sum = sum - direct_irradiance(world, point, index, LightSet::all, options, progress);
     return sum;

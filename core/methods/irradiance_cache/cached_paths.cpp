@@ -14,7 +14,7 @@ Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, 
                                 int max_depth) {
     PathOptions options;
     options.max_depth = max_depth;
-    options.light_set = LightSet::without_environment_image;
+    options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches);
     // Far records know of no greatest length of paths.
     if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_far(caches.far);

@@ -23,9 +23,9 @@ TEST_CASE("points and spots are one group, and the environment is left out where
     const auto pdf = [&](LightSet set, LightKind kind) { return sampler.pdf_discrete(set, kind, 0); };
     CHECK(pdf(LightSet::all, LightKind::point) == doctest::Approx(0.5 * 3 / 8 + 0.5 * 3 / (2 * 4)).epsilon(1e-5));
     CHECK(pdf(LightSet::all, LightKind::environment) == doctest::Approx(0.5 * 4 / 8 + 0.5 / 2).epsilon(1e-5));
-    CHECK(pdf(LightSet::without_environment_image, LightKind::environment) == 0);
-    CHECK(pdf(LightSet::without_environment_image, LightKind::point) == doctest::Approx(0.75).epsilon(1e-5));
-    CHECK(pdf(LightSet::without_environment_image, LightKind::spot) == doctest::Approx(0.25).epsilon(1e-5));
+    CHECK(pdf(LightSet::without_smooth_environment, LightKind::environment) == 0);
+    CHECK(pdf(LightSet::without_smooth_environment, LightKind::point) == doctest::Approx(0.75).epsilon(1e-5));
+    CHECK(pdf(LightSet::without_smooth_environment, LightKind::spot) == doctest::Approx(0.25).epsilon(1e-5));
 }
 
 TEST_CASE("photons are emitted by power alone") {

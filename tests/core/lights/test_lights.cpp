@@ -154,7 +154,7 @@ TEST_CASE("all lights together give the sum of their irradiances") {
     const RunningMean together = irradiance(lights, at, normal, samples);
     error = std::sqrt(error + together.standard_error() * together.standard_error());
     CHECK(std::abs(together.mean() - sum) < 5 * error);
-    const RunningMean sampled = irradiance(lights, at, normal, samples, LightSet::without_environment_image);
+    const RunningMean sampled = irradiance(lights, at, normal, samples, LightSet::without_smooth_environment);
     CHECK(std::abs(sampled.mean() - without) < 5 * error);
 }
 
@@ -162,7 +162,7 @@ TEST_CASE("densities are those of sampling for each kind and set, with the choic
     const std::vector<EmitterTriangle> triangles = lamp();
     const Lights lights(everything(triangles));
     const Vec3 at{0.2f, 0.1f, 0};
-    for (const LightSet set : {LightSet::all, LightSet::without_environment_image}) {
+    for (const LightSet set : {LightSet::all, LightSet::without_smooth_environment}) {
         Rng rng(12, 1);
         double of_deltas = 0, counted = 0;
         int sky_samples = 0;
@@ -191,10 +191,10 @@ TEST_CASE("densities are those of sampling for each kind and set, with the choic
     }
     // The image is left out, the sun's disc stays.
     const Vec3 sun = normalize({-0.5f, 0, 1}), elsewhere{0, 1, 0};
-    CHECK(is_black(lights.environment(elsewhere, LightSet::without_environment_image)));
-    CHECK(lights.environment_pdf_solid_angle(elsewhere, LightSet::without_environment_image) == 0);
-    CHECK(lights.environment(sun, LightSet::without_environment_image).g > 100);
-    CHECK(lights.environment(sun).g > lights.environment(sun, LightSet::without_environment_image).g);
+    CHECK(is_black(lights.environment(elsewhere, LightSet::without_smooth_environment)));
+    CHECK(lights.environment_pdf_solid_angle(elsewhere, LightSet::without_smooth_environment) == 0);
+    CHECK(lights.environment(sun, LightSet::without_smooth_environment).g > 100);
+    CHECK(lights.environment(sun).g > lights.environment(sun, LightSet::without_smooth_environment).g);
 }
 
 TEST_CASE("no light at all, and lights that are black") {

@@ -89,7 +89,7 @@ TEST_CASE("records and picture have the same bits on one thread and on two, and 
 
     PathOptions paths;
     paths.cache = read_near(one);
-    paths.light_set = LightSet::without_environment_image;
+    paths.light_set = LightSet::without_smooth_environment;
     const auto picture = [&](int threads, std::vector<uint32_t> order) {
         auto film = std::make_unique<Film>(camera.width, camera.height);
         RenderRange range = all_pixels(camera, 2, threads);

@@ -1,0 +1,33 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// What of an environment gathers can collect, and what is direct light.
+//
+// A gather sends one ray into each cell of its grid. The sky's gradients, a horizon, clouds are wider than a cell, and the
+// cells share them out well; a sun or a lamp in the image is met by one ray in thousands. So an image is split once,
+// L = smooth + sharp, both ≥ 0: smooth is L where its luminance is below a limit, and L scaled down to the limit elsewhere.
+//
+// Symbol    name here       meaning
+//   c       limit           the luminance that smooth is cut at
+//   ω_b     cell_solid_angle  a cell's: 2π over the rays of a gather
+//   V_b     –               variance of the cut luminance within block b of the sky, which is about as large as a cell
+//   E       –               irradiance of a surface under the image; on average over its normals ¼ ∫ L dω
+//
+// One ray a cell, of weight ω_b cos θ, brings a variance of Σ ω_b² cos² θ V_b, that is on average over normals
+// ω_b / 6 Σ V_b ω_b over the blocks of the whole sphere, since the mean of cos² over a hemisphere is 1/3 and a surface sees
+// half of the sphere. c is the largest limit at which its root is at most `tolerated_noise` of E.
+// Departures   Textures of forests and clouds have a share of that noise too, so that their brightest spots become sharp.
+// Held to      tests/core/lights/test_environment_split.cpp, tests/methods/test_environment_images.py
+
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+namespace eclat {
+
+/// The luminance at which the smooth part of an equirectangular image (height × width × 3, row 0 at the pole) is cut; infinite
+/// where nothing in it is sharp, 0 where everything is.
+float smooth_limit(std::span<const float> rgb, uint32_t width, uint32_t height);
+
+}  // namespace eclat
