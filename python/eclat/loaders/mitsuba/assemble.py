@@ -13,6 +13,7 @@ from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
 from eclat.loaders.mitsuba.settings import tell_of_settings
 from eclat.loaders.mitsuba.shapes import Shapes
+from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.parts import Parts
 from eclat.scene import Camera, Environment, Mesh, Scene
 
@@ -22,7 +23,7 @@ def assemble(tree: Node, name: str) -> Scene:
 
     A shape or emitter that cannot be read is left out with a warning; EclatError where none can.
     """
-    shapes = Shapes()
+    shapes = Shapes(tessellation=Tessellation(tree))
     meshes: list[Mesh] = []
     lights: list[Light] = []
     cameras: list[Camera] = []

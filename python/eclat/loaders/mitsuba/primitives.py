@@ -2,9 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Mitsuba's primitives as triangles with normals, texture coordinates and tangents, in their own frame.
 
-Curved ones get `SEGMENTS` divisions of a turn. A chord departs from its arc by at most 1 − cos(π / 128) = 3.0e-4 of the
-radius, the middle of a sphere's cell by about twice that. The vertices stand outside the true surface by half of it or
-so, such that the area, and with it the power of an emitter of given radiance, is exactly that of the true shape.
+Curved ones get `SEGMENTS` divisions of a turn, fewer where there are very many of them (`tessellation`). At `SEGMENTS` a
+chord departs from its arc by at most 1 − cos(π / 128) = 3.0e-4 of the radius, the middle of a sphere's cell by about twice
+that. The vertices stand outside the true surface by half of it or so, such that the area, and with it the power of an
+emitter of given radiance, is exactly that of the true shape.
 
 Texture coordinates are Mitsuba's, with v = 0 the first row of the image.
 """
@@ -13,6 +14,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,38 +60,41 @@ def cube() -> Surface:
     return Surface(sides[0], sides[1], sides[2], uvs, np.concatenate(triangles))
 
 
-def disk() -> Surface:
+@lru_cache(maxsize=64)
+def disk(segments: int = SEGMENTS) -> Surface:
     """The unit disk at z = 0 that faces +z; u is the radius, v the angle."""
-    angle = np.arange(SEGMENTS + 1) * (2 * math.pi / SEGMENTS)
+    angle = np.arange(segments + 1) * (2 * math.pi / segments)
     # n triangles of two sides R have the area n / 2 · R² sin(2π / n).
-    radius = math.sqrt(2 * math.pi / SEGMENTS / math.sin(2 * math.pi / SEGMENTS))
-    middle = angle[:-1] + math.pi / SEGMENTS
+    radius = math.sqrt(2 * math.pi / segments / math.sin(2 * math.pi / segments))
+    middle = angle[:-1] + math.pi / segments
     outward = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
     inner = np.stack([np.cos(middle), np.sin(middle), 0 * middle], axis=1)
     positions = np.concatenate([outward * radius, 0 * inner])
     uvs = np.concatenate([_columns(1.0, angle / (2 * math.pi)), _columns(0.0, middle / (2 * math.pi))])
-    first = np.arange(SEGMENTS)
-    triangles = np.stack([first, first + 1, first + SEGMENTS + 1], axis=1)
+    first = np.arange(segments)
+    triangles = np.stack([first, first + 1, first + segments + 1], axis=1)
     return Surface(positions, _all((0, 0, 1), len(positions)), np.concatenate([outward, inner]), uvs, triangles)
 
 
-def cylinder() -> Surface:
+@lru_cache(maxsize=64)
+def cylinder(segments: int = SEGMENTS) -> Surface:
     """The side of the unit cylinder from z = 0 to 1, without caps; u goes around, v along z."""
-    angle = np.arange(SEGMENTS + 1) * (2 * math.pi / SEGMENTS)
-    radius = math.pi / SEGMENTS / math.sin(math.pi / SEGMENTS)  # the perimeter 2 n R sin(π / n) is that of the circle
+    angle = np.arange(segments + 1) * (2 * math.pi / segments)
+    radius = math.pi / segments / math.sin(math.pi / segments)  # the perimeter 2 n R sin(π / n) is that of the circle
     normals = np.tile(np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1), (2, 1))
     tangents = np.tile(np.stack([-np.sin(angle), np.cos(angle), 0 * angle], axis=1), (2, 1))
-    height = np.repeat([0.0, 1.0], SEGMENTS + 1)
+    height = np.repeat([0.0, 1.0], segments + 1)
     positions = normals * radius
     positions[:, 2] = height
     uvs = np.stack([np.tile(angle / (2 * math.pi), 2), height], axis=1)
-    return Surface(positions, normals, tangents, uvs, _grid(2, SEGMENTS + 1)[:, ::-1])
+    return Surface(positions, normals, tangents, uvs, _grid(2, segments + 1)[:, ::-1])
 
 
-def sphere() -> Surface:
+@lru_cache(maxsize=64)
+def sphere(segments: int = SEGMENTS) -> Surface:
     """The unit sphere; u goes around z, v from +z down to −z."""
-    angle = np.arange(SEGMENTS + 1) * (2 * math.pi / SEGMENTS)
-    polar = np.arange(SEGMENTS // 2 + 1) * (2 * math.pi / SEGMENTS)
+    angle = np.arange(segments + 1) * (2 * math.pi / segments)
+    polar = np.arange(segments // 2 + 1) * (2 * math.pi / segments)
     theta, phi = (part.ravel() for part in np.meshgrid(polar, angle, indexing="ij"))
     normals = np.stack([np.sin(theta) * np.cos(phi), np.sin(theta) * np.sin(phi), np.cos(theta)], axis=1)
     tangents = np.stack([-np.sin(phi), np.cos(phi), 0 * phi], axis=1)
@@ -100,7 +105,7 @@ def sphere() -> Surface:
     radius = math.sqrt(4 * math.pi / area.sum())
     # At a pole each triangle has its own vertex, with the u of the cell's middle.
     polar_rows = (theta == polar[0]) | (theta == polar[-1])
-    uvs[polar_rows, 0] += np.where(theta[polar_rows] == polar[0], 0.5, -0.5) / SEGMENTS
+    uvs[polar_rows, 0] += np.where(theta[polar_rows] == polar[0], 0.5, -0.5) / segments
     return Surface(normals * radius, normals, tangents, uvs, triangles)
 
 

@@ -15,6 +15,8 @@ from eclat.loaders.mitsuba.materials import Materials, default_material
 from eclat.loaders.mitsuba.mesh_files import MESH_FILES, load_mesh_file
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.placement import placed
+from eclat.loaders.mitsuba.primitives import SEGMENTS
+from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.mitsuba.transforms import Matrix, is_singular, normalize
 from eclat.loaders.parts import LimitError
 from eclat.scene import Material, Mesh, grey
@@ -35,6 +37,8 @@ class Shapes:
     lit: dict[tuple[int, int], tuple[Material, Material]] = field(default_factory=dict)
     """By material and emitter: the material that shines, and the dark one (kept, so that its id stays its own)."""
     triangles: int = 0
+    tessellation: Tessellation | None = None
+    """How finely round shapes are cut; None: as finely as single ones."""
 
     def of(self, node: Node) -> list[Mesh]:
         """The meshes of a shape, none (with a warning) for types that we do not have. Raises EclatError."""
@@ -78,7 +82,8 @@ class Shapes:
             raise LimitError(f"{node.where}: the scene has more than {_MAX_TRIANGLES:.0e} triangles with its instances")
 
     def _primitive(self, node: Node) -> list[Mesh]:
-        made = _PRIMITIVES[node.type](node)
+        segments = SEGMENTS if self.tessellation is None else self.tessellation.segments(node)
+        made = _PRIMITIVES[node.type](node, segments)
         if made is None:
             return []
         surface, matrix = made
@@ -142,16 +147,16 @@ class Shapes:
         return self.lit[key][0]
 
 
-def _sphere(node: Node) -> tuple[primitives.Surface, Matrix] | None:
+def _sphere(node: Node, segments: int) -> tuple[primitives.Surface, Matrix] | None:
     radius = node.number("radius", default=1.0)
     matrix = np.diag([radius, radius, radius, 1.0])
     matrix[:3, 3] = node.vector("center") or (0.0, 0.0, 0.0)
     if radius <= 0:
         raise node.mismatch("radius", "a number above 0", radius)
-    return primitives.sphere(), matrix
+    return primitives.sphere(segments), matrix
 
 
-def _cylinder(node: Node) -> tuple[primitives.Surface, Matrix] | None:
+def _cylinder(node: Node, segments: int) -> tuple[primitives.Surface, Matrix] | None:
     start = np.array(node.vector("p0") or (0.0, 0.0, 0.0))
     end = np.array(node.vector("p1") or (0.0, 0.0, 1.0))
     radius = node.positive("radius", default=1.0)
@@ -166,13 +171,13 @@ def _cylinder(node: Node) -> tuple[primitives.Surface, Matrix] | None:
     matrix[:3, 2], matrix[:3, 3] = axis, start
     if np.allclose(axis / np.linalg.norm(axis), (0, 0, 1)):
         matrix[:3, :2] = np.array([[radius, 0], [0, radius], [0, 0]])  # where u begins, as in Mitsuba
-    return primitives.cylinder(), matrix
+    return primitives.cylinder(segments), matrix
 
 
 _PRIMITIVES = {
-    "rectangle": lambda node: (primitives.rectangle(), np.eye(4)),
-    "cube": lambda node: (primitives.cube(), np.eye(4)),
-    "disk": lambda node: (primitives.disk(), np.eye(4)),
+    "rectangle": lambda node, segments: (primitives.rectangle(), np.eye(4)),
+    "cube": lambda node, segments: (primitives.cube(), np.eye(4)),
+    "disk": lambda node, segments: (primitives.disk(segments), np.eye(4)),
     "sphere": _sphere,
     "cylinder": _cylinder,
 }
