@@ -16,9 +16,11 @@ from eclat.loaders.mitsuba.tessellation import MOST_TRIANGLES, triangles_of
 from eclat.scene import Mesh
 
 
-def balls(count: int, **more: Any) -> dict[str, Any]:
+def balls(count: int, radius: float = 0.02, **more: Any) -> dict[str, Any]:
     places = np.random.default_rng(1).uniform(-1, 1, (count, 3)).tolist()
-    return {f"ball {i}": {"type": "sphere", "radius": 0.02, "center": place, **more} for i, place in enumerate(places)}
+    return {
+        f"ball {i}": {"type": "sphere", "radius": radius, "center": place, **more} for i, place in enumerate(places)
+    }
 
 
 def area(mesh: Mesh) -> float:
@@ -55,8 +57,8 @@ def test_instances_count_as_often_as_they_stand_there() -> None:
 
 def test_three_hundred_small_lamps_bring_the_light_of_three_hundred_small_lamps() -> None:
     # Balls that hide next to nothing of each other, seen from far outside: E = Σ L π r² / d².
-    lamps = balls(300, emitter={"type": "area", "radiance": 5.0})
+    lamps = balls(300, 0.004, emitter={"type": "area", "radiance": 5.0})
     scene = eclat.load_dict({"type": "scene", **lamps})
     found = eclat.irradiance(scene, [[0, 0, 100.0]], [[0, 0, -1.0]], eclat.Path(), samples=4096)
-    wanted = sum(5 * math.pi * 0.02**2 / (100 - ball["center"][2]) ** 2 for ball in lamps.values())
+    wanted = sum(5 * math.pi * 0.004**2 / (100 - ball["center"][2]) ** 2 for ball in lamps.values())
     np.testing.assert_allclose(found, wanted, rtol=0.03)
