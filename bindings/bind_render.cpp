@@ -21,7 +21,7 @@ using namespace nb::literals;
 
 namespace {
 
-/// Of each pixel of the picture, or one for all.
+/// Numbers of samples, one for each pixel of the picture or one for all.
 using SampleCounts = Array<uint32_t, -1>;
 
 void render_samples(const Camera& camera, Film& film, const EstimatorHolder& estimator, const RenderRange& asked,

@@ -37,11 +37,11 @@ struct ErrorEstimate {
     std::vector<ErrorPlace> places;
 };
 
-/// Of the indirect light in the picture that `camera` sees, over all its pixels; with the `tables` of radiance caching that of
+/// The error of the indirect light that `camera` sees, over all pixels; with the `tables` of radiance caching that of
 /// gloss too.
 ErrorEstimate estimate_error(const World& world, const Camera& camera, const SolvedCaches& caches,
                              const RadianceTables* tables, const ErrorCheck& check, Progress& progress);
-/// Of indirect irradiance at points.
+/// The error of indirect irradiance at points.
 ErrorEstimate estimate_error(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
                              const ErrorCheck& check, Progress& progress);
 

@@ -22,7 +22,7 @@ uint32_t region_of(Vec2 at, int edge) {
     return 1 + static_cast<uint32_t>(edge) + 4 * (x / side + most_columns * (y / side));
 }
 
-/// Of a place in the picture, as random numbers are keyed: pixel centres by their pixel.
+/// The key of the random numbers for a place in the picture; pixel centres have the key of their pixel.
 uint32_t key_of(Vec2 at, int edge) {
     const auto part = [](float x) { return static_cast<uint32_t>(8 * (x - std::floor(x))) ^ 4u; };
     const uint32_t parts = part(at.x) | part(at.y) << 3;

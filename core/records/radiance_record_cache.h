@@ -51,7 +51,7 @@ class RadianceCache {
     float mean_luminance() const { return cache_.mean_luminance(); }
     /// Numbers of a channel: n², and zeros up to whole vectors of eight.
     size_t stride() const { return stride_; }
-    /// Of all records one after another, channels as in RadianceCoefficients.
+    /// The coefficients of all records one after another, with channels as in RadianceCoefficients.
     const std::vector<float>& values() const { return values_; }
     /// The upper halves of floats: three digits do for a correction.
     const std::vector<uint16_t>& gradients() const { return gradients_; }

@@ -26,8 +26,8 @@ namespace eclat {
 
 namespace {
 
-// Of the mantissa, with a multiple of three taken out of the exponent: libraries round differently on both sides of 1, and
-// scenes scaled by a power of two would not get the same bits.
+// The root is taken of the mantissa, after a multiple of three is taken out of the exponent: libraries round differently
+// on both sides of 1, and scenes scaled by a power of two would not get the same bits.
 float cube_root(float x) {
     int exponent = 0;
     std::frexp(x, &exponent);

@@ -21,7 +21,7 @@ using Estimator = std::function<void(std::span<const PathRay> rays, std::span<Pa
 
 struct PointIrradiance {
     std::vector<Color> values;  // W m⁻²
-    /// Of a cache that was read: points whose indirect light it knew, and the others, which were gathered.
+    /// Counts for a cache that was read: points whose indirect light it knew, and the others, which were gathered.
     struct Served {
         size_t served = 0, gathered = 0;
     };

@@ -201,7 +201,7 @@ def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: floa
 
 @cache
 def _core_digest() -> str:
-    """Of the code that makes tables: other code, other tables."""
+    """A digest of the code that makes tables, since other code makes other tables."""
     return hashlib.sha256(Path(str(_core.__file__)).read_bytes()).hexdigest()
 
 

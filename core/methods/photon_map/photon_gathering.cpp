@@ -122,7 +122,7 @@ class Gatherer {
         return estimate_irradiance(world_, map, at, options, progress_).irradiance;
     }
 
-    /// Of photons' paths that are not too long with that of the camera.
+    /// Most edges that a photon's path may have so that it is not too long together with the camera's path.
     int max_photon_edges() const { return options_.max_depth < 0 ? -1 : options_.max_depth - edges_; }
 
     /// Gather rays by the diffuse lobes, and one ray by the glossy lobes.

@@ -29,7 +29,7 @@ constexpr size_t block = 1024;  // links that are looked at together, whose rays
 // is anywhere between nothing and all.
 constexpr float partly_hidden = 0.3f;
 
-// Of what the least sender has, relative: less counts as no light.
+// Share of the light of the weakest sender below which there counts as none.
 constexpr float unlit = 1e-3f;
 
 // Rays that ask what stands between: few where little is carried.

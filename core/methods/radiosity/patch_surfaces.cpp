@@ -16,10 +16,10 @@ namespace eclat {
 namespace {
 
 constexpr int texture_samples = 16;
-// Of the samples of a face cluster each side takes its share, but at least this part.
+// Each side takes its share of the samples of a face cluster, but at least this part of them.
 constexpr float least_share = 1.0f / 8;
 constexpr float low_ray = 0.02f;  // height of rays along a patch, in units of its radius
-// Of a patch: where less than this is, its light is not known.
+// Where less than this share of a patch is exposed, its light is not known.
 constexpr float least_exposed = 0.1f;
 
 class PatchMeter {
@@ -139,7 +139,7 @@ class PatchMeter {
         out.cut = is_cut(patch);
         if (out.cut) keep_largest_part(patch);
         out.exposed = static_cast<float>(exposed_.size()) / static_cast<float>(count);
-        // Of independent rays; stratified ones err less.
+        // The deviation of independent rays; stratified ones err less.
         const auto met =
             std::count_if(exposed_.begin(), exposed_.end(), [](const Exposed& e) { return e.meets_patch; });
         out.closure = exposed_.empty() ? 0 : static_cast<float>(met) / static_cast<float>(exposed_.size());

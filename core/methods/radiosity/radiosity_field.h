@@ -26,7 +26,7 @@ class RadiosityField {
     /// Throws std::invalid_argument where the patches are not those of the scene.
     RadiosityField(const Geometry& geometry, std::span<const SolvedPatch> patches, int threads);
 
-    /// Of the patch that holds the point, the same all over it; nothing where there is none or it is not known.
+    /// The light of the patch that holds the point, constant over it; nothing where there is no patch or no known light.
     struct OnPatch {
         Light light;
         float radius;  // of the patch

@@ -37,7 +37,7 @@ constexpr size_t most_patches = 5'000'000;
 // No sender counts as darker than this part of the mean. The sums of form factors are then known well enough to be balanced.
 constexpr float least_sender = 0.25f;
 
-// Of neighbouring patches, relative: less is not seen in a smooth reconstruction.
+// Relative contrast of neighbouring patches below which a smooth reconstruction hides it.
 constexpr float least_contrast = 0.03f;
 constexpr size_t neighbors = 8;
 

@@ -51,7 +51,7 @@ class ErrorEstimate:
         }  # fmt: skip
 
     def with_noise(self, noise: float) -> ErrorEstimate:
-        """Of a picture that reads the cache and has that much noise of its own."""
+        """The estimate for a picture that reads the cache and has this much noise of its own."""
         error, low, high = (math.hypot(part, noise) for part in (self.error, self.low, self.high))
         return ErrorEstimate(error, low, high, self.unserved)
 

@@ -27,7 +27,7 @@ for _method in (Direct, Path, IrradianceCache, RadianceCache, PhotonMap, Radiosi
     register(_method)
 
 DEFAULT_METHOD = IrradianceCache.name
-"""Of all verbs, where none is given."""
+"""The method that all verbs use where none is given."""
 
 __all__ = [
     "DEFAULT_METHOD",

@@ -92,10 +92,10 @@ class Solved(Prepared):
     consists_of: ClassVar[str]
     """What `len` counts: "records"."""
     format: ClassVar[int]
-    """Of its files, counted up where they change."""
+    """Version of the format of its files, counted up when it changes."""
 
     fingerprint: str
-    """Of the scene (`bridge.compiled.fingerprint`)."""
+    """The fingerprint of the scene (`bridge.compiled.fingerprint`)."""
     max_depth: int
     complete: bool = True
     """False where a solve was interrupted."""

@@ -287,7 +287,7 @@ def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
 
 
 FEWEST_PHOTONS = 1000
-"""Of either map."""
+"""Fewest photons of either map."""
 
 
 @dataclass(frozen=True)

@@ -16,7 +16,7 @@ _KINDS: dict[type, tuple[type, str]] = {
     int: (numbers.Integral, "a whole number"),
     float: (numbers.Real, "a number"),
 }
-"""Of a field's type: what values may be, and what messages call it."""
+"""A field's type → the types that values may have, and what messages call it."""
 
 
 def check_types(method: object) -> None:

@@ -33,7 +33,7 @@ class Care:
     keep_partial: bool = False
     """Let KeyboardInterrupt carry what is done as its attribute `partial`."""
     deadline: float | None = None
-    """Of `time.perf_counter`: be fine enough for a picture that is to be ready then."""
+    """The `time.perf_counter` at which the picture must be ready: prepare as finely as that allows."""
 
 
 @dataclass(frozen=True, eq=False)

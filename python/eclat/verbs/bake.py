@@ -29,7 +29,7 @@ from eclat.scene import FloatArray, Scene
 from eclat.verbs.irradiance import Component, checked_component
 
 SAMPLES = 256
-"""Of the lights, per texel."""
+"""Samples of the lights per texel."""
 
 MAX_SIZE = 4096
 """Width and height that every WebGL 2 device takes."""

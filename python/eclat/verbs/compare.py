@@ -26,7 +26,7 @@ if TYPE_CHECKING:
 ProgressReport = Callable[[str, float, dict[str, float]], None]
 
 LONGER_SIDE = 512
-"""Of the pictures, unless a size is asked for: enough to judge by, and the reference stays affordable."""
+"""Pixels along the longer side of the pictures where no size is given: enough to judge by, at an affordable reference."""
 
 REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
 """XORed into the seed: the references must be unrelated to each other and to the pictures."""

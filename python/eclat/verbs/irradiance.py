@@ -35,7 +35,7 @@ RAYS_OF_TRACED_PATH, RAYS_OF_GATHER_PATH = 7, 2.5
 Cornell box; darker rooms have shorter paths, so that both methods cost less there."""
 
 PATHS_OF_POINT = 8192
-"""Of a point that is gathered by paths alone, to err by about a hundredth; their error falls with the square root."""
+"""Paths per point where nothing is solved: the error is then about one per cent, and falls with their square root."""
 
 
 def paths_for_few(count: int, max_error: float) -> int | None:

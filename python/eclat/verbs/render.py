@@ -207,7 +207,7 @@ class _Picture:
     work: Work
     adaptive: bool
     estimate: ErrorEstimate | None
-    """Of what was prepared for this view."""
+    """The estimated error of what was prepared for this view."""
     started: float
 
     @contextmanager

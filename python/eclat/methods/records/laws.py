@@ -28,16 +28,16 @@ CHECK_SHARE_OF_REFINEMENT = 1.0
 """Rays of a check that decides about another step, at most, in units of those of the step that it checks."""
 
 MOST_RAYS = 2_000_000_000
-"""Of one step: some minutes on two cores."""
+"""Most rays that one step may take: some minutes on two cores."""
 
 RAYS_EXPONENT = 7 / 3
 """Rays grow with the error's inverse to this power: records with its inverse, the rays of each with its rows' square."""
 
 SMALLEST_STEP, LARGEST_STEP = 0.8, 0.25
-"""Of the error, in one step: less is not worth a solve, and more trusts the laws too far."""
+"""Factors of the error in one step: a smaller change is not worth a solve, a larger one trusts the laws too far."""
 
 MARGIN = 0.8
-"""Of the wanted error that a step aims at, since laws are not exact."""
+"""Share of the wanted error that a step aims at, since the laws are not exact."""
 
 
 FIRST_PIXELS = 4.0

@@ -100,7 +100,7 @@ class Solution(Solved):
     max_depth: int = -1
     complete: bool = True
     radiance: RadianceRecords | None = None
-    """Of radiance caching, else None."""
+    """Records of radiance caching; None under irradiance caching."""
 
     def __len__(self) -> int:
         return len(self.near)

@@ -24,19 +24,19 @@ from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
 
 SHARE_OF_RECORDS = 0.45
-"""Of the time that is left before the last solve, the check included."""
+"""Share that the last solve and its check get of the time that is left before them."""
 
 SHARE_OF_COVERAGE = 0.7
 """The same as long as records do not lie as close as was asked for: pixels without one take sixteen paths a sample."""
 
 FINEST_STEP = 1 / 64
-"""Of the error from one solve to the next: beyond it laws say nothing."""
+"""Smallest factor of the error from one solve to the next: the laws say nothing about larger steps."""
 
 RAYS_OF_HALVING = 2.3
-"""Of a solve whose places lie half as far apart, in units of what it took before."""
+"""Factor by which a solve takes more rays when its records lie half as far apart."""
 
 LATEST = 0.8
-"""Of all the time: a solve that is not done then is given up, since laws can be wrong, and the one before it stays."""
+"""Share of all the time after which an unfinished solve is given up, since laws can be wrong; the solve before it counts."""
 
 
 def solve_within(
