@@ -38,6 +38,10 @@ class Texture:
     filter: Literal["bilinear", "nearest"] = "bilinear"
     name: str = ""
 
+    def __repr__(self) -> str:
+        size = "×".join(map(str, np.shape(self.image)))
+        return f"<Texture {self.name!r}: {size}{', sRGB' if self.srgb else ''}>"
+
 
 @dataclass(frozen=True, eq=False)
 class Value:
@@ -185,6 +189,9 @@ class Mesh:
     tangents: FloatArray | None = None
     name: str = ""
 
+    def __repr__(self) -> str:
+        return f"<Mesh {self.name!r}: {_counted(len(self.triangles), 'triangle')}, {self.material.kind}>"
+
 
 @dataclass(frozen=True)
 class PointLight:
@@ -232,6 +239,9 @@ class Environment:
 
     image: NDArray[np.float32]
     to_world: FloatArray = field(default_factory=lambda: np.eye(3))
+
+    def __repr__(self) -> str:
+        return f"<Environment: {'×'.join(map(str, np.shape(self.image)[1::-1]))}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -318,3 +328,19 @@ class Scene:
     """Lights are in candela, lux and cd·m⁻², so radiance means luminance and irradiance is in lux."""
     warnings: tuple[str, ...] = ()
     """What the loader replaced, ignored or guessed."""
+
+    def __repr__(self) -> str:
+        triangles = sum(len(mesh.triangles) for mesh in self.meshes)
+        parts = [
+            f"{_counted(len(self.meshes), 'mesh', 'meshes')} of {_counted(triangles, 'triangle')}",
+            _counted(sum(mesh.material.emission is not None for mesh in self.meshes), "glowing mesh", "glowing meshes"),
+            _counted(len(self.lights), "light"),
+            "no environment" if self.environment is None else "an environment",
+            _counted(len(self.cameras), "camera"),
+            _counted(len(self.warnings), "warning"),
+        ]
+        return f"<Scene {self.name!r}: {', '.join(parts)}>"
+
+
+def _counted(count: int, noun: str, plural: str = "") -> str:
+    return f"{count:,} {noun if count == 1 else plural or noun + 's'}"

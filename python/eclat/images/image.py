@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import DTypeLike, NDArray
 
 from eclat.errors import EclatError, warn
 from eclat.files.atomic_file import check_writable, write_file
@@ -87,6 +87,10 @@ class Image:
                 raise EclatError(f"image, layer {name!r}: expected {size} or {size[:-1]}, 3), got {layer.shape}")
         object.__setattr__(self, "pixels", np.ascontiguousarray(pixels, dtype=np.float32))
         object.__setattr__(self, "layers", {n: np.ascontiguousarray(v, dtype=np.float32) for n, v in layers.items()})
+
+    def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
+        """The pixels, for `np.asarray(image)`."""
+        return self.pixels if dtype is None and not copy else np.array(self.pixels, dtype=dtype)
 
     @property
     def width(self) -> int:

@@ -25,6 +25,7 @@ from eclat.files.archive import read_archive, write_archive
 from eclat.measure.error_estimate import ErrorEstimate, error_text
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Scene
+from eclat.stage.staging import staged
 
 PassEstimator = Callable[[int, _core.Progress], _core.Estimator]
 """Number of a sample, from 0 → the estimator that takes it."""
@@ -352,7 +353,7 @@ def _load(path: str | os.PathLike[str], scene: Scene | None) -> Solved:
     except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
         raise EclatError(f"{name}: its header is damaged ({error})") from error
     if scene is not None:
-        solved.require_match(scene, solved.max_depth)
+        solved.require_match(staged(scene), solved.max_depth)
     return solved
 
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import time as clock
 from dataclasses import asdict, replace
 from typing import get_args
@@ -26,6 +27,7 @@ from eclat.lightmap.solids import solid_triangles
 from eclat.lightmap.texels import Corners, Texels, corners_of, rasterize
 from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.scene import FloatArray, Scene
+from eclat.stage.staging import staged
 from eclat.verbs.irradiance import Component, checked_component
 
 SAMPLES = 256
@@ -41,7 +43,7 @@ BLACK_ROWS = 3
 
 
 def bake(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,
     *,
     component: Component = "total",
@@ -88,6 +90,7 @@ def bake(
     >>> lightmap.save("room_lit.glb")  # doctest: +SKIP
     """
     checked_component(component)
+    scene = staged(scene)
     checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
     _check_map(sides, supersampling, gutter, max_size)
     source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)

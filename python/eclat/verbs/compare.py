@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import os
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, fields
 from typing import TYPE_CHECKING, Any
@@ -22,6 +23,7 @@ from eclat.verbs.render import render
 if TYPE_CHECKING:
     from eclat.measure.metrics import Float64
     from eclat.scene import Scene
+from eclat.stage.staging import staged
 
 ProgressReport = Callable[[str, float, dict[str, float]], None]
 
@@ -129,7 +131,7 @@ class Comparison:
 
 
 def compare(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     methods: Sequence[str | Method | type[Method]] | None = None,
     *,
     effort: Effort | None = None,
@@ -157,6 +159,7 @@ def compare(
     ------
     EclatError : unknown method, a reference of another size, and whatever `render` raises.
     """
+    scene = staged(scene)
     chosen = _known(methods)
     effort = effort or Effort()
     if reference is not None:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import os
 import time as clock
 from typing import Literal, get_args
 
@@ -27,6 +28,7 @@ from eclat.methods import Direct, IrradianceCache, Method, Path, Source, as_meth
 from eclat.methods.records.laws import core_options
 from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
+from eclat.stage.staging import staged
 
 Component = Literal["total", "direct", "indirect"]
 
@@ -52,7 +54,7 @@ def paths_for_few(count: int, max_error: float) -> int | None:
 
 
 def irradiance(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     points: FloatArray,
     normals: FloatArray,
     what: Source | type[Method] | str | None = None,
@@ -108,6 +110,7 @@ def irradiance(
     True
     """
     checked_component(component)
+    scene = staged(scene)
     started = clock.perf_counter()
     places = AtPoints(*points_with_normals(points, normals))
     work = Work(checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), progress)

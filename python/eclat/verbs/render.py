@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import time as clock
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -36,6 +37,7 @@ from eclat.methods.work import Care, View, Work
 from eclat.sampling.adaptive_sampling import AdaptiveSamples, Counts
 from eclat.sampling.convergence import Goal, Sampling
 from eclat.scene import Camera, Scene
+from eclat.stage.staging import staged
 from eclat.verbs.solve import require_check
 
 FILTERS = ("box", "tent")
@@ -45,7 +47,7 @@ Region = tuple[int, int, int, int]
 
 
 def render(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,
     *,
     samples: int | None = None,
@@ -69,6 +71,8 @@ def render(
 
     Parameters
     ----------
+    scene : or the name of a file or of a built-in one. What it lacks, a camera or light, is made up with a warning, as on
+        the command line; so it is for the other verbs.
     what : a method, its class or its name (prepared on the fly), what was solved before, or None for irradiance caching.
         A class or a name takes `max_error`, where the method has one.
     samples : paths per pixel, where `adaptive` their mean. None: as many as `max_error` asks for.
@@ -111,6 +115,7 @@ def render(
     ((8, 8, 3), 4.0)
     """
     _refuse_contradictions(samples, time, refine, check)
+    scene = staged(scene)
     started = clock.perf_counter()
     deadline = None if checked_time(time) is None else started + float(time or 0)
     goal = Goal(None if samples is None else checked_samples(samples), checked_max_error(max_error), deadline)

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from typing import TYPE_CHECKING, overload
 
 from eclat.bridge.arguments import (
@@ -20,6 +21,7 @@ from eclat.errors import EclatError
 from eclat.methods import IrradianceCache, Method, Solved, as_method
 from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, View, Work
 from eclat.scene import Camera, FloatArray, Scene
+from eclat.stage.staging import staged
 
 if TYPE_CHECKING:
     from eclat.methods.photon_map import PhotonMap, Photons
@@ -29,7 +31,7 @@ if TYPE_CHECKING:
 
 @overload
 def solve(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: IrradianceCache | type[IrradianceCache] | None = None,
     *,
     camera: int | Camera | None = None,
@@ -48,7 +50,7 @@ def solve(
 
 @overload
 def solve(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: PhotonMap | type[PhotonMap],
     *,
     max_depth: int = -1,
@@ -60,7 +62,7 @@ def solve(
 
 @overload
 def solve(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: Radiosity | type[Radiosity],
     *,
     max_depth: int = -1,
@@ -72,7 +74,7 @@ def solve(
 
 @overload
 def solve(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: Method | type[Method] | str,
     *,
     camera: int | Camera | None = None,
@@ -90,7 +92,7 @@ def solve(
 
 
 def solve(
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     what: Method | type[Method] | str | None = None,
     *,
     camera: int | Camera | None = None,
@@ -149,6 +151,7 @@ def solve(
     1
     """
     method = as_method(what, IrradianceCache()).options
+    scene = staged(scene)
     where_given = camera is not None or size is not None or points is not None or view_independent
     if method.for_whole_scene and (where_given or refine or keep_partial):
         raise EclatError(
@@ -164,7 +167,7 @@ def solve(
 
 def refine(
     solution: Solved,
-    scene: Scene,
+    scene: Scene | str | os.PathLike[str],
     max_error: float | None = None,
     *,
     camera: int | Camera | None = None,
@@ -193,6 +196,7 @@ def refine(
     ------
     EclatError : a Solution of another scene; else as `solve`.
     """
+    scene = staged(scene)
     solution.require_match(scene, solution.max_depth)
     if max_error is not None:
         checked_max_error(max_error)

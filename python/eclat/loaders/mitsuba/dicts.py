@@ -10,7 +10,7 @@ from typing import Any
 
 import numpy as np
 
-from eclat.errors import EclatError
+from eclat.errors import EclatError, did_you_mean
 from eclat.loaders.mitsuba import kinds
 from eclat.loaders.mitsuba.node import MAX_DEPTH, Color, Node, Rgb, Uniform, check_number, snake_case
 from eclat.loaders.mitsuba.references import Identifiers, resolve_references
@@ -70,6 +70,7 @@ def _add_object(
             raise EclatError(f"{where}: expected the 'id' of an object, got {target!r}")
         node.children.append((name, Node("ref", "", where, (folder,), id=target)))
         return
+    _refuse_misspelt(kind, where)
     tag = kinds.tag_of(kind, name, node.tag)
     if tag == "spectrum":
         color = _color(given, where, folder)
@@ -81,6 +82,17 @@ def _add_object(
     child.id = child.id or (name if node.tag == "scene" else "")
     identifiers.add(child.id, child)
     node.children.append((name, child))
+
+
+def _refuse_misspelt(kind: str, where: str) -> None:
+    """EclatError for a type that nobody knows and that is nearly one of Mitsuba's: a dict is written by hand.
+
+    What resembles none may be somebody's plugin; like in a file it is left out with a warning.
+    """
+    known = [name for names in kinds.PLUGINS.values() for name in names]
+    near = "" if kind in known else did_you_mean(kind[:60], known)
+    if near:
+        raise EclatError(f"{where}: expected a type that Mitsuba has, got {kind!r}{near}")
 
 
 def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:

@@ -258,7 +258,6 @@ def test_vertex_colors_multiply_white() -> None:
         ({"type": "coating", "nested": {"type": "conductor"}}, "conductor", "the conductor inside it is used alone"),
         ({"type": "roughdiffuse", "alpha": 0.2, "reflectance": GREEN}, "diffuse", "roughness of roughdiffuse"),
         ({"type": "hk"}, "diffuse", "hk"),
-        ({"type": "difuse", "reflectance": GREEN}, "diffuse", "did you mean 'diffuse'"),
         ({"type": "polarizer", "nested": DIFFUSE}, "diffuse", "the bsdf inside it is used alone"),
     ],
 )
@@ -266,6 +265,13 @@ def test_bsdfs_that_we_do_not_have_become_the_nearest(bsdf: dict[str, Any], kind
     with pytest.warns(EclatWarning, match=message):
         made = material(bsdf)
     assert made.kind == kind
+
+
+def test_a_misspelt_bsdf_of_a_file_is_replaced_and_of_a_dict_refused(tmp_path: Path) -> None:
+    with pytest.warns(EclatWarning, match="did you mean 'diffuse'"):
+        assert from_xml(tmp_path, '<bsdf type="difuse"/>').kind == "diffuse"
+    with pytest.raises(EclatError, match="did you mean 'diffuse'"):
+        material({"type": "difuse", "reflectance": GREEN})
 
 
 def test_mixtures_are_blends_of_blends(tmp_path: Path) -> None:
