@@ -197,7 +197,7 @@ def test_an_area_light_gives_its_shape_emission_and_shares_materials() -> None:
 
 
 def test_shapes_that_we_do_not_have_are_named_and_left_out() -> None:
-    with pytest.raises(EclatError, match="spere.*did you mean 'sphere'"):
+    with pytest.raises(EclatError, match=r"spere.*did you mean 'sphere'"):
         load_dict({"type": "scene", "shape_1": {"type": "spere"}})
     with pytest.warns(EclatWarning, match="qwxyz"):  # somebody's plugin
         scene = load_dict({"type": "scene", "shape_1": {"type": "qwxyz"}})
