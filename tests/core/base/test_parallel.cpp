@@ -4,6 +4,8 @@
 #include <doctest/doctest.h>
 
 #include <atomic>
+#include <fstream>
+#include <thread>
 #include <utility>
 #include <vector>
 
@@ -64,4 +66,38 @@ TEST_CASE("no count of rays or steps is lost between threads") {
     CHECK(progress.done == 1000);
     CHECK(progress.total == 1000);
     CHECK(progress.rays == 1000 * 999 / 2);
+}
+
+namespace {
+
+/// KB of this process in memory.
+long resident() {
+    std::ifstream file("/proc/self/statm");
+    long all = 0, pages = 0;
+    file >> all >> pages;
+    return 4 * pages;
+}
+
+}  // namespace
+
+TEST_CASE("memory stays flat however many calls there are") {
+    const auto call = [] { parallel_for(4, 2, [](size_t) {}); };
+    for (int i = 0; i < 200; ++i) call();
+    const long before = resident();
+    for (int i = 0; i < 2000; ++i) call();
+    // With an arena a call it grew by 14 MB.
+    CHECK(resident() - before < 2048);
+}
+
+TEST_CASE("calls within calls, of any number of threads, from several threads at once") {
+    std::atomic<long> sum{0};
+    const auto nest = [&] {
+        for (int k = 0; k < 90; ++k)
+            parallel_for(8, k % 3,
+                         [&](size_t) { parallel_for(16, k / 3 % 3, [&](size_t i) { sum += static_cast<long>(i); }); });
+    };
+    std::thread other(nest);
+    nest();
+    other.join();
+    CHECK(sum == 2 * 90 * 8 * 120);
 }
