@@ -58,8 +58,11 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
 
 def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> list[str]:
     """The options of records that `--time` chose, as values of `--set` that choose the same without a clock."""
+    from eclat.methods import METHODS
+
     options = metadata.get("options", {})
-    if flags["time"] is None or flags["cache"] or "spacing" not in options:
+    method = METHODS.get(metadata.get("method", ""))
+    if flags["time"] is None or flags["cache"] or method is None or not method.has_records:
         return []
     return [f"{name}={str(value).lower()}" for name, value in options.items()]
 

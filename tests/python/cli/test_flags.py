@@ -1,0 +1,177 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Every flag of every command does something: it changes what the verbs are called with or what is written, or is refused.
+
+The flags are those that the commands themselves declare, so that a new one cannot be forgotten.
+"""
+
+from __future__ import annotations
+
+import importlib
+from pathlib import Path
+from typing import Any
+
+import click
+import numpy as np
+import pytest
+
+import eclat
+from eclat.bridge.compiled import fingerprint
+from eclat.cli import COMMANDS, main
+from eclat.images.image import Image
+from eclat.scenes import build
+
+VALUES: dict[str, list[str]] = {
+    "--output": ["other"],
+    "--max-error": ["0.07"],
+    "--max-depth": ["4"],
+    "--samples": ["7"],
+    "--reference-samples": ["9"],
+    "--time": ["3"],
+    "--exposure": ["1.5"],
+    "--tone-mapping": ["filmic"],
+    "--crop": ["1,1,3,3"],
+    "--replay": ["1,1,2"],
+    "--replay-settings": ["none.exr"],
+    "--set": ["rows=9"],
+    "--method": ["radiance-cache"],
+    "--cache": ["cache.npz"],
+    "--points": ["points.csv"],
+    "--camera": ["side"],
+    "--camera-from": ["0,0,3"],
+    "--camera-to": ["0,0.5,0"],
+    "--camera-up": ["0,0.8,0.6"],
+    "--fov": ["33"],
+    "--size": ["24x18"],
+    "--sun": ["135,40"],
+    "--environment": ["1,2,3"],
+    "--material": ["white=diffuse,reflectance=0.1"],
+    "--seed": ["5"],
+    "--threads": ["1"],
+    "--component": ["indirect"],
+    "--texel-size": ["0.2"],
+    "--gutter": ["3"],
+    "--sides": ["both"],
+    "--max-size": ["512"],
+    "--charts-timeout": ["3"],
+    "--methods": ["path"],
+    "--levels": ["2"],
+    "--reference": ["reference.exr"],
+}
+"""A value unlike the default for each flag that takes one."""
+
+ENDING = {"render": ".png", "solve": ".npz", "irradiance": ".npy", "bake": ".glb", "compare": ".html"}
+BESIDE = {"render": {"--camera-up": ["--camera-from", "0,0,3"]}, "bake": {"--exposure": ["--flatten"]}}
+"""Flags that say something only beside others."""
+ONLY_TERMINALS = ("--quiet", "--help")
+
+
+class Recorder:
+    """Stands for all verbs: what they were called with, and what became of their results, as text."""
+
+    def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
+        self.said: list[str] = []
+        for verb in ("render", "solve", "refine", "irradiance", "bake", "load_solved"):
+            monkeypatch.setitem(vars(eclat), verb, self.verb(verb))
+        monkeypatch.setattr("eclat.verbs.compare.render", self.verb("render"))
+
+    def verb(self, name: str) -> Any:
+        def called(*arguments: Any, **keywords: Any) -> Any:
+            keywords.pop("progress", None)
+            statistics = keywords.pop("statistics", None)
+            if statistics is not None:
+                statistics["points"] = 1.0
+            self.said.append(f"{name} {[self._text(a) for a in arguments]} {sorted(keywords.items(), key=str)}")
+            if name == "render":
+                return Image(np.linspace(0.2, 3, 108 * 3, dtype=np.float32).reshape(9, 12, 3), {}, {})
+            return np.ones((1, 3), np.float32) if name == "irradiance" else Result(self.said)
+
+        return called
+
+    def _text(self, argument: Any) -> str:
+        if isinstance(argument, eclat.Scene):
+            return f"scene {fingerprint(argument)} {[repr(c.to_world) + repr(c) for c in argument.cameras]}"
+        return repr(argument)
+
+
+class Result:
+    """What `solve`, `bake` and their like return."""
+
+    def __init__(self, said: list[str]) -> None:
+        self._said = said
+        self.irradiance = np.ones((4, 4, 3))
+        self.statistics = {"charts": 1.0, "seconds": 1.0}
+        self.texel_size, self.unit = 0.1, "lux"
+
+    def __repr__(self) -> str:
+        return "result"
+
+    def save(self, *arguments: Any) -> None:
+        self._said.append(f"save {arguments}")
+
+    def save_flat(self, *arguments: Any) -> None:
+        self._said.append(f"save_flat {arguments}")
+
+    def describe(self) -> str:
+        return "described"
+
+    def facts(self) -> dict[str, Any]:
+        return {}
+
+    def clipped_share(self) -> float:
+        return 0.0
+
+
+def flags_of(command: str) -> list[tuple[str, list[str]]]:
+    """Each flag of a command with a value, both spellings of those that have two."""
+    found = []
+    for parameter in importlib.import_module(COMMANDS[command]).command.params:
+        if isinstance(parameter, click.Argument):
+            continue
+        for name in (*parameter.opts, *parameter.secondary_opts):
+            if name.startswith("--") and name not in ONLY_TERMINALS:
+                takes = not (parameter.is_flag or (parameter.flag_value is not None and name.startswith("--no-")))
+                found.append((name, VALUES[name] if takes else []))
+    return found
+
+
+def outcome(command: str, arguments: list[str], monkeypatch: pytest.MonkeyPatch, capsys: Any) -> tuple[Any, ...]:
+    recorder = Recorder(monkeypatch)
+    for path in Path.cwd().glob("out*"):
+        path.unlink()
+    base = [command, "room.glb"] + (["-o", f"out{ENDING[command]}"] if "--output" not in arguments else [])
+    if command == "irradiance" and "--points" not in arguments:
+        base += ["--points", "here.csv"]
+    if command == "compare" and "--methods" not in arguments:
+        base += ["--methods", "irradiance-cache"]
+    code = main([*base, *arguments])
+    written = {p.name: p.read_bytes() for p in sorted(Path.cwd().glob("out*"))}
+    said = capsys.readouterr()
+    return code, recorder.said, written, said.out if "--json" in arguments else "", said.err if code else ""
+
+
+@pytest.mark.parametrize("command", list(ENDING))
+def test_every_flag_reaches_its_verb_or_is_refused(
+    command: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    from dataclasses import replace
+
+    room = build("cornell-box")
+    cameras = (room.cameras[0], replace(room.cameras[0], name="side", fov=20.0))
+    monkeypatch.setitem(vars(eclat), "load", lambda name: replace(room, cameras=cameras))
+    Path("here.csv").write_text("0 0.5 0 0 1 0\n")
+    Path("points.csv").write_text("0 0.7 0 0 1 0\n")
+    Image(np.ones((9, 12, 3), np.float32)).save("reference.exr")
+    Path("other").mkdir()
+    for flag, value in flags_of(command):
+        if flag == "--output":
+            value = [f"out-other{ENDING[command]}"]
+        beside = BESIDE.get(command, {}).get(flag, [])
+        plain = outcome(command, beside, monkeypatch, capsys)
+        assert plain[0] == 0, plain[-1]
+        changed = outcome(command, [*beside, flag, *value], monkeypatch, capsys)
+        if changed[0] == 0:
+            assert changed != plain, f"eclat {command} {flag} does nothing"
+        else:
+            assert flag.strip("-") in changed[-1] or str(value[0] if value else "") in changed[-1], changed[-1]
