@@ -34,7 +34,8 @@ def generated() -> str:
     with tempfile.TemporaryDirectory() as folder:
         raw = Path(folder) / "_core.pyi"
         command = [sys.executable, "-m", "nanobind.stubgen", "-q", "-m", "eclat._core", "-o", str(raw)]
-        subprocess.run(command, cwd=folder, env=environment, check=True)
+        if subprocess.run(command, cwd=folder, env=environment).returncode != 0:
+            raise SystemExit("the compiled module cannot be imported: build it anew, see tools/check")
         text = HEAD + raw.read_text(encoding="utf-8")
     ruff = Path(sys.executable).with_name("ruff")
     arguments = [str(ruff), "format", "--quiet", "--stdin-filename", str(STUB), "-"]
