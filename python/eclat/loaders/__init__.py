@@ -112,6 +112,8 @@ def _is_folder(file: Path) -> bool:
 
 def _collecting_warnings(make: Callable[[], Scene]) -> Scene:
     """The scene that `make` returns, with the text of every `EclatWarning` on the way."""
-    with heard_warnings() as messages:
+    from eclat.loaders.images import image_budget
+
+    with heard_warnings() as messages, image_budget():
         scene = make()
     return replace(scene, warnings=tuple(dict.fromkeys([*scene.warnings, *messages])))

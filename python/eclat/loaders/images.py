@@ -8,6 +8,9 @@ import io
 import struct
 import warnings
 import zlib
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
 from pathlib import Path
 from typing import Any
 
@@ -21,6 +24,14 @@ from eclat.loaders.linear_images import DECODERS, MAX_PIXELS, check_size
 
 # Formats by name: Pillow would otherwise also try those that start other programs (EPS).
 FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "AVIF", "PPM", "DDS", "PCX")
+
+_ALLOWANCE = 1 << 30
+"""Bytes that the images of one scene may take whatever the size of their files."""
+_GROWTH = 256
+"""Beyond these, how much larger than its file an image may be on average: JPEGs of photographs grow 10 to 50 times."""
+
+_spent: ContextVar[list[int] | None] = ContextVar("spent", default=None)
+"""Bytes of images and `_GROWTH` times bytes of files in this load."""
 
 _DEFLATE_LIMIT = 1032
 """No deflate stream grows by more than this (258 bytes for 2 bits), so a PNG that claims more is lying."""
@@ -51,6 +62,28 @@ def decode_image(data: bytes) -> NDArray[Any]:
     return pixels
 
 
+@contextmanager
+def image_budget() -> Iterator[None]:
+    """Images decoded in the block may together take `_ALLOWANCE` and `_GROWTH` times their files; others are refused."""
+    token = _spent.set([0, 0])
+    try:
+        yield
+    finally:
+        _spent.reset(token)
+
+
+def _spend(taken: int, size: int) -> None:
+    spent = _spent.get()
+    if spent is None:
+        return
+    if spent[0] + taken > _ALLOWANCE + spent[1] + _GROWTH * size:
+        raise EclatError(
+            f"the image would take {taken >> 20} MB, which with others is too much for files of their size"
+        )
+    spent[0] += taken
+    spent[1] += _GROWTH * size
+
+
 def read_image_file(path: Path, data: bytes) -> tuple[NDArray[Any], bool]:
     """The image `data` of the file `path`, and whether its format is linear by definition. Raises EclatError.
 
@@ -63,6 +96,7 @@ def read_image_file(path: Path, data: bytes) -> tuple[NDArray[Any], bool]:
 def _check_size(image: Image.Image, size: int) -> None:
     # A texel of a PNG takes a bit at least; other formats have no such bound.
     check_size(*image.size, size, texels_per_byte=8 * _DEFLATE_LIMIT if image.format == "PNG" else MAX_PIXELS)
+    _spend(image.width * image.height * (1 if image.mode in ("1", "L") else 4), size)
 
 
 def _pixels(image: Image.Image, data: bytes) -> NDArray[Any]:

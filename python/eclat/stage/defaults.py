@@ -195,11 +195,13 @@ def _environment(source: Path | Point, up: Point) -> Environment:
         image, linear = read_image_file(path, data)
     except EclatError as error:
         raise EclatError(f"environment: {path}: {error}") from None
-    colour: FloatArray = image.astype(np.float32) / 255 if image.dtype == np.uint8 else image.astype(np.float32)
-    colour = np.repeat(colour, 3, axis=2) if colour.shape[2] == 1 else colour[..., :3]
+    image = np.repeat(image, 3, axis=2) if image.shape[2] == 1 else image[..., :3]
     if not linear:
         warn(f"environment: {path.name} has no range beyond white; a sun in it will be too dim")
-        colour = srgb_decode(colour).astype(np.float32)
+    if image.dtype == np.uint8:
+        # By a table: texels as float64 would be gigabytes for pictures that are kilobytes in their file.
+        return Environment(srgb_decode(np.arange(256) / 255).astype(np.float32)[image], upright_frame(up))
+    colour: FloatArray = image.astype(np.float32) if linear else srgb_decode(image).astype(np.float32)
     good = np.isfinite(colour) & (colour >= 0)
     if not good.all():
         warn(

@@ -19,6 +19,7 @@ from hypothesis import strategies as st
 from PIL import Image
 
 from eclat.errors import EclatError
+from eclat.loaders import images
 from eclat.loaders.images import decode_image, read_image_file
 
 NUMBERS = np.random.default_rng(1)
@@ -178,3 +179,17 @@ def test_truncated_exr_files(tmp_path: Path, keep: int) -> None:
     path.write_bytes(data)
     with pytest.raises(EclatError, match="cannot be decoded"):
         read_image_file(path, data)
+
+
+def test_images_of_one_scene_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> None:
+    file = io.BytesIO()
+    Image.new("L", (1000, 1000)).save(file, "PNG")
+    data = file.getvalue()
+    monkeypatch.setattr(images, "_ALLOWANCE", 2_500_000)
+    monkeypatch.setattr(images, "_GROWTH", 2)
+    with images.image_budget():
+        for _ in range(2):
+            images.decode_image(data)
+        with pytest.raises(EclatError, match="the image would take 0 MB, which with others is too much"):
+            images.decode_image(data)
+    images.decode_image(data)
