@@ -141,27 +141,27 @@ void bind_progress(nb::module_& m) {
 
 void bind_camera(nb::module_& m) {
     using Three = std::array<float, 3>;
+    using Pair = std::array<float, 2>;
     nb::class_<Camera>(m, "Camera")
         .def(
             "__init__",
-            [](Camera* c, const Three& right, const Three& up, const Three& backward, const Three& position,
-               std::array<int, 2> size, std::array<float, 2> half_extent, std::array<float, 2> shift,
-               float aperture_radius, float focus_distance, bool orthographic) {
-                new (c) Camera{.right = vec3(right),
-                               .up = vec3(up),
-                               .backward = vec3(backward),
+            [](Camera* c, const std::array<Three, 3>& axes, const Three& position, std::array<int, 2> size,
+               Pair half_extent, Pair shift, Pair lens, bool orthographic) {
+                new (c) Camera{.right = vec3(axes[0]),
+                               .up = vec3(axes[1]),
+                               .backward = vec3(axes[2]),
                                .position = vec3(position),
                                .width = size[0],
                                .height = size[1],
                                .half_width = half_extent[0],
                                .half_height = half_extent[1],
                                .shift = {shift[0], shift[1]},
-                               .aperture_radius = aperture_radius,
-                               .focus_distance = focus_distance,
+                               .aperture_radius = lens[0],
+                               .focus_distance = lens[1],
                                .orthographic = orthographic};
             },
-            nb::kw_only(), "right"_a, "up"_a, "backward"_a, "position"_a, "size"_a, "half_extent"_a, "shift"_a,
-            "aperture_radius"_a, "focus_distance"_a, "orthographic"_a);
+            nb::kw_only(), "axes"_a, "position"_a, "size"_a, "half_extent"_a, "shift"_a, "lens"_a, "orthographic"_a,
+            "axes: what points right, up and backward; lens: radius of the aperture and distance of the focus.");
 }
 
 void bind_film(nb::module_& m) {

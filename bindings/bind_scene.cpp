@@ -4,10 +4,15 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
+#include <string>
+
 #include "arrays.h"
+#include "base/error.h"
 #include "base/parallel.h"
 #include "world_holder.h"
 
@@ -26,19 +31,18 @@ struct SceneBuilder {
     std::vector<std::unique_ptr<Texture>> textures;
     LightInputs lights;
 
-    int add_texture_bytes(Bytes3 image, bool srgb, int wrap_u, int wrap_v, bool nearest) {
+    int add_texture_bytes(Bytes3 image, bool srgb, Wrap wrap_u, Wrap wrap_v, bool nearest) {
         return add_texture({static_cast<uint32_t>(image.shape(1)), static_cast<uint32_t>(image.shape(0)),
                             static_cast<uint32_t>(image.shape(2)), image.data(), nullptr},
                            srgb, wrap_u, wrap_v, nearest);
     }
-    int add_texture_floats(Floats3 image, bool srgb, int wrap_u, int wrap_v, bool nearest) {
+    int add_texture_floats(Floats3 image, bool srgb, Wrap wrap_u, Wrap wrap_v, bool nearest) {
         return add_texture({static_cast<uint32_t>(image.shape(1)), static_cast<uint32_t>(image.shape(0)),
                             static_cast<uint32_t>(image.shape(2)), nullptr, image.data()},
                            srgb, wrap_u, wrap_v, nearest);
     }
-    int add_texture(const ImageView& view, bool srgb, int wrap_u, int wrap_v, bool nearest) {
-        textures.push_back(std::make_unique<Texture>(
-            view, TextureOptions{srgb, static_cast<Wrap>(wrap_u), static_cast<Wrap>(wrap_v), nearest}));
+    int add_texture(const ImageView& view, bool srgb, Wrap wrap_u, Wrap wrap_v, bool nearest) {
+        textures.push_back(std::make_unique<Texture>(view, TextureOptions{srgb, wrap_u, wrap_v, nearest}));
         return static_cast<int>(textures.size()) - 1;
     }
     Value value(std::array<float, 3> constant, int texture, int channel, int uv_set, std::array<float, 6> uv_transform,
@@ -87,45 +91,74 @@ struct SceneBuilder {
     }
 
     std::unique_ptr<CoreScene> build() {
-        auto scene = std::make_unique<CoreScene>();
-        scene->geometry = std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::move(textures));
-        const Geometry& g = *scene->geometry;
-        for (uint32_t t = 0; t < g.triangle_count(); ++t) {
-            const Material& m = g.material_of(t);
-            if (!m.emits) continue;
-            if (scene->emitter_of_triangle.empty()) scene->emitter_of_triangle.assign(g.triangle_count(), not_emitting);
-            scene->emitter_of_triangle[t] = static_cast<uint32_t>(scene->emitters.size());
-            const int set = m.emission.uv_set;
-            EmitterTriangle e;
-            e.p0 = g.vertex(t, 0);
-            e.p1 = g.vertex(t, 1);
-            e.p2 = g.vertex(t, 2);
-            e.uv0 = g.uv(t, 0, set);
-            e.uv1 = g.uv(t, 1, set);
-            e.uv2 = g.uv(t, 2, set);
-            e.emission = m.emission;
-            e.two_sided = m.emission_two_sided;
-            e.triangle_id = t;
-            scene->emitters.push_back(e);
-        }
-        lights.triangles = scene->emitters;
-        lights.scene_center = (g.low() + g.high()) * 0.5f;
-        lights.scene_radius = g.radius();
-        scene->lights = Lights(std::move(lights));
-        return scene;
+        auto geometry = std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::move(textures));
+        return std::make_unique<CoreScene>(light_scene(std::move(geometry), std::move(lights)));
     }
 };
 
-}  // namespace
+/// The kind must be known; a name that it does not have throws.
+void set_parameter(Material& material, const std::string& name, const Value& value) {
+    const auto names = parameter_names(material.kind);
+    const auto found = std::find(names.begin(), names.end(), name);
+    require(found != names.end(), "material: no parameter " + name);
+    material.parameters.resize(names.size());
+    material.parameters[static_cast<size_t>(found - names.begin())] = value;
+}
 
-void bind_scene(nb::module_& m) {
+std::vector<std::string> names_of(MaterialKind kind) {
+    const auto names = parameter_names(kind);
+    return {names.begin(), names.end()};
+}
+
+size_t escapes(const CoreScene& scene, Points origins, Points directions) {
+    std::vector<Ray> rays;
+    const auto o = vec3s(origins), d = vec3s(directions);
+    for (size_t i = 0; i < o.size(); ++i) rays.push_back({o[i], 0, d[i], infinity});
+    std::vector<uint8_t> hit(rays.size());
+    scene.geometry->rays().occluded(rays, hit);
+    return static_cast<size_t>(std::count(hit.begin(), hit.end(), uint8_t(0)));
+}
+
+auto first_hits(const CoreScene& scene, Points origins, Points directions, int threads) {
+    const auto o = vec3s(origins), d = vec3s(directions);
+    if (o.size() != d.size()) throw std::invalid_argument("expected as many directions as origins");
+    auto* triangles = new int32_t[o.size()];
+    nb::capsule owner(triangles, [](void* p) noexcept { delete[] static_cast<int32_t*>(p); });
+    {
+        nb::gil_scoped_release unlocked;
+        parallel_blocks(o.size(), 1024, threads, [&](size_t begin, size_t end) {
+            std::vector<Ray> rays;
+            for (size_t i = begin; i < end; ++i) rays.push_back({o[i], 0, d[i], infinity});
+            std::vector<Hit> hits(rays.size());
+            scene.geometry->rays().intersect(rays, hits);
+            for (size_t i = begin; i < end; ++i)
+                triangles[i] = static_cast<int32_t>(hits[i - begin].triangle);  // -1 for no_triangle
+        });
+    }
+    return nb::ndarray<nb::numpy, int32_t>(triangles, {o.size()}, owner);
+}
+
+void bind_kinds(nb::module_& m) {
+    nb::enum_<Wrap>(m, "Wrap").value("repeat", Wrap::repeat).value("mirror", Wrap::mirror).value("clamp", Wrap::clamp);
+    nb::enum_<MaterialKind>(m, "MaterialKind")
+        .value("diffuse", MaterialKind::diffuse)
+        .value("phong", MaterialKind::phong)
+        .value("ward", MaterialKind::ward)
+        .value("conductor", MaterialKind::conductor)
+        .value("dielectric", MaterialKind::dielectric)
+        .value("thin_dielectric", MaterialKind::thin_dielectric)
+        .value("plastic", MaterialKind::plastic)
+        .value("metallic_roughness", MaterialKind::metallic_roughness)
+        .value("blend", MaterialKind::blend);
+    m.def("parameter_names", &names_of, "kind"_a);
+}
+
+void bind_material(nb::module_& m) {
     nb::class_<Value>(m, "Value");
     nb::class_<Material>(m, "Material")
         .def(nb::init<>())
-        .def_prop_rw(
-            "kind", [](const Material& s) { return static_cast<int>(s.kind); },
-            [](Material& s, int kind) { s.kind = static_cast<MaterialKind>(kind); })
-        .def_rw("parameters", &Material::parameters)
+        .def_rw("kind", &Material::kind)
+        .def("set", &set_parameter, "name"_a, "value"_a)
         .def_rw("two_sided", &Material::two_sided)
         .def_rw("back", &Material::back)
         .def_prop_rw(
@@ -144,54 +177,34 @@ void bind_scene(nb::module_& m) {
         .def_rw("emits", &Material::emits)
         .def_rw("emission", &Material::emission)
         .def_rw("emission_two_sided", &Material::emission_two_sided);
+}
+
+}  // namespace
+
+void bind_scene(nb::module_& m) {
+    bind_kinds(m);
+    bind_material(m);
     nb::class_<SceneBuilder>(m, "SceneBuilder")
         .def(nb::init<>())
-        .def("add_texture", &SceneBuilder::add_texture_bytes, "image"_a, "srgb"_a, "wrap_u"_a, "wrap_v"_a, "nearest"_a)
-        .def("add_texture", &SceneBuilder::add_texture_floats, "image"_a, "srgb"_a, "wrap_u"_a, "wrap_v"_a, "nearest"_a)
-        .def("value", &SceneBuilder::value)
+        .def("add_texture", &SceneBuilder::add_texture_bytes, "image"_a, nb::kw_only(), "srgb"_a, "wrap_u"_a,
+             "wrap_v"_a, "nearest"_a)
+        .def("add_texture", &SceneBuilder::add_texture_floats, "image"_a, nb::kw_only(), "srgb"_a, "wrap_u"_a,
+             "wrap_v"_a, "nearest"_a)
+        .def("value", &SceneBuilder::value, "constant"_a, nb::kw_only(), "texture"_a, "channel"_a, "uv_set"_a,
+             "uv_transform"_a, "invert"_a, "square"_a)
         .def("add_material", &SceneBuilder::add_material)
-        .def("add_mesh", &SceneBuilder::add_mesh)
+        .def("add_mesh", &SceneBuilder::add_mesh, nb::kw_only(), "positions"_a, "triangles"_a, "material"_a,
+             "normals"_a, "uvs"_a, "uvs2"_a, "colors"_a, "tangents"_a)
         .def("add_point", &SceneBuilder::add_point)
-        .def("add_spot", &SceneBuilder::add_spot)
+        .def("add_spot", &SceneBuilder::add_spot, nb::kw_only(), "position"_a, "direction"_a, "intensity"_a,
+             "inner_angle"_a, "outer_angle"_a, "smooth"_a)
         .def("add_directional", &SceneBuilder::add_directional)
         .def("set_environment", &SceneBuilder::set_environment)
         .def("build", &SceneBuilder::build);
     nb::class_<CoreScene>(m, "Scene")
         .def_prop_ro("triangle_count", [](const CoreScene& s) { return s.geometry->triangle_count(); })
         .def_prop_ro("radius", [](const CoreScene& s) { return s.geometry->radius(); })
-        .def(
-            "escapes",
-            [](const CoreScene& s, Points origins, Points directions) {
-                std::vector<Ray> rays;
-                const auto o = vec3s(origins), d = vec3s(directions);
-                for (size_t i = 0; i < o.size(); ++i) rays.push_back({o[i], 0, d[i], infinity});
-                std::vector<uint8_t> hit(rays.size());
-                s.geometry->rays().occluded(rays, hit);
-                size_t free = 0;
-                for (uint8_t h : hit) free += !h;
-                return free;
-            },
-            "Number of rays that meet nothing.")
-        .def(
-            "first_hits",
-            [](const CoreScene& s, Points origins, Points directions, int threads) {
-                const auto o = vec3s(origins), d = vec3s(directions);
-                if (o.size() != d.size()) throw std::invalid_argument("expected as many directions as origins");
-                auto* triangles = new int32_t[o.size()];
-                nb::capsule owner(triangles, [](void* p) noexcept { delete[] static_cast<int32_t*>(p); });
-                {
-                    nb::gil_scoped_release unlocked;
-                    parallel_blocks(o.size(), 1024, threads, [&](size_t begin, size_t end) {
-                        std::vector<Ray> rays;
-                        for (size_t i = begin; i < end; ++i) rays.push_back({o[i], 0, d[i], infinity});
-                        std::vector<Hit> hits(rays.size());
-                        s.geometry->rays().intersect(rays, hits);
-                        for (size_t i = begin; i < end; ++i)
-                            triangles[i] = static_cast<int32_t>(hits[i - begin].triangle);  // -1 for no_triangle
-                    });
-                }
-                return nb::ndarray<nb::numpy, int32_t>(triangles, {o.size()}, owner);
-            },
-            "origins"_a, "directions"_a, "threads"_a,
-            "The triangle that each ray meets first, counted over all meshes, and -1 for none.");
+        .def("escapes", &escapes, "origins"_a, "directions"_a, "Number of rays that meet nothing.")
+        .def("first_hits", &first_hits, "origins"_a, "directions"_a, "threads"_a,
+             "The triangle that each ray meets first, counted over all meshes, and -1 for none.");
 }

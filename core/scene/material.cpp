@@ -12,10 +12,10 @@ namespace {
 class Reader {
   public:
     Reader(const Material& material, const SurfaceCoordinates& at) : material_(material), at_(at) {}
-    Color color(int i) const { return material_.parameters[i].color(at_.uv, at_.uv2); }
-    float scalar(int i) const { return material_.parameters[i].scalar(at_.uv, at_.uv2); }
-    Color base_color(int i) const { return material_.vertex_colors ? color(i) * at_.vertex_color : color(i); }
-    float alpha(int i) const { return std::min(scalar(i), 1.0f); }
+    Color color(size_t i) const { return material_.parameters[i].color(at_.uv, at_.uv2); }
+    float scalar(size_t i) const { return material_.parameters[i].scalar(at_.uv, at_.uv2); }
+    Color base_color(size_t i) const { return material_.vertex_colors ? color(i) * at_.vertex_color : color(i); }
+    float alpha(size_t i) const { return std::min(scalar(i), 1.0f); }
     Distribution distribution() const { return material_.beckmann ? Distribution::beckmann : Distribution::ggx; }
 
   private:
@@ -23,15 +23,18 @@ class Reader {
     const SurfaceCoordinates& at_;
 };
 
-Bsdf metallic_roughness(const Material& m, const Reader& read) {
+Bsdf metal_or_plastic(const Material& m, const Reader& read) {
+    constexpr auto at = [](std::string_view name) consteval {
+        return parameter(MaterialKind::metallic_roughness, name);
+    };
     MetallicRoughness p;
-    p.base_color = read.base_color(0);
-    p.metallic = clamp(read.scalar(1), 0, 1);
-    p.alpha = read.alpha(2);
-    p.ior = read.scalar(3);
-    p.specular = read.scalar(4);
-    p.specular_color = read.color(5);
-    p.transmission = clamp(read.scalar(6), 0, 1);
+    p.base_color = read.base_color(at("base_color"));
+    p.metallic = clamp(read.scalar(at("metallic")), 0, 1);
+    p.alpha = read.alpha(at("roughness"));
+    p.ior = read.scalar(at("ior"));
+    p.specular = read.scalar(at("specular"));
+    p.specular_color = read.color(at("specular_color"));
+    p.transmission = clamp(read.scalar(at("transmission")), 0, 1);
     p.thin = m.thin_walled;
     return make_metallic_roughness(p);
 }
@@ -52,7 +55,8 @@ int lobe_bound(MaterialKind kind) {
 
 void Material::prepare(const std::vector<Material>& materials) {
     if (kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric) transmits = true;
-    if (kind == MaterialKind::metallic_roughness) transmits = !is_black(parameters[6].constant);
+    if (kind == MaterialKind::metallic_roughness)
+        transmits = !is_black(parameters[parameter(MaterialKind::metallic_roughness, "transmission")].constant);
     refracts =
         kind == MaterialKind::dielectric || (kind == MaterialKind::metallic_roughness && transmits && !thin_walled);
     lobes = lobe_bound(kind);
@@ -65,32 +69,49 @@ void Material::prepare(const std::vector<Material>& materials) {
     require(lobes <= Bsdf::capacity, "a blend of materials has " + std::to_string(lobes) + " lobes; at most " +
                                          std::to_string(Bsdf::capacity) + " are supported: blend fewer materials");
     if (kind == MaterialKind::plastic)
-        coat = make_plastic_table(parameters[2].constant.r, std::min(parameters[3].constant.r, 1.0f),
+        coat = make_plastic_table(parameters[parameter(MaterialKind::plastic, "ior")].constant.r,
+                                  std::min(parameters[parameter(MaterialKind::plastic, "alpha_u")].constant.r, 1.0f),
                                   beckmann ? Distribution::beckmann : Distribution::ggx);
 }
 
 Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceCoordinates& at, bool from_behind) {
+    using enum MaterialKind;
     const Material* m = &materials[index];
     if (from_behind && m->two_sided && m->back >= 0) m = &materials[m->back];
     if (from_behind && !m->two_sided && !m->transmits) return {};
     const Reader read(*m, at);
     switch (m->kind) {
-        case MaterialKind::diffuse: return make_diffuse(read.base_color(0));
-        case MaterialKind::phong: return make_phong(read.base_color(0), read.color(1), read.scalar(2));
-        case MaterialKind::ward: return make_ward(read.base_color(0), read.color(1), read.scalar(2), read.scalar(3));
-        case MaterialKind::conductor:
-            return make_conductor(read.color(0), read.color(1), read.color(2), read.alpha(3), read.alpha(4),
-                                  read.distribution());
-        case MaterialKind::dielectric:
-            return make_dielectric(read.scalar(2), read.alpha(3), read.alpha(4), read.color(0), read.color(1),
-                                   read.distribution());
-        case MaterialKind::thin_dielectric: return make_thin_dielectric(read.scalar(2), read.color(0), read.color(1));
-        case MaterialKind::plastic:
-            return make_plastic(m->coat, read.base_color(0), read.color(1), read.distribution(), m->nonlinear);
-        case MaterialKind::metallic_roughness: return metallic_roughness(*m, read);
-        case MaterialKind::blend: break;
+        case diffuse: return make_diffuse(read.base_color(parameter(diffuse, "reflectance")));
+        case phong:
+            return make_phong(read.base_color(parameter(phong, "diffuse_reflectance")),
+                              read.color(parameter(phong, "specular_reflectance")),
+                              read.scalar(parameter(phong, "exponent")));
+        case ward:
+            return make_ward(read.base_color(parameter(ward, "diffuse_reflectance")),
+                             read.color(parameter(ward, "specular_reflectance")),
+                             read.scalar(parameter(ward, "alpha_u")), read.scalar(parameter(ward, "alpha_v")));
+        case conductor:
+            return make_conductor(read.color(parameter(conductor, "eta")), read.color(parameter(conductor, "k")),
+                                  read.color(parameter(conductor, "specular_reflectance")),
+                                  read.alpha(parameter(conductor, "alpha_u")),
+                                  read.alpha(parameter(conductor, "alpha_v")), read.distribution());
+        case dielectric:
+            return make_dielectric(
+                read.scalar(parameter(dielectric, "ior")), read.alpha(parameter(dielectric, "alpha_u")),
+                read.alpha(parameter(dielectric, "alpha_v")), read.color(parameter(dielectric, "specular_reflectance")),
+                read.color(parameter(dielectric, "specular_transmittance")), read.distribution());
+        case thin_dielectric:
+            return make_thin_dielectric(read.scalar(parameter(thin_dielectric, "ior")),
+                                        read.color(parameter(thin_dielectric, "specular_reflectance")),
+                                        read.color(parameter(thin_dielectric, "specular_transmittance")));
+        case plastic:
+            return make_plastic(m->coat, read.base_color(parameter(plastic, "diffuse_reflectance")),
+                                read.color(parameter(plastic, "specular_reflectance")), read.distribution(),
+                                m->nonlinear);
+        case metallic_roughness: return metal_or_plastic(*m, read);
+        case blend: break;
     }
-    const float weight = clamp(read.scalar(0), 0, 1);
+    const float weight = clamp(read.scalar(parameter(blend, "weight")), 0, 1);
     Bsdf bsdf;
     bsdf.append(make_bsdf(materials, m->children[0], at, from_behind), 1 - weight);
     bsdf.append(make_bsdf(materials, m->children[1], at, from_behind), weight);

@@ -6,6 +6,8 @@
 #pragma once
 
 #include <memory>
+#include <span>
+#include <string_view>
 #include <vector>
 
 #include "bsdf/bsdf.h"
@@ -25,9 +27,47 @@ enum class MaterialKind : uint8_t {
     blend
 };
 
+namespace detail {
+using Names = std::string_view;
+inline constexpr Names diffuse[] = {"reflectance"};
+inline constexpr Names phong[] = {"diffuse_reflectance", "specular_reflectance", "exponent"};
+inline constexpr Names ward[] = {"diffuse_reflectance", "specular_reflectance", "alpha_u", "alpha_v"};
+inline constexpr Names conductor[] = {"eta", "k", "specular_reflectance", "alpha_u", "alpha_v"};
+inline constexpr Names dielectric[] = {"specular_reflectance", "specular_transmittance", "ior", "alpha_u", "alpha_v"};
+inline constexpr Names thin_dielectric[] = {"specular_reflectance", "specular_transmittance", "ior"};
+inline constexpr Names plastic[] = {"diffuse_reflectance", "specular_reflectance", "ior", "alpha_u"};
+inline constexpr Names metallic_roughness[] = {"base_color", "metallic",       "roughness",   "ior",
+                                               "specular",   "specular_color", "transmission"};
+inline constexpr Names blend[] = {"weight"};
+}  // namespace detail
+
+/// What the parameters of a kind are called; what they mean is told beside `Material` in Python.
+constexpr std::span<const std::string_view> parameter_names(MaterialKind kind) {
+    switch (kind) {
+        case MaterialKind::diffuse: return detail::diffuse;
+        case MaterialKind::phong: return detail::phong;
+        case MaterialKind::ward: return detail::ward;
+        case MaterialKind::conductor: return detail::conductor;
+        case MaterialKind::dielectric: return detail::dielectric;
+        case MaterialKind::thin_dielectric: return detail::thin_dielectric;
+        case MaterialKind::plastic: return detail::plastic;
+        case MaterialKind::metallic_roughness: return detail::metallic_roughness;
+        case MaterialKind::blend: return detail::blend;
+    }
+    return {};
+}
+
+/// The place of a parameter among those of its kind; a name that the kind does not have does not compile.
+consteval size_t parameter(MaterialKind kind, std::string_view name) {
+    const auto names = parameter_names(kind);
+    for (size_t i = 0; i < names.size(); ++i)
+        if (names[i] == name) return i;
+    throw "no such parameter";
+}
+
 struct Material {
     MaterialKind kind = MaterialKind::diffuse;
-    std::vector<Value> parameters;  // in the order of MATERIAL_KINDS in Python
+    std::vector<Value> parameters;  // in the order of `parameter_names(kind)`
     bool two_sided = true;
     int back = -1;  // with two_sided, the material of the other side; −1: the same
     int children[2] = {-1, -1};

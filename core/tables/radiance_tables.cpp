@@ -48,15 +48,16 @@ bool wide_enough(const TableLobe& lobe) {
 
 /// Whether the exponent or roughness of a material is the same everywhere.
 bool constant_shape(const Material& material) {
+    using enum MaterialKind;
     const auto constant = [&](std::initializer_list<size_t> parameters) {
         return std::all_of(parameters.begin(), parameters.end(),
                            [&](size_t i) { return material.parameters[i].is_constant(); });
     };
     switch (material.kind) {
-        case MaterialKind::phong:
-        case MaterialKind::metallic_roughness: return constant({2});
-        case MaterialKind::ward: return constant({2, 3});
-        case MaterialKind::conductor: return constant({3, 4});
+        case phong: return constant({parameter(phong, "exponent")});
+        case metallic_roughness: return constant({parameter(metallic_roughness, "roughness")});
+        case ward: return constant({parameter(ward, "alpha_u"), parameter(ward, "alpha_v")});
+        case conductor: return constant({parameter(conductor, "alpha_u"), parameter(conductor, "alpha_v")});
         default: return true;
     }
 }

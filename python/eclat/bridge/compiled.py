@@ -28,8 +28,6 @@ from eclat.scene import (
     grey,
 )
 
-_WRAPS = ("repeat", "mirror", "clamp")
-
 
 @dataclass(frozen=True)
 class Compiled:
@@ -56,7 +54,7 @@ class Compiled:
             raise EclatError(f"camera {camera.name!r}: to_world must be a finite 4×4 matrix")
         columns = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
         half_width, half_height = camera.half_extent(width / height)
-        right, up, backward = (tuple(map(float, columns[:, i])) for i in range(3))
+        axes = tuple(tuple(map(float, columns[:, i])) for i in range(3))
         what = f"camera {camera.name!r}"
         position = tuple(map(float, self._shifted(matrix[:3, 3], what, "position")))
         check_length(camera.aperture_radius, what, "aperture_radius")
@@ -65,9 +63,8 @@ class Compiled:
         for reach, axis in zip((half_width, half_height), camera.shift, strict=True):
             check_length(reach * (1 + 2 * abs(axis)), what, "the picture's extent (fov, shift)")
         return _core.Camera(
-            right=right, up=up, backward=backward, position=position, size=size, half_extent=(half_width, half_height),
-            shift=camera.shift, aperture_radius=camera.aperture_radius, focus_distance=camera.focus_distance,
-            orthographic=camera.projection == "orthographic",
+            axes=axes, position=position, size=size, half_extent=(half_width, half_height), shift=camera.shift,
+            lens=(camera.aperture_radius, camera.focus_distance), orthographic=camera.projection == "orthographic",
         )  # fmt: skip
 
 
@@ -100,14 +97,14 @@ class _Compiler:
             check_reach(local, what)
             check_areas(local, mesh.triangles, what)
             self.builder.add_mesh(
-                np.ascontiguousarray(local, np.float32),
-                np.ascontiguousarray(mesh.triangles, np.uint32),
-                self.material(mesh.material),
-                _floats(mesh.normals, 3),
-                _floats(mesh.uvs, 2),
-                _floats(mesh.uvs2, 2),
-                _floats(mesh.colors, 4),
-                _floats(mesh.tangents if _reads_tangents(mesh.material) else None, 4),
+                positions=np.ascontiguousarray(local, np.float32),
+                triangles=np.ascontiguousarray(mesh.triangles, np.uint32),
+                material=self.material(mesh.material),
+                normals=_floats(mesh.normals, 3),
+                uvs=_floats(mesh.uvs, 2),
+                uvs2=_floats(mesh.uvs2, 2),
+                colors=_floats(mesh.colors, 4),
+                tangents=_floats(mesh.tangents if _reads_tangents(mesh.material) else None, 4),
             )
         for number, light in enumerate(self.scene.lights):
             if not isinstance(light, DirectionalLight):
@@ -127,10 +124,10 @@ class _Compiler:
         if isinstance(light, PointLight):
             self.builder.add_point(position, light.intensity)
         else:
-            smooth = light.falloff == "smooth"
             self.builder.add_spot(
-                position, light.direction, light.intensity, light.inner_angle, light.outer_angle, smooth
-            )
+                position=position, direction=light.direction, intensity=light.intensity, inner_angle=light.inner_angle,
+                outer_angle=light.outer_angle, smooth=light.falloff == "smooth",
+            )  # fmt: skip
 
     def texture(self, texture: Texture) -> int:
         index = self.textures.get(id(texture))
@@ -138,8 +135,10 @@ class _Compiler:
             image = np.asarray(texture.image)
             image = image if image.dtype == np.uint8 else image.astype(np.float32)
             image = np.ascontiguousarray(image if image.ndim == 3 else image[:, :, None])
-            wraps = _WRAPS.index(texture.wrap_u), _WRAPS.index(texture.wrap_v)
-            index = self.builder.add_texture(image, texture.srgb, *wraps, texture.filter == "nearest")
+            index = self.builder.add_texture(
+                image, srgb=texture.srgb, wrap_u=_core.Wrap[texture.wrap_u], wrap_v=_core.Wrap[texture.wrap_v],
+                nearest=texture.filter == "nearest",
+            )  # fmt: skip
             self.textures[id(texture)] = index
         return index
 
@@ -147,7 +146,10 @@ class _Compiler:
         texture = -1 if value.texture is None else self.texture(value.texture)
         channel = -1 if value.channel is None else value.channel
         transform = tuple(float(x) for row in value.uv_transform for x in row)
-        return self.builder.value(value.constant, texture, channel, value.uv_set, transform, value.invert, value.square)
+        return self.builder.value(
+            value.constant, texture=texture, channel=channel, uv_set=value.uv_set, uv_transform=transform,
+            invert=value.invert, square=value.square,
+        )  # fmt: skip
 
     def material(self, material: Material) -> int:
         index = self.materials.get(id(material))
@@ -158,11 +160,12 @@ class _Compiler:
     def convert(self, material: Material) -> _core.Material:
         names = MATERIAL_KINDS[material.kind]
         out = _core.Material()
-        out.kind = list(MATERIAL_KINDS).index(material.kind)
+        out.kind = _core.MaterialKind[material.kind]
         given = dict(material.parameters)
         if "alpha_v" in names and "alpha_v" not in given and "alpha_u" in given:
             given["alpha_v"] = given["alpha_u"]
-        out.parameters = [self.value(given.get(name, DEFAULTS[name])) for name in names]
+        for name in names:
+            out.set(name, self.value(given.get(name, DEFAULTS[name])))
         out.two_sided = material.two_sided
         out.back = -1 if material.back is None else self.material(material.back)
         out.children = [self.material(child) for child in material.children] or [-1, -1]

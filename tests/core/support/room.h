@@ -10,21 +10,12 @@
 #include <utility>
 #include <vector>
 
-#include "lights/light.h"
 #include "scene/scene.h"
-#include "transport/world.h"
+#include "transport/lit_scene.h"
 
 namespace eclat {
 
-/// What a World borrows.
-struct Room {
-    std::unique_ptr<Geometry> geometry;
-    std::vector<EmitterTriangle> emitters;
-    std::vector<uint32_t> emitter_of_triangle;
-    Lights lights;
-
-    World world() const { return {*geometry, lights, emitter_of_triangle}; }
-};
+using Room = LitScene;
 
 struct Wall {
     Vec3 corner, edge1, edge2;  // edge1 × edge2 points inwards
@@ -52,27 +43,8 @@ inline Room build_room(const std::vector<Wall>& walls, std::vector<Material> mat
         mesh.material = static_cast<int>(meshes.size());
         meshes.push_back(mesh);
     }
-    Room room;
-    room.geometry =
-        std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::vector<std::unique_ptr<Texture>>{});
-    const Geometry& g = *room.geometry;
-    room.emitter_of_triangle.assign(g.triangle_count(), not_emitting);
-    for (uint32_t t = 0; t < g.triangle_count(); ++t) {
-        if (!g.material_of(t).emits) continue;
-        room.emitter_of_triangle[t] = static_cast<uint32_t>(room.emitters.size());
-        EmitterTriangle e;
-        e.p0 = g.vertex(t, 0);
-        e.p1 = g.vertex(t, 1);
-        e.p2 = g.vertex(t, 2);
-        e.emission = g.material_of(t).emission;
-        e.triangle_id = t;
-        room.emitters.push_back(e);
-    }
-    LightInputs inputs;
-    inputs.triangles = room.emitters;
-    inputs.scene_radius = g.radius();
-    room.lights = Lights(inputs);
-    return room;
+    return light_scene(
+        std::make_unique<Geometry>(std::move(meshes), std::move(materials), std::vector<std::unique_ptr<Texture>>{}));
 }
 
 inline std::vector<Material> own_materials(const std::vector<Wall>& walls, bool two_sided = true) {

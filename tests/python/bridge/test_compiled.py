@@ -14,8 +14,9 @@ import numpy as np
 import pytest
 
 import eclat
+from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
-from eclat.scene import DirectionalLight, Environment, Material, Mesh, PointLight, Scene, Texture, Value
+from eclat.scene import MATERIAL_KINDS, DirectionalLight, Environment, Material, Mesh, PointLight, Scene, Texture, Value
 from eclat.scenes import build
 from support.similarity import Similarity
 
@@ -150,3 +151,14 @@ def test_a_fingerprint_is_of_values_and_of_nothing_that_light_does_not_see() -> 
     assert len(first) == 32 and first == fingerprint(textured())  # other objects, the same values
     assert fingerprint(replace(scene, cameras=(), name="other", warnings=("a word",))) == first
     assert fingerprint(material_with(mesh_with(scene, name="branch"), name="ink")) == first
+
+
+def test_parameters_of_materials_have_the_same_names_in_the_core() -> None:
+    assert set(MATERIAL_KINDS) == {kind.name for kind in _core.MaterialKind}
+    for kind, names in MATERIAL_KINDS.items():
+        assert list(names) == _core.parameter_names(_core.MaterialKind[kind])
+    with pytest.raises(ValueError, match="no parameter sheen"):
+        _core.Material().set("sheen", _core.SceneBuilder().value(
+            (0.0, 0.0, 0.0), texture=-1, channel=-1, uv_set=0, uv_transform=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0), invert=False,
+            square=False,
+        ))  # fmt: skip

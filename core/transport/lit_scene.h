@@ -1,0 +1,28 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Surfaces and their lights together: it owns what a World borrows.
+
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "transport/world.h"
+
+namespace eclat {
+
+struct LitScene {
+    std::unique_ptr<Geometry> geometry;
+    std::vector<EmitterTriangle> emitters;
+    std::vector<uint32_t> emitter_of_triangle;  // empty when nothing emits
+    Lights lights;
+
+    World world() const { return {*geometry, lights, emitter_of_triangle}; }
+};
+
+/// The lights of `lights` and of all triangles whose material emits; `lights` need not know the triangles, nor the sphere
+/// around them.
+LitScene light_scene(std::unique_ptr<Geometry> geometry, LightInputs lights = {});
+
+}  // namespace eclat
