@@ -7,7 +7,13 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <cstddef>
 #include <cstring>
+#include <memory>
+#include <tuple>
+#include <type_traits>
+#include <utility>
+#include <vector>
 
 #include "arrays.h"
 #include "estimate/error_estimate.h"
@@ -67,29 +73,40 @@ void bind_record_enums(nb::module_& m) {
         .value("harmonic", Metric::harmonic);
 }
 
-}  // namespace
+/// A property that stands for a field of the options' `cache`.
+template <auto member>
+void def_cache_option(nb::class_<IrradianceCacheOptions>& type, const char* name) {
+    using T = std::remove_reference_t<decltype(std::declval<CacheOptions>().*member)>;
+    type.def_prop_rw(
+        name, [](const IrradianceCacheOptions& o) { return o.cache.*member; },
+        [](IrradianceCacheOptions& o, T value) { o.cache.*member = value; });
+}
 
-void bind_cache(nb::module_& m) {
-    bind_record_enums(m);
-    nb::class_<IrradianceCacheOptions>(m, "IrradianceCacheOptions")
-        .def(nb::init<>())
+/// Where each field of a record lies in a row of floats: (name, first float, how many).
+std::vector<std::tuple<const char*, size_t, size_t>> record_layout() {
+    using R = IrradianceRecord;
+    const auto field = [](const char* name, size_t offset, size_t bytes) {
+        return std::tuple(name, offset / sizeof(float), bytes / sizeof(float));
+    };
+    return {field("positions", offsetof(R, position), sizeof(R::position)),
+            field("normals", offsetof(R, normal), sizeof(R::normal)),
+            field("irradiance", offsetof(R, irradiance), sizeof(R::irradiance)),
+            field("excess", offsetof(R, excess), sizeof(R::excess)),
+            field("rotation_gradients", offsetof(R, rotation), sizeof(R::rotation)),
+            field("translation_gradients", offsetof(R, translation), sizeof(R::translation)),
+            field("distances", offsetof(R, distance), sizeof(R::distance)),
+            field("radii", offsetof(R, radius), sizeof(R::radius)),
+            field("elongations", offsetof(R, elongation), sizeof(R::elongation)),
+            field("axes", offsetof(R, axis), sizeof(R::axis)),
+            field("curvatures", offsetof(R, curvature), sizeof(R::curvature)),
+            field("enclosed", offsetof(R, enclosed), sizeof(R::enclosed))};
+}
+
+void bind_record_options(nb::module_& m) {
+    nb::class_<IrradianceCacheOptions> options(m, "IrradianceCacheOptions");
+    options.def(nb::init<>())
         .def_rw("spacing", &IrradianceCacheOptions::spacing)
         .def_rw("metric", &IrradianceCacheOptions::metric)
-        .def_prop_rw(
-            "weight", [](const IrradianceCacheOptions& o) { return o.cache.weight; },
-            [](IrradianceCacheOptions& o, Weight weight) { o.cache.weight = weight; })
-        .def_prop_rw(
-            "relaxation", [](const IrradianceCacheOptions& o) { return o.cache.relaxation; },
-            [](IrradianceCacheOptions& o, float x) { o.cache.relaxation = x; })
-        .def_prop_rw(
-            "rotation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.rotation_gradient; },
-            [](IrradianceCacheOptions& o, bool on) { o.cache.rotation_gradient = on; })
-        .def_prop_rw(
-            "translation_gradient", [](const IrradianceCacheOptions& o) { return o.cache.translation_gradient; },
-            [](IrradianceCacheOptions& o, bool on) { o.cache.translation_gradient = on; })
-        .def_prop_rw(
-            "neighbor_clamping", [](const IrradianceCacheOptions& o) { return o.cache.neighbor_clamping; },
-            [](IrradianceCacheOptions& o, bool on) { o.cache.neighbor_clamping = on; })
         .def_rw("balanced", &IrradianceCacheOptions::balanced)
         .def_rw("disagreement", &IrradianceCacheOptions::disagreement)
         .def_rw("gradient_limit", &IrradianceCacheOptions::gradient_limit)
@@ -108,12 +125,20 @@ void bind_cache(nb::module_& m) {
         .def_rw("max_depth", &IrradianceCacheOptions::max_depth)
         .def_rw("seed", &IrradianceCacheOptions::seed)
         .def_rw("threads", &IrradianceCacheOptions::threads);
+    def_cache_option<&CacheOptions::weight>(options, "weight");
+    def_cache_option<&CacheOptions::relaxation>(options, "relaxation");
+    def_cache_option<&CacheOptions::rotation_gradient>(options, "rotation_gradient");
+    def_cache_option<&CacheOptions::translation_gradient>(options, "translation_gradient");
+    def_cache_option<&CacheOptions::neighbor_clamping>(options, "neighbor_clamping");
     nb::class_<RadianceCacheOptions>(m, "RadianceCacheOptions")
         .def(nb::init<>())
         .def_rw("irradiance", &RadianceCacheOptions::irradiance)
         .def_rw("order", &RadianceCacheOptions::order)
         .def_rw("rows", &RadianceCacheOptions::rows)
         .def_rw("spacing", &RadianceCacheOptions::spacing);
+}
+
+void bind_radiance_tables(nb::module_& m) {
     nb::class_<RadianceTables>(m, "RadianceTables")
         .def("__init__", [](RadianceTables* t, const CoreScene& scene, const std::vector<const BrdfTable*>& tables,
                             int order) { new (t) RadianceTables(scene.geometry->materials(), tables, order); });
@@ -127,16 +152,19 @@ void bind_cache(nb::module_& m) {
             return std::make_tuple(lobes, wanted.roughness);
         },
         "scene"_a);
+}
+
+void make_caches(SolvedCaches* place, const Array<float, -1, -1>& near, const Array<float, -1, -1>& far,
+                 const IrradianceCacheOptions& options) {
+    RecordCache near_cache = from_array(near, options.cache, options.spacing);
+    RecordCache far_cache = from_array(far, far_reading(options.cache), options.far_spacing);
+    std::construct_at(place, SolvedCaches{std::move(near_cache), std::move(far_cache), {}, 0});
+}
+
+void bind_solved_caches(nb::module_& m) {
+    m.def("record_layout", &record_layout);
     nb::class_<SolvedCaches>(m, "SolvedCaches")
-        .def("__init__",
-             [](SolvedCaches* c, Array<float, -1, -1> near, Array<float, -1, -1> far, const IrradianceCacheOptions& o) {
-                 new (c) SolvedCaches{from_array(near, o.cache, o.spacing),
-                                      from_array(far, far_reading(o.cache), o.far_spacing),
-                                      {},
-                                      {},
-                                      {},
-                                      {}};
-             })
+        .def("__init__", &make_caches)
         .def(nb::init<>())
         .def("set_radiance",
              [](SolvedCaches& c, Array<float, -1, -1> records, Array<float, -1, -1> values, Halves gradients,
@@ -168,8 +196,11 @@ void bind_cache(nb::module_& m) {
         .def_prop_ro(
             "far", [](const SolvedCaches& c) { return to_array(c.far.records()); }, nb::rv_policy::move)
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
-        .def_prop_ro("left_to_paths", [](const SolvedCaches& c) { return c.direct.left_to_paths(); })
+        .def_ro("left_to_paths", &SolvedCaches::left_to_paths)
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });
+}
+
+void bind_record_solves(nb::module_& m) {
     // They fill `caches` in place: after an interrupt it holds the passes that were finished.
     m.def(
         "solve_for_camera",
@@ -204,6 +235,9 @@ void bind_cache(nb::module_& m) {
            SolvedCaches& caches,
            Progress& progress) { solve_radiance_everywhere(scene.world(), tables, options, caches, progress); },
         "scene"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+}
+
+void bind_error_types(nb::module_& m) {
     nb::class_<ErrorCheck>(m, "ErrorCheck")
         .def(nb::init<>())
         .def_rw("rays", &ErrorCheck::rays)
@@ -227,6 +261,9 @@ void bind_cache(nb::module_& m) {
                 });
             },
             nb::rv_policy::move);
+}
+
+void bind_error_estimates(nb::module_& m) {
     m.def(
         "estimate_error_for_camera",
         [](const CoreScene& scene, const Camera& camera, const SolvedCaches& caches, const ErrorCheck& check,
@@ -252,4 +289,16 @@ void bind_cache(nb::module_& m) {
             return estimate_error(scene.world(), points, caches, check, progress);
         },
         "scene"_a, "count"_a, "caches"_a, "check"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+}
+
+}  // namespace
+
+void bind_cache(nb::module_& m) {
+    bind_record_enums(m);
+    bind_record_options(m);
+    bind_radiance_tables(m);
+    bind_solved_caches(m);
+    bind_record_solves(m);
+    bind_error_types(m);
+    bind_error_estimates(m);
 }

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The core throws; it never prints and never exits. std::invalid_argument for the user's mistakes (Python sees a
-// ValueError), Cancelled when the caller asked to stop, `check` for our own mistakes.
+// ValueError), Cancelled when the caller asked to stop.
 
 #pragma once
 

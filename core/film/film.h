@@ -20,7 +20,7 @@ struct FilmSample {
     Color radiance, direct, albedo;
     Vec3 normal;
     float distance = 0;  // 0: nothing was met
-    bool missed_cache = false;
+    bool cache_missed = false;
     bool gloss_cached = false, gloss_traced = false;  // at the first vertex
 };
 
@@ -53,7 +53,7 @@ class Film {
         p.direct += s.direct;
         p.albedo += s.albedo;
         p.normal += s.normal;
-        p.cache_misses += s.missed_cache;
+        p.cache_misses += s.cache_missed;
         p.gloss_cached += s.gloss_cached;
         p.gloss_traced += s.gloss_traced;
         if (s.distance > 0) {

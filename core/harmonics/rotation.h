@@ -5,10 +5,10 @@
 //
 // References   [IvanicRuedenberg96, IvanicRuedenberg98] recurrence of rotation matrices, [Gautron04] hemispherical ones
 //
-// Three ways, for three uses:
-//   about_z                any angle about the normal: two multiplications a number, exact in both bases
+// Four ways, for four uses:
+//   rotate_about_z         any angle about the normal: two multiplications a number, exact in both bases
 //   SphericalRotation      any rotation, as a matrix a band: O(n³) to make, O(n³) to apply; many vectors of coefficients
-//   tilted                 one vector, small tilt of the axis and any turn about it: a series, O(n²) a term
+//   rotate_by_series       one vector, small tilt of the axis and any turn about it: a series, O(n²) a term
 //   HemisphericalRotation  through spherical harmonics, with losses: docs/algorithms/radiance_cache.md
 
 #pragma once

@@ -5,8 +5,6 @@
 
 #include "records/direct_regions.h"
 
-#include "records/record_passes.h"
-
 namespace eclat {
 
 void DirectRegions::count(const Candidate& candidate, bool served) {

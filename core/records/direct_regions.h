@@ -11,9 +11,9 @@
 #include <unordered_map>
 #include <vector>
 
-namespace eclat {
+#include "records/candidate.h"
 
-struct Candidate;
+namespace eclat {
 
 /// Counts, in squares of sixteen pixels, how many pixels of the last passes found no record that serves them.
 class DirectRegions {

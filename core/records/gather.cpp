@@ -8,104 +8,13 @@
 #include <algorithm>
 
 #include "hemisphere/hemisphere.h"
+#include "records/horizon_look.h"
 
 namespace eclat {
 
 namespace {
 
 constexpr float usual_rows = 14;  // of the gather whose noise records keep
-
-// What stands low beside the point, or hangs close under the ceiling that it is part of, fills so little of the hemisphere
-// that a gather meets it by luck; yet light ends behind it. Rays along the horizon look for it in every direction.
-class HorizonLook {
-  public:
-    HorizonLook(const World& world, const Candidate& candidate, Progress& progress)
-        : world_(world), candidate_(candidate), frame_(Frame::around(candidate.normal)), progress_(progress) {}
-
-    /// Lowers the record's clearances and, with `limits`, its distance.
-    void look(IrradianceRecord& record, bool limits) const {
-        std::vector<Look> looks;
-        for (float elevation : {lowest, highest})
-            for (int turn = 0; turn < turns; ++turn) looks.push_back({elevation, turn});
-        const auto found = trace(looks);
-        // What faces the surface, as the back of a panel does, begins nearer than where a low ray meets it: between the
-        // highest ray that meets it and the lowest that passes below.
-        std::vector<Edge> edges;
-        for (int turn = 0; turn < turns; ++turn) {
-            const Met &low = found[size_t(turn)], &high = found[size_t(turn + turns)];
-            if (high.faces)
-                edges.push_back({turn, highest, above_highest});
-            else if (low.faces)
-                edges.push_back({turn, lowest, highest});
-        }
-        tell(looks, found, record, limits);
-        for (int halving = 0; halving < halvings && !edges.empty(); ++halving) {
-            looks.clear();
-            for (const Edge& e : edges) looks.push_back({std::sqrt(e.met * e.passed), e.turn});
-            const auto closer = trace(looks);
-            for (size_t i = 0; i < edges.size(); ++i)
-                (closer[i].faces ? edges[i].met : edges[i].passed) = looks[i].elevation;
-            tell(looks, closer, record, limits);
-        }
-    }
-
-  private:
-    static constexpr float degree = pi / 180;
-    static constexpr float lowest = 1.5f * degree, highest = 5 * degree, above_highest = 45 * degree;
-    static constexpr int turns = 24;
-    static constexpr int halvings = 4;  // an edge within a sixth of its distance
-
-    struct Look {
-        float elevation;
-        int turn;
-    };
-    struct Met {
-        float distance = infinity;  // to what stands apart
-        bool faces = false;         // the surface
-    };
-    struct Edge {
-        int turn;
-        float met, passed;  // elevations
-    };
-
-    Vec3 direction(const Look& look) const {
-        const float phi = 2 * pi * (static_cast<float>(look.turn) + 0.5f) / turns;
-        return frame_.u * (std::cos(look.elevation) * std::cos(phi)) +
-               frame_.v * (std::cos(look.elevation) * std::sin(phi)) + frame_.n * std::sin(look.elevation);
-    }
-
-    std::vector<Met> trace(std::span<const Look> looks) const {
-        std::vector<Ray> rays;
-        for (const Look& look : looks) rays.push_back(candidate_.ray(direction(look)));
-        std::vector<Hit> hits(rays.size());
-        world_.geometry.rays().intersect(rays, hits);
-        progress_.count_rays(rays.size());
-        std::vector<Met> out(rays.size());
-        for (size_t i = 0; i < rays.size(); ++i) {
-            if (hits[i].missed()) continue;
-            const Vec3 there = world_.geometry.surface_point(hits[i], -rays[i].direction).frame.n;
-            if (stands_apart(candidate_.shading_normal, rays[i].direction, there))
-                out[i] = {hits[i].t, dot(there, frame_.n) < -0.7f};
-        }
-        return out;
-    }
-
-    void tell(std::span<const Look> looks, std::span<const Met> found, IrradianceRecord& record, bool limits) const {
-        for (size_t i = 0; i < looks.size(); ++i) {
-            // A wall goes on between two rays, and is nearest at one side of a sector: its neighbours' sectors hear too.
-            for (int heard : {looks[i].turn, looks[i].turn + 1, looks[i].turn - 1}) {
-                float& clearance = record.clearance[clearance_sector(frame_, direction({looks[i].elevation, heard}))];
-                clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation));
-            }
-            if (limits) record.distance = std::min(record.distance, found[i].distance);
-        }
-    }
-
-    const World& world_;
-    const Candidate& candidate_;
-    Frame frame_;
-    Progress& progress_;
-};
 
 PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& options) {
     PathOptions paths;
@@ -118,12 +27,16 @@ PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& option
     return paths;
 }
 
-/// Radiance and distance in each cell of a hemisphere of `rows` rows around a candidate. `enclosed`: most rays met the
-/// back of surfaces that have none.
-HemisphereSamples sample_hemisphere(const World& world, const Candidate& candidate, const FarEnd& far,
-                                    const IrradianceCacheOptions& options, Stream stream, int rows, Rows kind,
-                                    Progress& progress, bool& enclosed) {
-    HemisphereSamples samples;
+/// What the rays of a hemisphere found.
+struct Sampled {
+    HemisphereSamples samples;  // radiance and distance in each cell
+    bool enclosed = false;      // most rays met the back of surfaces that have none
+};
+
+Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, int rows, Rows kind) {
+    const auto& [world, far, bright, options, stream, progress] = task;
+    Sampled out;
+    HemisphereSamples& samples = out.samples;
     samples.rows = rows;
     samples.kind = kind;
     samples.columns = columns_for(rows);
@@ -155,8 +68,8 @@ HemisphereSamples sample_hemisphere(const World& world, const Candidate& candida
     }
     size_t behind = 0;
     for (const PathResult& r : results) behind += r.behind;
-    enclosed = 2 * behind > count;
-    return samples;
+    out.enclosed = 2 * behind > count;
+    return out;
 }
 
 /// Irradiance from radiance beyond `limit`, and its standard error in luminance.
@@ -167,9 +80,10 @@ struct Excess {
 
 // By two techniques: the cells of the grid, and rays aimed at bright places, weighted by the balance heuristic [Veach97].
 // Earlier gathers found those places; had this one's own rays chosen where to look closer, what they missed would be lost.
-Excess gather_excess(const World& world, const Candidate& candidate, const HemisphereSamples& samples, float limit,
-                     const FarEnd& far, const BrightPlaces& bright, const IrradianceCacheOptions& options,
-                     Stream stream, Progress& progress, std::vector<Sighting>& sightings) {
+Excess gather_excess(const GatherTask& task, const Candidate& candidate, const HemisphereSamples& samples,
+                     std::vector<Sighting>& sightings) {
+    const auto& [world, far, bright, options, stream, progress] = task;
+    const float limit = excess_limit(samples);
     constexpr size_t aimed_share = 4;  // of the grid's rays so many have one aimed ray
     const AimedCones cones = bright.seen_from(candidate.position, candidate.normal);
     const size_t count = samples.radiance.size(), aimed = cones.empty() ? 0 : count / aimed_share;
@@ -231,20 +145,17 @@ float noise_when_read(const HemisphereSamples& samples, float excess_noise, floa
 
 }  // namespace
 
-Gathered gather(const World& world, const Candidate& candidate, const FarEnd& far, const BrightPlaces& bright,
-                const IrradianceCacheOptions& options, Stream stream, int rows, Progress& progress, Rows kind,
+Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Rows kind,
                 const std::function<void(const HemisphereSamples&)>& keep) {
+    const World& world = task.world;
+    const IrradianceCacheOptions& options = task.options;
     Gathered out;
     IrradianceRecord& record = out.record;
-    bool enclosed = false;
-    HemisphereSamples samples =
-        sample_hemisphere(world, candidate, far, options, stream, rows, kind, progress, enclosed);
+    auto [samples, enclosed] = sample_hemisphere(task, candidate, rows, kind);
     // What a camera sees is in no solid, though a one-sided panel that hangs close to a ceiling fills its hemisphere.
     record.enclosed = enclosed && !candidate.seen;
     Excess excess;
-    if (kind == Rows::cosine)
-        excess = gather_excess(world, candidate, samples, excess_limit(samples), far, bright, options, stream, progress,
-                               out.sightings);
+    if (kind == Rows::cosine) excess = gather_excess(task, candidate, samples, out.sightings);
     const Color met = take_excess(samples);
     if (kind != Rows::cosine) excess.irradiance = met;
     record.excess = excess.irradiance;
@@ -255,7 +166,7 @@ Gathered gather(const World& world, const Candidate& candidate, const FarEnd& fa
     record.position = candidate.position;
     record.normal = samples.frame.n;
     record.irradiance = irradiance(samples);
-    record.distance = bounding_distance(samples, options);
+    out.obstacle = bounding_distance(samples, options);
     record.clearance = sector_clearance(samples);
     record.least_radius = options.least_pixels * candidate.footprint;
     record.largest_radius = options.largest_pixels * candidate.footprint;
@@ -268,7 +179,8 @@ Gathered gather(const World& world, const Candidate& candidate, const FarEnd& fa
     if (const auto curvature = curvature_of(options.metric))
         bend(samples, *curvature, 20 * world.geometry.radius(), record);
     const bool limits = options.metric == Metric::minimum || (curvature_of(options.metric) && options.obstacle_limit);
-    HorizonLook(world, candidate, progress).look(record, limits);
+    const float along_horizon = look_along_horizon(world, candidate, task.progress, record);
+    if (limits) out.obstacle = std::min(out.obstacle, along_horizon);
     return out;
 }
 

@@ -14,14 +14,23 @@
 namespace eclat {
 
 struct Gathered {
-    IrradianceRecord record;          // its radius not yet set
+    IrradianceRecord record;          // the length and the radius not yet set: that is for `space`
+    float obstacle = infinity;        // distance that bounds the record's radius before curvature and gradient do, m
     std::vector<Sighting> sightings;  // of what was too bright for single rays
 };
 
-/// Gather rays end where `far` knows what comes next; with cosine rows some are aimed at `bright` places. `keep` is handed the
-/// samples, without excess and too small distances.
-Gathered gather(const World& world, const Candidate& candidate, const FarEnd& far, const BrightPlaces& bright,
-                const IrradianceCacheOptions& options, Stream stream, int rows, Progress& progress,
-                Rows kind = Rows::cosine, const std::function<void(const HemisphereSamples&)>& keep = {});
+/// What all gathers of a pass share.
+struct GatherTask {
+    const World& world;
+    const FarEnd& far;           // where rays end
+    const BrightPlaces& bright;  // at which some rays are aimed, with cosine rows
+    const IrradianceCacheOptions& options;
+    Stream stream;
+    Progress& progress;
+};
+
+/// One gather of `rows` rows at `candidate`. `keep` is handed the samples, without excess and too small distances.
+Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Rows kind = Rows::cosine,
+                const std::function<void(const HemisphereSamples&)>& keep = {});
 
 }  // namespace eclat

@@ -16,8 +16,8 @@ struct IrradianceRecord {
     Color excess;  // irradiance from rays too few and too bright for one record to judge: read as neighbours' mean
     RotationGradient rotation;
     TranslationGradient translation;
-    float distance = 0;    // R_k: the mean or least distance to what the record sees, limited by the gradient
-    float radius = 0;      // within which it is valid: a part of R_k, clamped to its neighbours and its bounds
+    float distance = 0;    // ℓ_k: the length that its radius follows, see records/spacing.cpp
+    float radius = 0;      // within which it is valid: a part of ℓ_k, clamped to its neighbours and its bounds
     float elongation = 1;  // how much farther it is valid along its long axis
     float axis = 0;        // angle of that axis in Frame::around(normal)
     float curvature = 0;   // larger second derivative of E's luminance in the tangent plane, W·m⁻⁴

@@ -202,7 +202,10 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shad
         float change = 0;
         if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
         if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
-        E[c] = clamp(value + change, 0.05f * value, 20 * value);  // no farther than it is plausible
+        // Tuned: a first-order change beyond these factors tells that the record reads too far, not that light does so.
+        // Below, a gradient would take light away until none or less is left; above, it would make a bright spot.
+        constexpr float least = 0.05f, most = 20;
+        E[c] = clamp(value + change, least * value, most * value);
     }
     return E;
 }

@@ -6,6 +6,7 @@
 #include "records/record_passes.h"
 
 #include <algorithm>
+#include <unordered_map>
 
 #include "base/parallel.h"
 #include "records/gather.h"
@@ -18,17 +19,19 @@ constexpr float bright_cell = 0.02f;     // of the scene's radius: what is aimed
 constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
 constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
 
+SpacingRule spacing_rule(const IrradianceCacheOptions& options) {
+    return {options.metric, options.spacing, options.gradient_limit, options.balanced};
+}
+
 /// `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
 template <class Rows>
-std::vector<Gathered> gather_each(const World& world, std::span<const Candidate> candidates, const FarEnd& far,
-                                  const BrightPlaces& bright, const IrradianceCacheOptions& options, Stream stream,
-                                  const Rows& rows, float mean, Progress& progress) {
-    return parallel_map<Gathered>(candidates.size(), options.threads, [&](size_t i) {
-        progress.check();
+std::vector<Gathered> gather_each(const GatherTask& task, std::span<const Candidate> candidates, const Rows& rows,
+                                  float mean) {
+    return parallel_map<Gathered>(candidates.size(), task.options.threads, [&](size_t i) {
+        task.progress.check();
         const Candidate& c = candidates[i];
-        Gathered out = gather(world, c, far, bright, options, stream, rows(c), progress);
-        space(out.record, c.footprint, mean,
-              {options.metric, options.spacing, options.gradient_limit, options.balanced});
+        Gathered out = gather(task, c, rows(c));
+        space(out.record, out.obstacle, c.footprint, mean, spacing_rule(task.options));
         return out;
     });
 }
@@ -47,14 +50,35 @@ std::vector<IrradianceRecord> remembered(const World& world, std::span<const Gat
     return records_of(gathered);
 }
 
+/// Those that no earlier one lies within `distance` of, on the same side. Cells of that width hold the kept ones, so that only
+/// those of neighbouring cells are asked.
 std::vector<Candidate> thinned(std::span<const Candidate> candidates, float distance) {
     constexpr float same_side = 0.9f;  // cosine, about the angle at which a record's validity ends
     std::vector<Candidate> out;
-    for (const Candidate& c : candidates)
-        if (std::none_of(out.begin(), out.end(), [&](const Candidate& o) {
-                return length_squared(o.position - c.position) < sqr(distance) && dot(o.normal, c.normal) > same_side;
-            }))
-            out.push_back(c);
+    std::unordered_multimap<uint32_t, uint32_t> cells;
+    const auto cell = [&](Vec3 p, int axis) { return static_cast<int64_t>(std::floor(p[axis] / distance)); };
+    const auto key = [](int64_t x, int64_t y, int64_t z) {  // of unlike cells it may be the same: then more are asked
+        return hash(static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(z));
+    };
+    const auto near_kept = [&](const Candidate& c) {
+        for (int64_t neighbour = 0; neighbour < 27; ++neighbour) {
+            const auto [first, last] = cells.equal_range(key(cell(c.position, 0) + neighbour % 3 - 1,
+                                                             cell(c.position, 1) + neighbour / 3 % 3 - 1,
+                                                             cell(c.position, 2) + neighbour / 9 - 1));
+            for (auto i = first; i != last; ++i) {
+                const Candidate& o = out[i->second];
+                if (length_squared(o.position - c.position) < sqr(distance) && dot(o.normal, c.normal) > same_side)
+                    return true;
+            }
+        }
+        return false;
+    };
+    for (const Candidate& c : candidates) {
+        if (near_kept(c)) continue;
+        cells.emplace(key(cell(c.position, 0), cell(c.position, 1), cell(c.position, 2)),
+                      static_cast<uint32_t>(out.size()));
+        out.push_back(c);
+    }
     return out;
 }
 
@@ -85,96 +109,46 @@ std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candid
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
                                              const FarEnd& far, const IrradianceCacheOptions& options, Stream stream,
                                              int rows, Progress& progress) {
-    return records_of(
-        gather_each(world, candidates, far, {}, options, stream, [&](const Candidate&) { return rows; }, 0, progress));
+    const BrightPlaces none;
+    return records_of(gather_each(
+        {world, far, none, options, stream, progress}, candidates, [&](const Candidate&) { return rows; }, 0));
 }
 
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
                                              const FarEnd& far, const IrradianceCacheOptions& options,
                                              const GatherPlan& plan, Progress& progress) {
+    const BrightPlaces none;
+    const GatherTask task{world, far, none, options, Stream::radiance_records, progress};
     return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
         progress.check();
-        IrradianceRecord record = gather(world, candidates[i], far, {}, options, Stream::radiance_records, plan.count,
-                                         progress, plan.kind, [&](const HemisphereSamples& s) { plan.keep(i, s); })
-                                      .record;
-        space(record, candidates[i].footprint, plan.mean,
-              {options.metric, options.spacing, options.gradient_limit, options.balanced});
-        return record;
+        Gathered out = gather(task, candidates[i], plan.count, plan.kind,
+                              [&](const HemisphereSamples& samples) { plan.keep(i, samples); });
+        space(out.record, out.obstacle, candidates[i].footprint, plan.mean, spacing_rule(options));
+        return out.record;
     });
 }
 
-CacheOptions far_reading(const CacheOptions& near) {
-    CacheOptions far = near;
-    far.relaxation = 1.4f;
-    far.rotation_gradient = false;
-    return far;
-}
-
-CachedIrradiance read_far(const RecordCache& far) {
-    return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
-        float radius = 0;
-        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
-        if (!E || distance < radius) return std::nullopt;
-        return E;
-    };
-}
-
-CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progress& progress) {
-    return [&](const SurfacePoint& point, float distance) {
-        return far_irradiance(world, photons, {point, point.frame.n}, distance, -1, progress);
-    };
-}
-
-CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables, Reading reading) {
-    return [&cache, &tables, reading](SurfacePoint& point, Vec3 wo) -> Color {
-        ReflectedFactors factors;
-        tables.reflect(point.bsdf, wo, factors);
-        if (factors.order == 0) return {};
-        const auto reflected =
-            cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors, reading);
-        if (!reflected) return {};
-        set_cached(point.bsdf, factors);
-        return *reflected;
-    };
-}
-
-FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
-               Progress& progress) {
-    FarEnd out;
-    if (options.max_depth >= 0) return out;
-    if (options.far_photons)
-        out.irradiance = read_far(world, *options.far_photons, progress);
-    else if (!caches.far.records().empty())
-        out.irradiance = read_far(caches.far);
-    if (caches.tables && !caches.radiance.records().empty())
-        out.reflection = read_radiance(caches.radiance, *caches.tables, Reading::nearest);
-    return out;
-}
-
-SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
-    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}, {}, {}, {}, nullptr};
-}
-
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
-             SolvedCaches& caches, Progress& progress) {
+             RecordSolve& solve, Progress& progress) {
     // Far records only feed averages over whole hemispheres, so they may be coarse: never finer than a hundredth of the
     // scene, unless finer spacing is asked for.
     const float unit = options.far_spacing / usual_far_spacing * world.geometry.radius();
     const float least = 0.01f * unit, largest = 0.2f * unit;
     IrradianceCacheOptions coarse = options;
     if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // they are no wider than that anyway
-    const auto wanted = thinned(unserved(caches.far, candidates, options.threads), 2 * least);
+    const auto wanted = thinned(unserved(solve.caches.far, candidates, options.threads), 2 * least);
+    const FarEnd none;
     auto records = remembered(world,
                               gather_each(
-                                  world, wanted, {}, caches.bright, coarse, Stream::far_records,
-                                  [&](const Candidate&) { return options.far_rows; }, 0, progress),
-                              caches.bright);
+                                  {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
+                                  [&](const Candidate&) { return options.far_rows; }, 0),
+                              solve.bright);
     for (IrradianceRecord& r : records) {
         r.least_radius = least;
         r.largest_radius = largest;
         r.radius = clamp(options.far_spacing * r.distance, least, largest);
     }
-    caches.far.insert(records, options.far_spacing, options.threads);
+    solve.caches.far.insert(records, options.far_spacing, options.threads);
     progress.advance();
 }
 
@@ -207,24 +181,26 @@ uint64_t far_passes(const IrradianceCacheOptions& options) {
 }
 
 void solve_far(const World& world, std::span<const Candidate> seen, const IrradianceCacheOptions& options,
-               SolvedCaches& caches, Progress& progress) {
+               RecordSolve& solve, Progress& progress) {
     if (seen.empty()) return;
     for (uint32_t round = 0; round < far_passes(options); ++round)
         add_far(world, far_candidates(world, seen, round * far_round, (round + 1) * far_round, options, progress),
-                options, caches, progress);
+                options, solve, progress);
 }
 
 size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
-                SolvedCaches& caches, Progress& progress) {
+                RecordSolve& solve, Progress& progress) {
+    SolvedCaches& caches = solve.caches;
     const auto missed = unserved(caches.near, candidates, options.threads);
-    const auto wanted = caches.direct.worth_records(candidates, missed);
-    const auto records =
-        remembered(world,
-                   gather_each(
-                       world, wanted, far_end(world, caches, options, progress), caches.bright, options,
-                       Stream::near_records, [&](const Candidate& c) { return rows_for(c, caches.near, options); },
-                       caches.near.mean_luminance(), progress),
-                   caches.bright);
+    const auto wanted = solve.direct.worth_records(candidates, missed);
+    caches.left_to_paths = solve.direct.left_to_paths();
+    const FarEnd far = far_end(world, caches, options, progress, solve.tables);
+    const auto records = remembered(
+        world,
+        gather_each(
+            {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
+            [&](const Candidate& c) { return rows_for(c, caches.near, options); }, caches.near.mean_luminance()),
+        solve.bright);
     caches.near.insert(records, options.spacing, options.threads);
     if (options.disagreement < infinity)
         caches.near.shrink_where_records_disagree(options.disagreement, options.spacing, options.threads);

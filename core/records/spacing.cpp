@@ -56,8 +56,9 @@ float elongation(const PrincipalCurvatures& bends) {
     return cube_root(bends.larger / bends.smaller);
 }
 
-void space(IrradianceRecord& record, float footprint, float mean, const SpacingRule& rule) {
-    const float E = luminance(record.irradiance), obstacle = record.distance;
+void space(IrradianceRecord& record, float obstacle, float footprint, float mean, const SpacingRule& rule) {
+    const float E = luminance(record.irradiance);
+    record.distance = obstacle;
     if (curvature_of(rule.metric) && footprint > 0 && record.curvature > 0) {
         // The measure's own floor is 0.1 of the root mean square.
         const float judged = std::sqrt(E * E + sqr(0.1f * mean));

@@ -40,11 +40,12 @@ struct SpacingRule {
 /// R2 / R1 of the ellipse in which a record is valid, between 1 and 2 [Schwarzhaupt12].
 float elongation(const PrincipalCurvatures& bends);
 
-/// Turns the record's distance into the length that its radius follows, sets the radius within its bounds, and shrinks the
-/// translation gradient by as much as the lower bound raised it.
+/// Sets the length that the record's radius follows and the radius within its bounds, and shrinks the translation gradient by
+/// as much as the lower bound raised it.
 ///
+/// `obstacle`: distance to what the record sees, by its metric, m; the length is no greater.
 /// `footprint`: width of a pixel there, 0 where there are none and only the distance counts. `mean`: luminance of the
 /// irradiance in the scene, 0 while unknown.
-void space(IrradianceRecord& record, float footprint, float mean, const SpacingRule& rule);
+void space(IrradianceRecord& record, float obstacle, float footprint, float mean, const SpacingRule& rule);
 
 }  // namespace eclat

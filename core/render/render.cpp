@@ -86,8 +86,14 @@ class Tile {
             if (x < range_.x0 || x >= range_.x1 || y < range_.y0 || y >= range_.y1) continue;
             const PathResult& r = results_[i];
             film_.add(x, y, sample,
-                      {r.radiance, r.direct, r.albedo, r.normal, r.distance < infinity ? r.distance : 0, r.cache_missed,
-                       r.gloss_cached, r.gloss_traced});
+                      {.radiance = r.radiance,
+                       .direct = r.direct,
+                       .albedo = r.albedo,
+                       .normal = r.normal,
+                       .distance = r.distance < infinity ? r.distance : 0,
+                       .cache_missed = r.cache_missed,
+                       .gloss_cached = r.gloss_cached,
+                       .gloss_traced = r.gloss_traced});
         }
         rays_.clear();
         places_.clear();

@@ -70,19 +70,32 @@ void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& option
         for (int kind : {1, 2, 3}) pass(lattice(camera, step, kind));
 }
 
-void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near,
-                            const MarkCached& mark) {
-    constexpr int far_sources = 16;  // between the points from which the far cache is found
-    caches = empty_caches(options);
+uint64_t camera_passes(const IrradianceCacheOptions& options, int sweeps) {
     const auto sweep = 1 + 3 * static_cast<uint64_t>(std::ilogb(coarsest / finest_step(options)));
-    progress.begin(far_passes(options) + (before_near ? 2 : 1) * sweep);
+    return far_passes(options) + static_cast<uint64_t>(sweeps) * sweep;
+}
+
+void solve_far_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                          RecordSolve& solve, Progress& progress) {
+    constexpr int far_sources = 16;  // pixels between the points from which the far cache is found
     solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
-              caches, progress);
-    if (before_near) before_near();
+              solve, progress);
+}
+
+void solve_near_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                           RecordSolve& solve, Progress& progress, const MarkCached& mark) {
     for_each_lattice(camera, options, [&](std::span<const Vec2> pixels) {
-        add_near(world, camera_candidates(world, camera, pixels, options, progress, mark), options, caches, progress);
+        add_near(world, camera_candidates(world, camera, pixels, options, progress, mark), options, solve, progress);
     });
+}
+
+void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                            SolvedCaches& caches, Progress& progress) {
+    caches = empty_caches(options);
+    RecordSolve solve{caches};
+    progress.begin(camera_passes(options, 1));
+    solve_far_for_camera(world, camera, options, solve, progress);
+    solve_near_for_camera(world, camera, options, solve, progress);
 }
 
 CachedIrradiance read_near(const SolvedCaches& caches) {

@@ -18,11 +18,20 @@ namespace eclat {
 using MarkCached = std::function<void(SurfacePoint& point, Vec3 wo)>;
 
 /// Fills both caches for what `camera` sees. Whatever stops it (an exception, a cancelled progress) leaves the passes that
-/// were finished. `progress` counts passes. `before_near` may add to the caches once the far one is there, in one more sweep of
-/// passes; what the chains then need not follow, `mark` says.
+/// were finished. `progress` counts passes.
 void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                            SolvedCaches& caches, Progress& progress, const std::function<void()>& before_near = {},
-                            const MarkCached& mark = {});
+                            SolvedCaches& caches, Progress& progress);
+
+// Its steps, between which another cache can be filled in a sweep of its own:
+
+/// Passes of a solve with so many sweeps over the pixels.
+uint64_t camera_passes(const IrradianceCacheOptions& options, int sweeps);
+/// All of the far cache.
+void solve_far_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                          RecordSolve& solve, Progress& progress);
+/// All of the near cache, in one sweep. Chains do not follow lobes that `mark` marks.
+void solve_near_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+                           RecordSolve& solve, Progress& progress, const MarkCached& mark = {});
 
 /// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all. Where records may be smaller than
 /// pixels, also for places between them, or what changes inside of a pixel would never get a record on both sides.

@@ -20,7 +20,15 @@ namespace {
 
 constexpr size_t first_pass = 64;  // candidates of the coarsest pass; each later one doubles what has been tried
 
+constexpr size_t far_round = 512;  // far candidates that are tried together
+
 using Candidates = std::vector<Candidate>;
+
+uint32_t far_rounds(const IrradianceCacheOptions& options) {
+    const bool wants_far = options.max_depth < 0 && !options.far_photons;
+    const size_t count = wants_far ? static_cast<size_t>(options.far_records) : 0;
+    return static_cast<uint32_t>((count + far_round - 1) / far_round);
+}
 
 /// Diffuse points, on each side that reflects.
 Candidates diffuse_candidates(const World& world, const SurfacePoints& surface, size_t count, uint32_t pass,
@@ -40,6 +48,7 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
                      SolvedCaches& caches, Progress& progress) {
     constexpr int retries = 3;  // clamping by later records may leave a point unserved that was served
     caches = empty_caches(options);
+    RecordSolve solve{caches};
     size_t coarsest = 1;
     while (points.size() / coarsest > first_pass) coarsest *= 2;
     const auto passes = static_cast<uint64_t>(std::bit_width(coarsest));
@@ -51,31 +60,41 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
             out.emplace_back(bare_point(world, points[i]), pixel_without_camera(world), static_cast<uint32_t>(i));
         return out;
     };
-    solve_far(world, every(1, 0), options, caches, progress);
+    solve_far(world, every(1, 0), options, solve, progress);
     // Each pass takes the points halfway between those of all passes before.
-    add_near(world, every(coarsest, 0), options, caches, progress);
-    for (size_t step = coarsest; step > 1; step /= 2) add_near(world, every(step, step / 2), options, caches, progress);
-    for (int retry = 0; retry < retries; ++retry) add_near(world, every(1, 0), options, caches, progress);
+    add_near(world, every(coarsest, 0), options, solve, progress);
+    for (size_t step = coarsest; step > 1; step /= 2) add_near(world, every(step, step / 2), options, solve, progress);
+    for (int retry = 0; retry < retries; ++retry) add_near(world, every(1, 0), options, solve, progress);
+}
+
+uint64_t surface_passes(const IrradianceCacheOptions& options, int sweeps) {
+    return far_rounds(options) + static_cast<uint64_t>(sweeps) * most_place_passes;
+}
+
+void solve_far_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
+                          RecordSolve& solve, Progress& progress) {
+    for (uint32_t round = 0; round < far_rounds(options); ++round)
+        add_far(world, diffuse_candidates(world, surface, far_round, most_place_passes + round, options.seed), options,
+                solve, progress);
+}
+
+void solve_near_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
+                           RecordSolve& solve, Progress& progress) {
+    double_places([&](uint32_t pass, size_t count) {
+        const auto candidates = diffuse_candidates(world, surface, count, pass, options.seed);
+        return PassCounts{candidates.size(), add_near(world, candidates, options, solve, progress)};
+    });
 }
 
 void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
-                      Progress& progress, const std::function<void(const SurfacePoints&)>& before_near) {
+                      Progress& progress) {
     caches = empty_caches(options);
     const SurfacePoints surface(world);
     if (surface.empty()) return;
-    constexpr size_t far_round = 512;
-    const bool wants_far = options.max_depth < 0 && !options.far_photons;
-    const size_t far_count = wants_far ? static_cast<size_t>(options.far_records) : 0;
-    const auto far_rounds = static_cast<uint32_t>((far_count + far_round - 1) / far_round);
-    progress.begin(far_rounds + (before_near ? 2 : 1) * most_place_passes);
-    for (uint32_t round = 0; round < far_rounds; ++round)
-        add_far(world, diffuse_candidates(world, surface, far_round, most_place_passes + round, options.seed), options,
-                caches, progress);
-    if (before_near) before_near(surface);
-    double_places([&](uint32_t pass, size_t count) {
-        const auto candidates = diffuse_candidates(world, surface, count, pass, options.seed);
-        return PassCounts{candidates.size(), add_near(world, candidates, options, caches, progress)};
-    });
+    RecordSolve solve{caches};
+    progress.begin(surface_passes(options, 1));
+    solve_far_everywhere(world, surface, options, solve, progress);
+    solve_near_everywhere(world, surface, options, solve, progress);
 }
 
 std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed) {

@@ -21,10 +21,18 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
                      SolvedCaches& caches, Progress& progress);
 
 /// The same for all diffuse surfaces, on each side that reflects: candidates are spread evenly over their area, and
-/// doubled until the records serve almost all new ones. `before_near` may add to the caches once the far one is there, in as
-/// many more passes.
+/// doubled until the records serve almost all new ones.
 void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
-                      Progress& progress, const std::function<void(const SurfacePoints&)>& before_near = {});
+                      Progress& progress);
+
+// Its steps, between which another cache can be filled in a sweep of its own; `surface` must not be empty.
+
+/// The most passes of a solve with so many sweeps over the surfaces.
+uint64_t surface_passes(const IrradianceCacheOptions& options, int sweeps);
+void solve_far_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
+                          RecordSolve& solve, Progress& progress);
+void solve_near_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
+                           RecordSolve& solve, Progress& progress);
 
 /// Points spread evenly over the same surfaces, about `count` of them, but not those that a solve looked at.
 std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed);

@@ -100,18 +100,19 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Surface
 /// A pass: radiance records for the candidates that are not served, and irradiance records of the same gathers. Returns how
 /// many were not served.
 size_t add_radiance(const World& world, std::span<const GlossyCandidate> candidates,
-                    const RadianceProjection& projection, const RadianceCacheOptions& options, SolvedCaches& caches,
+                    const RadianceProjection& projection, const RadianceCacheOptions& options, RecordSolve& solve,
                     Progress& progress) {
+    SolvedCaches& caches = solve.caches;
     size_t missed = 0;
     for (const GlossyCandidate& c : candidates) {
-        caches.glossy_direct.count(c.at, c.served);
+        solve.glossy_direct.count(c.at, c.served);
         missed += !c.served;
     }
     std::vector<Candidate> places;
     std::vector<PlacedLobe> lobes;
     std::vector<uint8_t> diffuse;
     for (const GlossyCandidate& c : candidates) {
-        if (c.served || !caches.glossy_direct.pays(c.at)) continue;
+        if (c.served || !solve.glossy_direct.pays(c.at)) continue;
         places.push_back(c.at);
         lobes.push_back(c.lobe);
         diffuse.push_back(c.diffuse);
@@ -122,7 +123,7 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
                           [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
     const auto records =
-        gather_records(world, places, far_end(world, caches, spaced, progress), spaced, plan, progress);
+        gather_records(world, places, far_end(world, caches, spaced, progress, solve.tables), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
         // Where a lower bound widened the radius, the gradients go with it, as those of irradiance did.
@@ -144,37 +145,48 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
 
 void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
-    const auto before_near = [&] {
-        const RadianceProjection projection(options.order, Rows::balanced, options.rows);
-        caches.radiance = RadianceCache(options.irradiance.cache, options.order);
-        caches.tables = &tables;
-        for_each_lattice(camera, options.irradiance, [&](std::span<const Vec2> pixels) {
-            add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
-                         projection, options, caches, progress);
-        });
-    };
-    const auto mark = [&](SurfacePoint& point, Vec3 wo) {
+    const IrradianceCacheOptions& irradiance = options.irradiance;
+    caches = empty_caches(irradiance);
+    RecordSolve solve{caches};
+    progress.begin(camera_passes(irradiance, 2));
+    solve_far_for_camera(world, camera, irradiance, solve, progress);
+
+    const RadianceProjection projection(options.order, Rows::balanced, options.rows);
+    caches.radiance = RadianceCache(irradiance.cache, options.order);
+    solve.tables = &tables;
+    for_each_lattice(camera, irradiance, [&](std::span<const Vec2> pixels) {
+        add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
+                     projection, options, solve, progress);
+    });
+
+    // Lobes that radiance records answer for need no irradiance records behind them.
+    solve_near_for_camera(world, camera, irradiance, solve, progress, [&](SurfacePoint& point, Vec3 wo) {
         if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
         ReflectedFactors factors;
         tables.reflect(point.bsdf, wo, factors);
         set_cached(point.bsdf, factors);
-    };
-    solve_irradiance_cache(world, camera, options.irradiance, caches, progress, before_near, mark);
-    caches.tables = nullptr;
+    });
 }
 
 void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
                                SolvedCaches& caches, Progress& progress) {
-    solve_everywhere(world, options.irradiance, caches, progress, [&](const SurfacePoints& surface) {
-        const RadianceProjection projection(options.order, Rows::balanced, options.rows);
-        caches.radiance = RadianceCache(options.irradiance.cache, options.order);
-        caches.tables = &tables;
-        double_places([&](uint32_t pass, size_t count) {
-            const auto found = glossy_candidates(world, surface, count, pass, tables, caches.radiance, options);
-            return PassCounts{found.size(), add_radiance(world, found, projection, options, caches, progress)};
-        });
+    const IrradianceCacheOptions& irradiance = options.irradiance;
+    caches = empty_caches(irradiance);
+    const SurfacePoints surface(world);
+    if (surface.empty()) return;
+    RecordSolve solve{caches};
+    progress.begin(surface_passes(irradiance, 2));
+    solve_far_everywhere(world, surface, irradiance, solve, progress);
+
+    const RadianceProjection projection(options.order, Rows::balanced, options.rows);
+    caches.radiance = RadianceCache(irradiance.cache, options.order);
+    solve.tables = &tables;
+    double_places([&](uint32_t pass, size_t count) {
+        const auto found = glossy_candidates(world, surface, count, pass, tables, caches.radiance, options);
+        return PassCounts{found.size(), add_radiance(world, found, projection, options, solve, progress)};
     });
-    caches.tables = nullptr;
+
+    solve_near_everywhere(world, surface, irradiance, solve, progress);
 }
 
 }  // namespace eclat

@@ -80,8 +80,10 @@ TEST_CASE("rays aimed at bright places change nothing but the noise") {
     BrightPlaces bright;
     const BrightPlaces none;
     const auto at = [&](uint32_t key, const BrightPlaces& places) {
-        return gather(room.world(), candidate({0.8f, -1, 0.3f}, {0, 1, 0}, key), {}, places, options, stream, 8,
-                      progress);
+        const FarEnd none_far;
+        const World world = room.world();
+        return gather({world, none_far, places, options, stream, progress}, candidate({0.8f, -1, 0.3f}, {0, 1, 0}, key),
+                      8);
     };
     constexpr uint32_t count = 300;
     const auto mean_and_deviation = [&](const BrightPlaces& places) {
@@ -231,14 +233,15 @@ TEST_CASE("a pass gives records to those not served, and a second one finds none
     const Room room = furnace(0.5f, 1);
     const IrradianceCacheOptions options = coarse();
     SolvedCaches caches = empty_caches(options);
+    RecordSolve solve{caches};
     Progress progress;
     // Far from each other, so that one pass against the frozen cache leaves nothing to do.
     const std::vector<Candidate> some{candidate({-0.6f, -1, 0}, {0, 1, 0}, 0), candidate({0.6f, -1, 0}, {0, 1, 0}, 1)};
     CHECK(unserved(caches.near, some, 1).size() == 2);
-    CHECK(add_near(room.world(), some, options, caches, progress) == 2);
+    CHECK(add_near(room.world(), some, options, solve, progress) == 2);
     CHECK(caches.near.records().size() == 2);
     CHECK(progress.done == 1);
-    CHECK(add_near(room.world(), some, options, caches, progress) == 0);
+    CHECK(add_near(room.world(), some, options, solve, progress) == 0);
     CHECK(caches.near.records().size() == 2);
 
     auto mixed = some;
@@ -254,6 +257,7 @@ TEST_CASE("far records are thinned, coarse and read without turning") {
     const Room room = furnace(0.5f, 1);
     const IrradianceCacheOptions options = coarse();
     SolvedCaches caches = empty_caches(options);
+    RecordSolve solve{caches};
     CHECK(caches.near.options().rotation_gradient);
     CHECK_FALSE(caches.far.options().rotation_gradient);
     Progress progress;
@@ -263,7 +267,7 @@ TEST_CASE("far records are thinned, coarse and read without turning") {
     const std::vector<Candidate> close{
         candidate({0, -1, 0}, {0, 1, 0}, 0), candidate({0.015f * radius, -1, 0}, {0, 1, 0}, 1),
         candidate({0.005f * radius, -1, 0}, {0, -1, 0}, 2), candidate({0.025f * radius, -1, 0}, {0, 1, 0}, 3)};
-    add_far(world, close, options, caches, progress);
+    add_far(world, close, options, solve, progress);
     const auto& records = caches.far.records();
     REQUIRE(records.size() == 3);
     CHECK(records[1].normal == Vec3{0, -1, 0});
@@ -291,9 +295,10 @@ TEST_CASE("far candidates lie on the walls that rays meet, and rays of two parts
         CHECK(dot(c.position, c.normal) == doctest::Approx(-1).epsilon(1e-5));  // inwards, at a distance of 1
     }
     SolvedCaches caches = empty_caches(coarse());
-    solve_far(room.world(), {}, coarse(), caches, progress);
+    RecordSolve solve{caches};
+    solve_far(room.world(), {}, coarse(), solve, progress);
     CHECK(caches.far.records().empty());
-    solve_far(room.world(), seen, coarse(), caches, progress);
+    solve_far(room.world(), seen, coarse(), solve, progress);
     CHECK(caches.far.records().size() > 20);
     for (const IrradianceRecord& r : caches.far.records()) CHECK(dot(r.position, r.normal) < -0.999f);
 }

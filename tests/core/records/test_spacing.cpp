@@ -18,7 +18,7 @@ IrradianceRecord record() {
 }
 
 float length_of(IrradianceRecord r, float footprint, float mean, Metric metric = Metric::occlusion) {
-    space(r, footprint, mean, {metric, 1, false});
+    space(r, r.distance, footprint, mean, {metric, 1, false});
     return r.distance;
 }
 
@@ -30,7 +30,7 @@ TEST_CASE("the summed square error of a record's disc, relative and in pixels, i
         IrradianceRecord r = record();
         r.irradiance = Color(E);
         r.curvature = curvature;
-        space(r, footprint, 0, {Metric::occlusion, 0.5f, false});
+        space(r, r.distance, footprint, 0, {Metric::occlusion, 0.5f, false});
         // Σ over pixels of (λ d² / 2E)², by rings.
         double sum = 0;
         for (int i = 0; i < 1000; ++i) {
@@ -66,7 +66,7 @@ TEST_CASE("what stands near, the gradient and darkness bound the length") {
     CHECK(length_of(r, 0.01f, 1) == 10);
     r = record();
     r.translation.channel = {Vec3{30, 40, 0}, Vec3{30, 40, 0}, Vec3{30, 40, 0}};
-    space(r, 0.01f, 1, {Metric::occlusion, 1, true});
+    space(r, r.distance, 0.01f, 1, {Metric::occlusion, 1, true});
     CHECK(r.distance == doctest::Approx(2 / 50.0f));
     r = record();
     r.irradiance = Color(1e-6f);
@@ -84,12 +84,12 @@ TEST_CASE("bounds of the radius, and a gradient that a raised one shrinks") {
     IrradianceRecord r = record();
     r.translation.channel = {Vec3{3, 0, 0}, Vec3{3, 0, 0}, Vec3{3, 0, 0}};
     r.least_radius = 20;
-    space(r, 0, 0, {Metric::minimum, 0.5f, false});
+    space(r, r.distance, 0, 0, {Metric::minimum, 0.5f, false});
     CHECK(r.radius == 20);
     CHECK(r.translation.channel[0].x == doctest::Approx(0.75f));
     r = record();
     r.largest_radius = 1;
-    space(r, 0, 0, {Metric::minimum, 0.5f, false});
+    space(r, r.distance, 0, 0, {Metric::minimum, 0.5f, false});
     CHECK(r.radius == 1);
 }
 
@@ -99,7 +99,7 @@ TEST_CASE("by option the summed absolute error is the same whatever bends there"
         IrradianceRecord r = record();
         r.irradiance = Color(E);
         r.curvature = curvature;
-        space(r, footprint, 0, {Metric::occlusion, 0.5f, false, Balanced::absolute});
+        space(r, r.distance, footprint, 0, {Metric::occlusion, 0.5f, false, Balanced::absolute});
         // ∫ λ d² / 2E over the disc.
         return curvature / (2 * E) * pi * std::pow(r.radius, 4) / 2 / (footprint * footprint);
     };
@@ -113,7 +113,7 @@ TEST_CASE("an ellipse is no longer than the distance to obstacles lets a circle 
         r.distance = obstacle;
         r.elongation = 2;
         r.least_radius = least;
-        space(r, 1, 0, {Metric::occlusion, 0.5f, false});  // curvature alone: 0.5 · (1 · 2 / 4)^(1/3)
+        space(r, r.distance, 1, 0, {Metric::occlusion, 0.5f, false});  // curvature alone: 0.5 · (1 · 2 / 4)^(1/3)
         return r.radius * r.elongation;
     };
     const float width = 0.5f * std::cbrt(0.5f);

@@ -20,20 +20,8 @@ from eclat.methods.records.radiance_tables import radiance_tables
 from eclat.methods.work import Work
 from eclat.scene import FloatArray, Scene
 
-_COLUMNS = {
-    "positions": slice(0, 3),
-    "normals": slice(3, 6),
-    "irradiance": slice(6, 9),
-    "excess": slice(9, 12),
-    "rotation_gradients": slice(12, 21),
-    "translation_gradients": slice(21, 30),
-    "distances": slice(30, 31),
-    "radii": slice(31, 32),
-    "elongations": slice(32, 33),
-    "axes": slice(33, 34),
-    "curvatures": slice(34, 35),
-    "enclosed": slice(52, 53),
-}
+_COLUMNS = {name: slice(first, first + count) for name, first, count in _core.record_layout()}
+"""Where each field of a record lies in its row of floats, as the core says."""
 
 
 @dataclass(frozen=True, eq=False)

@@ -61,7 +61,6 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
     SolvedCaches caches;
     solve_radiance_everywhere(world, place.lobes, options, caches, progress);
     REQUIRE(caches.radiance.records().size() > 10);
-    CHECK(caches.tables == nullptr);  // not kept beyond the solve, whose caller owns them
 
     std::vector<Candidate> wanted;
     for (uint32_t i = 0; i < 48; ++i) {
@@ -82,8 +81,7 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
     };
     const FarEnd diffuse = far_end(world, caches, options.irradiance, progress);
     CHECK(!diffuse.reflection);
-    caches.tables = &place.lobes;
-    const FarEnd both = far_end(world, caches, options.irradiance, progress);
+    const FarEnd both = far_end(world, caches, options.irradiance, progress, &place.lobes);
     REQUIRE(both.reflection);
     const auto [traced, rays_traced] = gathered(diffuse, Stream{20});
     const auto [read, rays_read] = gathered(both, Stream{21});
@@ -92,7 +90,7 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
 
     IrradianceCacheOptions short_paths = options.irradiance;
     short_paths.max_depth = 4;  // records hold light of all lengths
-    const FarEnd none = far_end(world, caches, short_paths, progress);
+    const FarEnd none = far_end(world, caches, short_paths, progress, &place.lobes);
     CHECK(!none.irradiance);
     CHECK(!none.reflection);
 }

@@ -27,6 +27,23 @@ def solution(scene: eclat.Scene) -> eclat.Solution:
     return eclat.solve(scene, eclat.IrradianceCache(max_error=0.1), points=POINTS, max_depth=4)
 
 
+def test_the_core_says_where_the_fields_of_a_record_lie(solution: eclat.Solution) -> None:
+    layout = eclat._core.record_layout()
+    taken = [place for _, first, count in layout for place in range(first, first + count)]
+    assert len(taken) == len(set(taken)) and max(taken) < solution.near.shape[1]
+    # The two records lie at the points that were asked for, on the floor of a closed room.
+    assert np.allclose(np.sort(solution.positions, axis=0), np.sort(POINTS[0], axis=0), atol=1e-5)
+    assert np.allclose(solution.normals, (0, 1, 0), atol=1e-6)
+    assert (solution.irradiance[0] > 0).all() and (solution.radii > 0).all()
+    assert solution.enclosed.tolist() == [False, True]  # the second one lies inside of a box
+    column = {name: slice(first, first + count) for name, first, count in layout}
+    marked = solution.near.copy()
+    marked[:, column["enclosed"]] = 1
+    core = eclat._core.SolvedCaches(marked, solution.far, eclat._core.IrradianceCacheOptions())
+    assert np.array_equal(core.near[:, column["enclosed"]], marked[:, column["enclosed"]])
+    assert core.near.shape == solution.near.shape
+
+
 def test_what_is_saved_is_loaded(scene: eclat.Scene, solution: eclat.Solution, tmp_path: Path) -> None:
     solution.save(tmp_path / "a.npz")
     assert [p.name for p in tmp_path.iterdir()] == ["a.npz"]

@@ -1,0 +1,62 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Held to     tests/core/methods/radiance_cache/test_far_end.cpp
+
+#include "records/far_end.h"
+
+namespace eclat {
+
+CacheOptions far_reading(const CacheOptions& near) {
+    CacheOptions far = near;
+    far.relaxation = 1.4f;
+    far.rotation_gradient = false;
+    return far;
+}
+
+CachedIrradiance read_far(const RecordCache& far) {
+    return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
+        float radius = 0;
+        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
+        if (!E || distance < radius) return std::nullopt;
+        return E;
+    };
+}
+
+CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progress& progress) {
+    return [&](const SurfacePoint& point, float distance) {
+        return far_irradiance(world, photons, {point, point.frame.n}, distance, -1, progress);
+    };
+}
+
+CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables, Reading reading) {
+    return [&cache, &tables, reading](SurfacePoint& point, Vec3 wo) -> Color {
+        ReflectedFactors factors;
+        tables.reflect(point.bsdf, wo, factors);
+        if (factors.order == 0) return {};
+        const auto reflected =
+            cache.reflect(point.position, point.normal_towards_shading(), point.frame, factors, reading);
+        if (!reflected) return {};
+        set_cached(point.bsdf, factors);
+        return *reflected;
+    };
+}
+
+FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
+               Progress& progress, const RadianceTables* tables) {
+    FarEnd out;
+    if (options.max_depth >= 0) return out;
+    if (options.far_photons)
+        out.irradiance = read_far(world, *options.far_photons, progress);
+    else if (!caches.far.records().empty())
+        out.irradiance = read_far(caches.far);
+    if (tables && !caches.radiance.records().empty())
+        out.reflection = read_radiance(caches.radiance, *tables, Reading::nearest);
+    return out;
+}
+
+SolvedCaches empty_caches(const IrradianceCacheOptions& options) {
+    return {RecordCache(options.cache), RecordCache(far_reading(options.cache)), {}, 0};
+}
+
+}  // namespace eclat
