@@ -9,19 +9,44 @@ from typing import Annotated, overload
 import numpy
 from numpy.typing import NDArray
 
+class Wrap(enum.Enum):
+    repeat = 0
+
+    mirror = 1
+
+    clamp = 2
+
+class MaterialKind(enum.Enum):
+    diffuse = 0
+
+    phong = 1
+
+    ward = 2
+
+    conductor = 3
+
+    dielectric = 4
+
+    thin_dielectric = 5
+
+    plastic = 6
+
+    metallic_roughness = 7
+
+    blend = 8
+
+def parameter_names(kind: MaterialKind) -> list[str]: ...
+
 class Value:
     pass
 
 class Material:
     def __init__(self) -> None: ...
     @property
-    def kind(self) -> int: ...
+    def kind(self) -> MaterialKind: ...
     @kind.setter
-    def kind(self, arg: int, /) -> None: ...
-    @property
-    def parameters(self) -> list[Value]: ...
-    @parameters.setter
-    def parameters(self, arg: Sequence[Value], /) -> None: ...
+    def kind(self, arg: MaterialKind, /) -> None: ...
+    def set(self, name: str, value: Value) -> None: ...
     @property
     def two_sided(self) -> bool: ...
     @two_sided.setter
@@ -93,9 +118,10 @@ class SceneBuilder:
     def add_texture(
         self,
         image: Annotated[NDArray[numpy.uint8], dict(shape=(None, None, None), order="C", device="cpu", writable=False)],
+        *,
         srgb: bool,
-        wrap_u: int,
-        wrap_v: int,
+        wrap_u: Wrap,
+        wrap_v: Wrap,
         nearest: bool,
     ) -> int: ...
     @overload
@@ -104,37 +130,46 @@ class SceneBuilder:
         image: Annotated[
             NDArray[numpy.float32], dict(shape=(None, None, None), order="C", device="cpu", writable=False)
         ],
+        *,
         srgb: bool,
-        wrap_u: int,
-        wrap_v: int,
+        wrap_u: Wrap,
+        wrap_v: Wrap,
         nearest: bool,
     ) -> int: ...
     def value(
-        self, arg0: Sequence[float], arg1: int, arg2: int, arg3: int, arg4: Sequence[float], arg5: bool, arg6: bool, /
+        self,
+        constant: Sequence[float],
+        *,
+        texture: int,
+        channel: int,
+        uv_set: int,
+        uv_transform: Sequence[float],
+        invert: bool,
+        square: bool,
     ) -> Value: ...
     def add_material(self, arg: Material, /) -> int: ...
     def add_mesh(
         self,
-        arg0: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
-        arg1: Annotated[NDArray[numpy.uint32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
-        arg2: int,
-        arg3: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
-        arg4: Annotated[NDArray[numpy.float32], dict(shape=(None, 2), order="C", device="cpu", writable=False)],
-        arg5: Annotated[NDArray[numpy.float32], dict(shape=(None, 2), order="C", device="cpu", writable=False)],
-        arg6: Annotated[NDArray[numpy.float32], dict(shape=(None, 4), order="C", device="cpu", writable=False)],
-        arg7: Annotated[NDArray[numpy.float32], dict(shape=(None, 4), order="C", device="cpu", writable=False)],
-        /,
+        *,
+        positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        triangles: Annotated[NDArray[numpy.uint32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        material: int,
+        normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        uvs: Annotated[NDArray[numpy.float32], dict(shape=(None, 2), order="C", device="cpu", writable=False)],
+        uvs2: Annotated[NDArray[numpy.float32], dict(shape=(None, 2), order="C", device="cpu", writable=False)],
+        colors: Annotated[NDArray[numpy.float32], dict(shape=(None, 4), order="C", device="cpu", writable=False)],
+        tangents: Annotated[NDArray[numpy.float32], dict(shape=(None, 4), order="C", device="cpu", writable=False)],
     ) -> None: ...
     def add_point(self, arg0: Sequence[float], arg1: Sequence[float], /) -> None: ...
     def add_spot(
         self,
-        arg0: Sequence[float],
-        arg1: Sequence[float],
-        arg2: Sequence[float],
-        arg3: float,
-        arg4: float,
-        arg5: bool,
-        /,
+        *,
+        position: Sequence[float],
+        direction: Sequence[float],
+        intensity: Sequence[float],
+        inner_angle: float,
+        outer_angle: float,
+        smooth: bool,
     ) -> None: ...
     def add_directional(self, arg0: Sequence[float], arg1: Sequence[float], arg2: float, /) -> None: ...
     def set_environment(
@@ -154,9 +189,8 @@ class Scene:
     def radius(self) -> float: ...
     def escapes(
         self,
-        arg0: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
-        arg1: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
-        /,
+        origins: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        directions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
     ) -> int:
         """Number of rays that meet nothing."""
 
@@ -187,17 +221,17 @@ class Camera:
     def __init__(
         self,
         *,
-        right: Sequence[float],
-        up: Sequence[float],
-        backward: Sequence[float],
+        axes: Sequence[Sequence[float]],
         position: Sequence[float],
         size: Sequence[int],
         half_extent: Sequence[float],
         shift: Sequence[float],
-        aperture_radius: float,
-        focus_distance: float,
+        lens: Sequence[float],
         orthographic: bool,
-    ) -> None: ...
+    ) -> None:
+        """
+        axes: what points right, up and backward; lens: radius of the aperture and distance of the focus.
+        """
 
 class Film:
     def __init__(self, arg0: int, arg1: int, /) -> None: ...
