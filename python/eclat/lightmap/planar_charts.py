@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.gltf_export.geometry import face_normals
-from eclat.lightmap.components import connected, edges_of
+from eclat.loaders.components import connected, edges_of
 from eclat.scene import FloatArray, Mesh
 
 Ints = NDArray[np.int64]

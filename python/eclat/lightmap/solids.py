@@ -15,7 +15,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.lightmap.components import connected, edges_of
+from eclat.loaders.components import connected, edges_of
 from eclat.scene import DirectionalLight, FloatArray, Mesh, Scene
 
 Ints = NDArray[np.int64]

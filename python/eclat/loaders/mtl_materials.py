@@ -10,8 +10,9 @@ in the file                        here
 =================================  ====================================================================================
 illum 4, 6, 7                      smooth `dielectric` of index Ni; with Pr its GGX α is Pr². Light that crosses both
                                    sides of a body is filtered by Tf once (√Tf at each). Kd, Ks and d have no part in
-                                   it: Fresnel's equations say what is reflected. illum 4, which the format defines as
-                                   glass without refraction, is a thin pane where the mesh is not closed.
+                                   it: Fresnel's equations say what is reflected. A sheet that encloses no volume is a
+                                   whole pane: `thin_dielectric` (rough: thin `metallic_roughness`), filtered by Tf.
+                                   Of an index of 1.3 to 1.38 it is the surface of water, between walls that hold it.
 illum 9                            `thin_dielectric`, filtered by Tf
 the same without a sign of glass   as without illum: opaque. Maya writes illum 4 for whatever is opaque. A sign is an Ni
                                    other than 1, a d below 1 (Tr above 0), or a Tf that filters; for illum 6, 7 and 9,
@@ -50,16 +51,18 @@ _MIRROR_EXPONENT = 1000.0
 _BLACK = 0.02
 _SAME_INDEX = 1e-3
 """An index this close to 1 is that of air."""
+_LIQUIDS = (1.3, 1.38)
+"""Indices of water and what is dissolved in it; glass and its plastics begin at 1.46, and no pane is made of less."""
 _BUMP_HEIGHT = 0.01
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "m": 3}
 
 
 @dataclass(frozen=True)
 class MtlMaterial:
-    """A material, and what it is instead on meshes that enclose no volume (where that differs)."""
+    """A material, and what it is instead on sheets that enclose no volume (where that differs)."""
 
     material: Material
-    open_material: Material | None = None
+    sheet: Material | None = None
 
 
 def build_material(library: Library, name: str) -> MtlMaterial | None:
@@ -173,8 +176,12 @@ def _glass(entry: Entry, common: Material, illum: float) -> MtlMaterial:
     roughness = number(entry, "pr", most=1.0)
     if roughness:
         parameters["alpha_u"] = grey(roughness**2)
-    solid = replace(common, kind="dielectric", parameters=parameters)
-    return MtlMaterial(solid, pane if illum == 4 else None)
+        frosted = {"base_color": whole["specular_transmittance"], "roughness": grey(roughness**2)}
+        frosted |= {"transmission": grey(1.0), "ior": shared["ior"]}
+        pane = replace(common, kind="metallic_roughness", parameters=frosted, thin_walled=True)
+    low, high = _LIQUIDS
+    liquid = illum != 4 and ior is not None and low <= ior <= high
+    return MtlMaterial(replace(common, kind="dielectric", parameters=parameters), None if liquid else pane)
 
 
 def _physical(library: Library, entry: Entry, common: Material) -> Material:

@@ -22,6 +22,7 @@ from eclat.loaders.files import read_bytes
 from eclat.loaders.mtl import Library, load_library
 from eclat.loaders.mtl_materials import MtlMaterial, build_material
 from eclat.loaders.obj_text import ObjText, read_obj_text
+from eclat.loaders.sheets import bounding_triangles
 from eclat.scene import FloatArray, Material, Mesh, Scene, Value, grey, triangle_areas
 
 IntArray = NDArray[np.int64]
@@ -53,7 +54,7 @@ def load_obj_scene(path: Path) -> Scene:
 def load_obj(
     path: Path, *, face_normals: bool = False, materials: bool = True, smooth: bool = False, flip_v: bool = True
 ) -> list[Mesh]:
-    """The triangles of an OBJ file, one mesh per material in order of appearance.
+    """The triangles of an OBJ file, one mesh per material in order of appearance; two where glass is in bodies and in sheets.
 
     Parameters
     ----------
@@ -77,7 +78,7 @@ def load_obj(
         vertices = replace(vertices, normals=geometry.smooth_normals(vertices.positions, vertices.triangles))
     if not materials:
         mesh = _part(vertices, np.arange(len(vertices.triangles)), path.stem)
-        return [_with_surface(mesh, MtlMaterial(_grey(mesh)), path.name)]
+        return [_with_surface(mesh, _grey(mesh), path.name)]
     library = load_library(path, text.libraries)
     material_of = text.face_materials[vertices.polygons]
     meshes = []
@@ -85,8 +86,16 @@ def load_obj(
         material = text.material_names[material_of[which[0]]]
         groups = np.unique(text.face_groups[vertices.polygons[which]])
         name = text.group_names[groups[0]] if len(groups) == 1 else ""
-        mesh = _part(vertices, which, name or material or path.stem)
-        meshes.append(_with_surface(mesh, _find_material(library, material, mesh), path.name))
+        name = name or material or path.stem
+        mesh = _part(vertices, which, name)
+        found = _find_material(library, material, mesh)
+        if found.sheet is None:
+            meshes.append(_with_surface(mesh, found.material, path.name))
+            continue
+        bodies = bounding_triangles(mesh)
+        for part, surface in ((which[bodies], found.material), (which[~bodies], found.sheet)):
+            if len(part):
+                meshes.append(_with_surface(_part(vertices, part, name), surface, path.name))
     return meshes
 
 
@@ -207,11 +216,8 @@ def _find_material(library: Library, name: str, mesh: Mesh) -> MtlMaterial:
     return found or MtlMaterial(_grey(mesh, name))
 
 
-def _with_surface(mesh: Mesh, found: MtlMaterial, where: str) -> Mesh:
+def _with_surface(mesh: Mesh, material: Material, where: str) -> Mesh:
     """`mesh` with the material, of which those parts are decided that depend on the geometry."""
-    material = found.material
-    if found.open_material is not None and not _is_closed(mesh):
-        material = found.open_material
     if material.normal_map is not None and material.normal_map.kind == "bump":
         scale = material.normal_map.scale * _texture_width(mesh, material.normal_map.value)
         material = replace(material, normal_map=replace(material.normal_map, scale=scale))
@@ -226,15 +232,6 @@ def _is_textured(material: Material) -> bool:
     values = [*material.parameters.values(), material.opacity, material.emission]
     values += [material.normal_map.value] if material.normal_map else []
     return any(value and value.texture for value in values) or any(map(_is_textured, material.children))
-
-
-def _is_closed(mesh: Mesh) -> bool:
-    """Whether each edge is met by as many triangles one way as the other, vertices at one place counting as one."""
-    ids = np.unique(mesh.positions, axis=0, return_inverse=True)[1].ravel()
-    ends = ids[np.asarray(mesh.triangles)]
-    start, end = ends.ravel(), ends[:, (1, 2, 0)].ravel()
-    count = int(ids.max()) + 1
-    return bool(np.array_equal(np.sort(start * count + end), np.sort(end * count + start)))
 
 
 def _texture_width(mesh: Mesh, value: Value) -> float:

@@ -278,10 +278,11 @@ def test_photometric_scenes_stay_so(tmp_path: Path) -> None:
 def test_every_kind_becomes_metallic_roughness(kind: str, tmp_path: Path) -> None:
     children = (Material("diffuse", {"reflectance": grey(0.2)}), Material("diffuse", {"reflectance": grey(0.6)}))
     material = Material(kind, children=children if kind == "blend" else (), two_sided=False)
+    body = Mesh(np.vstack((np.zeros(3), np.eye(3))), np.array([(0, 2, 1), (0, 1, 3), (0, 3, 2), (1, 2, 3)]), material)
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", EclatWarning)
         converted = as_metallic_roughness(material)
-        again = read_back(Scene((square(material),)), tmp_path).meshes[0].material
+        again = read_back(Scene((body,)), tmp_path).meshes[0].material
     assert converted.kind == again.kind == "metallic_roughness"
     if kind == "blend":
         assert converted.parameters["base_color"].constant == pytest.approx((0.4,) * 3)

@@ -102,7 +102,7 @@ def test_glass_bodies_filter_once_on_the_way_through(tmp_path: Path, illum: int)
 
 
 def test_panes(tmp_path: Path) -> None:
-    for illum, kind in ((4, "thin_dielectric"), (9, "thin_dielectric"), (7, "dielectric")):
+    for illum, kind in ((4, "thin_dielectric"), (9, "thin_dielectric"), (7, "thin_dielectric")):
         material = material_of(tmp_path, f"Tf 0.25 1 0.5\nillum {illum}\n")
         assert material.kind == kind
     assert material_of(tmp_path, "Tf 0.25 1 0.5\nillum 9\n", TETRAHEDRON).kind == "thin_dielectric"

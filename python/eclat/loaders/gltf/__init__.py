@@ -21,7 +21,7 @@ from eclat.loaders.gltf.extensions import warn_of_unsupported
 from eclat.loaders.gltf.lights import Light, read_light
 from eclat.loaders.gltf.materials import Materials, used_uv_sets
 from eclat.loaders.gltf.nodes import Matrix, instances, scene_nodes
-from eclat.loaders.gltf.primitives import Primitive, place, read_primitive
+from eclat.loaders.gltf.primitives import Primitive, bodies_and_sheets, place, read_primitive
 from eclat.loaders.parts import LimitError, Parts
 from eclat.scene import Camera, Material, Mesh, Scene
 
@@ -127,12 +127,13 @@ class _Builder:
         if found is None:
             return
         primitive, material = found
+        parts = bodies_and_sheets(primitive, material)
         self._spend(max(len(primitive.positions), MESH_COST) * len(places), element)
         for matrix in places:
             if np.linalg.matrix_rank(matrix[:3, :3]) < 2:
                 warn(f"{element.where}: a node scales it to nothing; it is skipped there")
                 continue
-            self._meshes.append(place(primitive, matrix, material, name))
+            self._meshes += [place(part, matrix, surface, name) for part, surface in parts]
 
     def _read(self, element: Element, weights: tuple[float, ...]) -> tuple[Primitive, Material] | None:
         note = element.own_note()

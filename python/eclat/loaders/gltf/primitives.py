@@ -14,6 +14,7 @@ from eclat.errors import EclatError, warn
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.element import Element
 from eclat.loaders.gltf.topology import read_triangles
+from eclat.loaders.sheets import bounding_triangles
 from eclat.scene import Material, Mesh
 
 Floats = NDArray[np.float32]
@@ -69,6 +70,23 @@ def read_primitive(
             colors=reader.colors(),
         )
     )
+
+
+def bodies_and_sheets(primitive: Primitive, material: Material) -> list[tuple[Primitive, Material]]:
+    """The primitive in at most two parts: of a material that refracts, pieces that enclose no volume are thin panes, since
+    KHR_materials_volume asks for a closed mesh."""
+    if material.thin_walled or "transmission" not in material.parameters:
+        return [(primitive, material)]
+    bodies = bounding_triangles(Mesh(primitive.positions, primitive.triangles, material))
+    if bodies.all():
+        return [(primitive, material)]
+    warn(f"{primitive.where}: KHR_materials_volume needs a closed mesh; its open sheets are thin panes")
+    choices = ((bodies, material), (~bodies, replace(material, thin_walled=True)))
+    return [
+        (_compact(replace(primitive, triangles=primitive.triangles[which])), surface)
+        for which, surface in choices
+        if which.any()
+    ]
 
 
 def place(primitive: Primitive, to_world: NDArray[np.float64], material: Material, name: str) -> Mesh:

@@ -176,8 +176,19 @@ def test_ior_specular_and_transmission(tmp_path: Path) -> None:
 def test_a_volume_with_thickness_is_solid_glass(tmp_path: Path) -> None:
     volume = {"thicknessFactor": 0.1, "attenuationColor": [1, 0, 0], "attenuationDistance": 0.5}
     glass = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": volume}
+    file = GltfFile()
+    corners, faces = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [0, 0, 1]], [0, 2, 1, 0, 1, 3, 0, 3, 2, 1, 2, 3]
+    body = file.primitive(corners, faces, material=file.append("materials", {"extensions": glass}))
+    file.mesh_node(body)
     with pytest.warns(EclatWarning, match="attenuation inside a volume is not supported; the glass is clear"):
-        assert not load(GltfFile(), tmp_path, {"extensions": glass}).thin_walled
+        (mesh,) = load_gltf(file.save(tmp_path)).meshes
+    assert not mesh.material.thin_walled
+
+
+def test_an_open_sheet_is_a_pane_whatever_its_volume(tmp_path: Path) -> None:
+    glass = {"KHR_materials_transmission": {"transmissionFactor": 1}, "KHR_materials_volume": {"thicknessFactor": 0.1}}
+    with pytest.warns(EclatWarning, match="needs a closed mesh; its open sheets are thin panes"):
+        assert load(GltfFile(), tmp_path, {"extensions": glass}).thin_walled
 
 
 def test_specular_glossiness_is_approximated(tmp_path: Path) -> None:

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eclat.lightmap.components import connected, edges_of
+from eclat.loaders.components import connected, edges_of
 
 
 def test_connected() -> None:
