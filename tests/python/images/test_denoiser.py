@@ -1,0 +1,68 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Open Image Denoise behind our door: it takes out noise, keeps edges that the guides show, and says when it is absent."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+from eclat.errors import EclatError
+from eclat.images import denoiser
+
+needs_denoiser = pytest.mark.skipif(not denoiser.has_denoiser(), reason="pyoidn is not installed")
+
+
+@pytest.fixture
+def noisy() -> tuple[np.ndarray, np.ndarray]:
+    """A picture of two halves, 1 and 0.2, and the same with much noise."""
+    truth = np.full((64, 64, 3), 1.0, np.float32)
+    truth[:, 32:] = 0.2
+    noise = np.random.default_rng(1).exponential(size=truth.shape).astype(np.float32)
+    return truth, truth * noise
+
+
+@needs_denoiser
+def test_noise_goes_and_edges_stay(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+    truth, samples = noisy
+    clean = denoiser.denoise(samples, albedo=truth, normal=np.zeros_like(truth))
+    assert clean.dtype == np.float32 and clean.shape == truth.shape
+    assert np.abs(clean - truth).mean() < 0.15 * np.abs(samples - truth).mean()
+    assert clean[:, 31].mean() > 3 * clean[:, 32].mean()
+
+
+@needs_denoiser
+def test_same_input_same_bits(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+    _, samples = noisy
+    assert np.array_equal(denoiser.denoise(samples), denoiser.denoise(samples))
+
+
+@needs_denoiser
+def test_what_is_not_finite_counts_as_black(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+    _, samples = noisy
+    samples[3, 3] = np.nan
+    samples[9, 9] = np.inf
+    assert np.isfinite(denoiser.denoise(samples)).all()
+
+
+@needs_denoiser
+def test_light_maps_have_a_network_of_their_own(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+    truth, samples = noisy
+    clean = denoiser.denoise(samples, kind="lightmap")
+    assert np.abs(clean - truth).mean() < 0.3 * np.abs(samples - truth).mean()
+    assert not np.array_equal(clean, denoiser.denoise(samples))
+    with pytest.raises(EclatError, match="without albedo"):
+        denoiser.denoise(samples, albedo=truth, kind="lightmap")
+
+
+@needs_denoiser
+def test_shapes_must_agree(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+    _, samples = noisy
+    with pytest.raises(EclatError, match="expected albedo of shape"):
+        denoiser.denoise(samples, albedo=samples[:32])
+
+
+def test_without_the_package_it_says_what_to_install(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(denoiser, "PACKAGE", "no_such_denoiser")
+    with pytest.raises(EclatError, match="pip install no_such_denoiser"):
+        denoiser.denoise(np.ones((2, 2, 3)))

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The measured error of a denoised picture against its true one, with denoisers that are known to be bad in places."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+from scipy.ndimage import uniform_filter
+
+from eclat.errors import EclatError
+from eclat.measure.metrics import RELATIVE_C
+from eclat.sampling.denoised_halves import denoise_halves
+
+SIZE = 128
+
+
+def truth(checkered: bool) -> np.ndarray:
+    """A smooth ramp; or one whose right half is a checkerboard of small squares, which a blur destroys."""
+    y, x = np.mgrid[0:SIZE, 0:SIZE]
+    ramp = 0.5 + 0.4 * np.sin(x / 40.0) * np.cos(y / 30.0)
+    if checkered:
+        ramp = np.where((x >= SIZE // 2) & ((x // 4 + y // 4) % 2 == 0), ramp + 0.7, ramp)
+    return np.repeat(ramp[..., None], 3, axis=2)
+
+
+def blur(picture: np.ndarray) -> np.ndarray:
+    return np.stack([uniform_filter(picture[..., c], 7, mode="nearest") for c in range(3)], axis=-1)
+
+
+def halves(reference: np.ndarray, noise: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
+    """Noise that is not even symmetric, as that of light is not, and grows with the light."""
+    random = np.random.default_rng(seed)
+    a, b = (reference * (1 + noise * (random.exponential(size=reference.shape) - 1)) for _ in range(2))
+    return a, b
+
+
+def true_squared_error(pixels: np.ndarray, reference: np.ndarray) -> float:
+    scale = reference**2 + RELATIVE_C * (reference**2).mean()
+    return float(((pixels - reference) ** 2 / scale).mean())
+
+
+@pytest.mark.parametrize(("checkered", "noise"), [(False, 0.05), (False, 0.3), (False, 1.0), (True, 0.05)])
+def test_the_estimate_is_unbiased(checkered: bool, noise: float) -> None:
+    reference = truth(checkered)
+    differences, deviations = [], []
+    for seed in range(24):
+        found = denoise_halves(*halves(reference, noise, seed), blur)
+        true = true_squared_error(found.pixels, reference)
+        differences.append((found.squared_error - true) / true)
+        deviations.append(found.deviation / true)
+    mean, error = np.mean(differences), np.std(differences, ddof=1) / len(differences) ** 0.5
+    # R² + c is not known exactly: that may cost some per cent of the square.
+    assert abs(mean) < 0.1 + 5 * error
+    # What it says of its own uncertainty is of the right size.
+    assert 0.3 < np.mean(deviations) / np.std(differences, ddof=1) < 10
+
+
+def test_what_the_denoiser_spoils_is_kept_as_it_was() -> None:
+    found = denoise_halves(*halves(truth(True), 0.2, 1), blur)
+    assert found.weight[:, : SIZE // 8].mean() > 0.8
+    assert found.weight[:, 7 * SIZE // 8 :].mean() < 0.25
+    assert np.abs(np.diff(found.weight, axis=1)).max() < 0.05  # no border shows
+
+
+def test_it_is_never_much_worse_than_the_better_of_both() -> None:
+    for checkered in (False, True):
+        reference = truth(checkered)
+        a, b = halves(reference, 0.2, 5)
+        found = denoise_halves(a, b, blur)
+        raw = true_squared_error((a + b) / 2, reference)
+        blurred = true_squared_error((blur(a) + blur(b)) / 2, reference)
+        assert true_squared_error(found.pixels, reference) < 1.05 * min(raw, blurred)
+        assert found.raw_squared_error == pytest.approx(raw, rel=0.15)
+
+
+def test_odd_sizes_and_black() -> None:
+    black = np.zeros((33, 65, 3))
+    found = denoise_halves(black, black, lambda x: x)
+    assert found.error == 0 and found.deviation == 0 and not found.pixels.any()
+    one = denoise_halves(np.ones((1, 1, 3)), np.ones((1, 1, 3)), lambda x: x)
+    assert one.error == 0
+
+
+def test_halves_of_unlike_shapes() -> None:
+    with pytest.raises(EclatError, match="halves of one shape"):
+        denoise_halves(np.ones((4, 4, 3)), np.ones((4, 5, 3)), lambda x: x)
