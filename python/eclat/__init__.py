@@ -34,6 +34,7 @@ if TYPE_CHECKING:
     from eclat.stage.material_overrides import override_materials
     from eclat.verbs.bake import bake
     from eclat.verbs.compare import compare
+    from eclat.verbs.denoise import denoise
     from eclat.verbs.irradiance import irradiance
     from eclat.verbs.render import render
     from eclat.verbs.solve import refine, solve
@@ -48,6 +49,7 @@ _HOMES = {
     "irradiance": "eclat.verbs.irradiance",
     "bake": "eclat.verbs.bake",
     "compare": "eclat.verbs.compare",
+    "denoise": "eclat.verbs.denoise",
     "METHODS": "eclat.methods",
     "Method": "eclat.methods",
     "Solved": "eclat.methods",
@@ -90,6 +92,7 @@ __all__ = [
     "Solved",
     "bake",
     "compare",
+    "denoise",
     "irradiance",
     "load",
     "load_dict",

@@ -29,6 +29,7 @@ COMMANDS: dict[str, str] = {
     "solve": "eclat.cli.solve",
     "irradiance": "eclat.cli.irradiance",
     "bake": "eclat.cli.bake",
+    "denoise": "eclat.cli.denoise",
     "compare": "eclat.cli.compare",
     "info": "eclat.cli.info",
     "scenes": "eclat.cli.scenes",

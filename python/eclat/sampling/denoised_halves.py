@@ -4,7 +4,7 @@
 
 Symbol    name here    meaning
   A, B    a, b         two halves of the samples of a picture: unbiased, with independent noise
-  d       denoise      any denoiser; it sees one half at a time
+  d(A)    denoised_a   the half A denoised, by a denoiser that has not seen B
   m       mean         (d(A) + d(B)) / 2
   R       –            the picture without noise, which nobody knows
 
@@ -29,7 +29,6 @@ picture of the tests.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -40,9 +39,6 @@ from eclat.errors import EclatError
 from eclat.measure.metrics import RELATIVE_C
 
 Float64 = NDArray[np.float64]
-Denoise = Callable[[Float64], ArrayLike]
-"""(H, W, 3) → the same without its noise."""
-
 WINDOW = 32
 """Pixels along a side of the windows in which one weight is chosen; a thousand pixels make the choice hardly lucky."""
 
@@ -67,34 +63,41 @@ class DenoisedHalves:
         """Relative error of the picture, the measure of `metrics.relative_rmse`."""
         return math.sqrt(max(0.0, self.squared_error))
 
+    @property
+    def error_deviation(self) -> float:
+        """Standard error of `error`; that of an error which is not told from 0 is the root of the square's."""
+        return min(math.sqrt(self.deviation), self.deviation / (2 * self.error) if self.error > 0 else math.inf)
 
-def denoise_halves(a: ArrayLike, b: ArrayLike, denoise: Denoise) -> DenoisedHalves:
-    """Denoise two halves of a picture and measure the error of what is left.
+
+def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b: ArrayLike) -> DenoisedHalves:
+    """The picture of two halves of its samples, denoised where that helps, and the error of what is left.
 
     Parameters
     ----------
     a, b : (H, W, 3) linear radiance, means of equally many samples, whose noise must be independent: of two seeds. Halves
         of one Sobol' sequence are not.
-    denoise : is called once with each half.
+    denoised_a, denoised_b : (H, W, 3) the same without noise; each must depend on its own half alone, also for what guides
+        the denoiser.
 
     Raises
     ------
     EclatError : shapes differ.
     """
-    a, b = np.asarray(a, np.float64), np.asarray(b, np.float64)
-    if a.ndim != 3 or a.shape[2] != 3 or a.shape != b.shape:
-        raise EclatError(f"denoise: expected halves of one shape (height, width, 3), got {a.shape} and {b.shape}")
-    denoised_a, denoised_b = (np.asarray(denoise(half), np.float64) for half in (a, b))
-    halves, products = (a, b, denoised_a, denoised_b), (np.minimum(denoised_a, denoised_b) ** 2, a * b)
+    halves = tuple(np.asarray(picture, np.float64) for picture in (a, b, denoised_a, denoised_b))
+    shapes = [half.shape for half in halves]
+    if len(shapes[0]) != 3 or shapes[0][2] != 3 or len(set(shapes)) != 1:
+        raise EclatError(f"denoise: expected halves of one shape (height, width, 3), got {shapes}")
+    a, b, denoised_a, denoised_b = halves
+    products = (np.minimum(denoised_a, denoised_b) ** 2, a * b)
     scale = _scale(*products, 0.5)
-    weight = _best_weights([_squared_error(halves, np.float64(w), scale) for w in (0.0, 0.5, 1.0)])
+    weight = _best_weights([_squared_error(halves, w, scale) for w in (0.0, 0.5, 1.0)])
     scale = _scale(*products, weight[..., None])
     squared = _squared_error(halves, weight[..., None], scale)
     pixels = weight[..., None] * (denoised_a + denoised_b) / 2 + (1 - weight[..., None]) * (a + b) / 2
     means = _window_means(squared)
     counts = _window_means(np.ones_like(squared), total=True)
     deviation = math.sqrt(float(np.average((means - squared.mean()) ** 2, weights=counts)) / max(1, means.size - 1))
-    raw = _squared_error(halves, np.float64(0.0), scale)
+    raw = _squared_error(halves, 0.0, scale)
     return DenoisedHalves(pixels, weight, float(squared.mean()), deviation, float(raw.mean()))
 
 
@@ -107,7 +110,7 @@ def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float) -> Floa
     return np.asarray(np.maximum(square + RELATIVE_C * square.mean(), np.finfo(np.float64).tiny))
 
 
-def _squared_error(halves: tuple[Float64, Float64, Float64, Float64], weight: Float64, scale: Float64) -> Float64:
+def _squared_error(halves: tuple[Float64, ...], weight: Float64 | float, scale: Float64) -> Float64:
     """(H, W) the formula above, relative, for a weight of the denoiser; single pixels may well be below 0."""
     a, b, denoised_a, denoised_b = halves
     shown_a, shown_b = (weight * d + (1 - weight) * x for d, x in ((denoised_a, a), (denoised_b, b)))

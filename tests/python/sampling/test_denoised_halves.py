@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter
 
 from eclat.errors import EclatError
 from eclat.measure.metrics import RELATIVE_C
-from eclat.sampling.denoised_halves import denoise_halves
+from eclat.sampling.denoised_halves import DenoisedHalves, judged_halves
 
 SIZE = 128
 
@@ -26,6 +26,10 @@ def truth(checkered: bool) -> np.ndarray:
 
 def blur(picture: np.ndarray) -> np.ndarray:
     return np.stack([uniform_filter(picture[..., c], 7, mode="nearest") for c in range(3)], axis=-1)
+
+
+def denoised(a: np.ndarray, b: np.ndarray) -> DenoisedHalves:
+    return judged_halves(a, b, blur(a), blur(b))
 
 
 def halves(reference: np.ndarray, noise: float, seed: int) -> tuple[np.ndarray, np.ndarray]:
@@ -45,7 +49,7 @@ def test_the_estimate_is_unbiased(checkered: bool, noise: float) -> None:
     reference = truth(checkered)
     differences, deviations = [], []
     for seed in range(24):
-        found = denoise_halves(*halves(reference, noise, seed), blur)
+        found = denoised(*halves(reference, noise, seed))
         true = true_squared_error(found.pixels, reference)
         differences.append((found.squared_error - true) / true)
         deviations.append(found.deviation / true)
@@ -57,7 +61,7 @@ def test_the_estimate_is_unbiased(checkered: bool, noise: float) -> None:
 
 
 def test_what_the_denoiser_spoils_is_kept_as_it_was() -> None:
-    found = denoise_halves(*halves(truth(True), 0.2, 1), blur)
+    found = denoised(*halves(truth(True), 0.2, 1))
     assert found.weight[:, : SIZE // 8].mean() > 0.8
     assert found.weight[:, 7 * SIZE // 8 :].mean() < 0.25
     assert np.abs(np.diff(found.weight, axis=1)).max() < 0.05  # no border shows
@@ -67,7 +71,7 @@ def test_it_is_never_much_worse_than_the_better_of_both() -> None:
     for checkered in (False, True):
         reference = truth(checkered)
         a, b = halves(reference, 0.2, 5)
-        found = denoise_halves(a, b, blur)
+        found = denoised(a, b)
         raw = true_squared_error((a + b) / 2, reference)
         blurred = true_squared_error((blur(a) + blur(b)) / 2, reference)
         assert true_squared_error(found.pixels, reference) < 1.05 * min(raw, blurred)
@@ -76,12 +80,12 @@ def test_it_is_never_much_worse_than_the_better_of_both() -> None:
 
 def test_odd_sizes_and_black() -> None:
     black = np.zeros((33, 65, 3))
-    found = denoise_halves(black, black, lambda x: x)
+    found = judged_halves(black, black, black, black)
     assert found.error == 0 and found.deviation == 0 and not found.pixels.any()
-    one = denoise_halves(np.ones((1, 1, 3)), np.ones((1, 1, 3)), lambda x: x)
+    one = judged_halves(*[np.ones((1, 1, 3))] * 4)
     assert one.error == 0
 
 
 def test_halves_of_unlike_shapes() -> None:
     with pytest.raises(EclatError, match="halves of one shape"):
-        denoise_halves(np.ones((4, 4, 3)), np.ones((4, 5, 3)), lambda x: x)
+        judged_halves(*[np.ones((4, 4, 3))] * 3, np.ones((4, 5, 3)))

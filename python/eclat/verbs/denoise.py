@@ -1,0 +1,67 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verb denoise: a finished picture without its noise, and what error is left."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat.errors import EclatError
+from eclat.images import denoiser
+from eclat.images.image import Image
+from eclat.sampling.denoised_halves import judged_halves
+
+
+def denoise(picture: Image, other: Image | None = None) -> Image:
+    """The picture without its noise, by Open Image Denoise (`pip install pyoidn`).
+
+    Parameters
+    ----------
+    picture : a picture that `render` made; its layers `albedo` and `normal` tell the denoiser which edges are real.
+    other : a second picture of the same scene with as many samples and another seed. Each of the two is then judged by the
+        other, which measures the error that is left without a reference (`sampling.denoised_halves`), and where denoising
+        does more harm than good the samples are kept. What both share, the error of one cache, cannot be measured that way.
+
+    Returns
+    -------
+    An Image whose layer `noisy` is the picture as it was. With `other` its statistics hold `estimated_error`,
+    `estimated_error_low` and `_high` (95 %) of what is shown, and `noise_before`, that of the mean of both pictures.
+
+    Raises
+    ------
+    EclatError : Open Image Denoise is not installed, pictures of unlike sizes, or twice the same picture.
+    """
+    if other is None:
+        layers = picture.layers | {"noisy": picture.pixels}
+        return replace(
+            picture, pixels=_denoised(picture), layers=layers, metadata=picture.metadata | {"denoised": True}
+        )
+    if picture.pixels.shape != other.pixels.shape:
+        sizes = " and ".join(f"{image.width}x{image.height}" for image in (picture, other))
+        raise EclatError(f"denoise: expected pictures of one size, got {sizes}")
+    if np.array_equal(picture.pixels, other.pixels):
+        raise EclatError("denoise: expected pictures of unlike seeds, got the same picture twice")
+    found = judged_halves(picture.pixels, other.pixels, _denoised(picture), _denoised(other))
+    low, high = (max(0.0, found.squared_error + sign * 1.96 * found.deviation) ** 0.5 for sign in (-1, 1))
+    statistics = {
+        "estimated_error": found.error,
+        "estimated_error_low": low,
+        "estimated_error_high": high,
+        "noise_before": max(0.0, found.raw_squared_error) ** 0.5,
+    }
+    half = np.float32(0.5)
+    layers = {name: half * (a + other.layers[name]) for name, a in picture.layers.items() if name in other.layers}
+    layers |= {"noisy": half * (picture.pixels + other.pixels), "denoiser_weight": found.weight.astype(np.float32)}
+    metadata = picture.metadata | {
+        "denoised": True,
+        "seeds": [image.metadata.get("seed") for image in (picture, other)],
+    }
+    metadata["statistics"] = dict(picture.metadata.get("statistics", {})) | statistics
+    return Image(found.pixels.astype(np.float32), layers, metadata)
+
+
+def _denoised(picture: Image) -> NDArray[np.float32]:
+    return denoiser.denoise(picture.pixels, picture.layers.get("albedo"), picture.layers.get("normal"))
