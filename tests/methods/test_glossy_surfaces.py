@@ -150,7 +150,7 @@ def test_light_that_goes_the_other_way_is_as_much() -> None:
         v, u = np.meshgrid((np.arange(64) + 0.5) / 64, (np.arange(128) + 0.5) / 128, indexing="ij")
         theta, phi = np.pi * v, 2 * np.pi * (u - 0.5)
         towards = np.stack([np.sin(theta) * np.sin(phi), np.cos(theta), -np.sin(theta) * np.cos(phi)], axis=-1)
-        blob = np.exp((towards @ light - 1) / 0.01)[..., None] * np.ones(3)
+        blob = np.exp((towards @ light - 1) / 0.06)[..., None] * np.ones(3)
         camera = Camera(look_at(tuple(9 * view), (0, 0, 0)), fov=0.4, projection="orthographic", size=(8, 8))
         floor = mesh([box((-9, -1, -9), (9, 0, 9))], material, "floor")
         scene = Scene(meshes=(floor,), cameras=(camera,), environment=Environment(blob.astype(np.float32)))
