@@ -130,7 +130,7 @@ auto first_hits(const CoreScene& scene, Points origins, Points directions, int t
             std::vector<Ray> rays;
             for (size_t i = begin; i < end; ++i) rays.push_back({o[i], 0, d[i], infinity});
             std::vector<Hit> hits(rays.size());
-            scene.geometry->rays().intersect(rays, hits);
+            scene.geometry->rays().intersect(rays, hits, Coherence::none, Backs::met);
             for (size_t i = begin; i < end; ++i)
                 triangles[i] = static_cast<int32_t>(hits[i - begin].triangle);  // -1 for no_triangle
         });
@@ -160,6 +160,7 @@ void bind_material(nb::module_& m) {
         .def_rw("kind", &Material::kind)
         .def("set", &set_parameter, "name"_a, "value"_a)
         .def_rw("two_sided", &Material::two_sided)
+        .def_rw("back_culled", &Material::back_culled)
         .def_rw("back", &Material::back)
         .def_prop_rw(
             "children", [](const Material& s) { return std::array<int, 2>{s.children[0], s.children[1]}; },
@@ -205,6 +206,7 @@ void bind_scene(nb::module_& m) {
         .def_prop_ro("triangle_count", [](const CoreScene& s) { return s.geometry->triangle_count(); })
         .def_prop_ro("radius", [](const CoreScene& s) { return s.geometry->radius(); })
         .def("escapes", &escapes, "origins"_a, "directions"_a, "Number of rays that meet nothing.")
-        .def("first_hits", &first_hits, "origins"_a, "directions"_a, "threads"_a,
-             "The triangle that each ray meets first, counted over all meshes, and -1 for none.");
+        .def(
+            "first_hits", &first_hits, "origins"_a, "directions"_a, "threads"_a,
+            "The triangle that each ray meets first, culled backs included, counted over all meshes, and -1 for none.");
 }

@@ -33,6 +33,23 @@ struct Sampled {
     bool enclosed = false;      // most rays met the back of surfaces that have none
 };
 
+/// How many of a gather's rays end, or would if backs were not culled, at the back of surfaces that have none.
+size_t count_backs(const World& world, std::span<const PathRay> rays, std::span<const PathResult> results,
+                   Progress& progress) {
+    if (!world.geometry.rays().culls_backs())
+        return static_cast<size_t>(std::ranges::count_if(results, [](const PathResult& r) { return r.behind; }));
+    std::vector<Ray> looks;
+    for (const PathRay& ray : rays) looks.push_back(ray.ray);
+    std::vector<Hit> hits(looks.size());
+    world.geometry.rays().intersect(looks, hits, Coherence::none, Backs::met);
+    progress.count_rays(looks.size());
+    size_t behind = 0;
+    for (size_t i = 0; i < hits.size(); ++i)
+        behind += !hits[i].missed() && world.geometry.has_no_back(hits[i].triangle) &&
+                  dot(world.geometry.geometric_normal(hits[i].triangle), looks[i].direction) > 0;
+    return behind;
+}
+
 Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, int rows, Rows kind) {
     const auto& [world, far, bright, options, stream, progress] = task;
     Sampled out;
@@ -66,9 +83,7 @@ Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, in
         samples.hit_normal.push_back(samples.frame.to_local(results[i].normal));
         samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
     }
-    size_t behind = 0;
-    for (const PathResult& r : results) behind += r.behind;
-    out.enclosed = 2 * behind > count;
+    out.enclosed = 2 * count_backs(world, rays, results, progress) > count;
     return out;
 }
 

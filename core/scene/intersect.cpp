@@ -22,8 +22,12 @@ struct Intersector::Impl {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     OpacityFunction opacity;
-    std::vector<uint32_t> to_triangle[2];  // of the opaque and the translucent geometry
-    std::vector<Triangle> indices[2];
+    // Of each geometry: where nothing is to be asked, where opacity is, where only the side is, and where both are.
+    static constexpr unsigned kinds = 4;
+    std::vector<uint32_t> to_triangle[kinds];
+    std::vector<Triangle> indices[kinds];
+
+    static unsigned kind_of(Sieve sieve) { return (sieve.translucent ? 1u : 0u) + (sieve.back_culled ? 2u : 0u); }
 
     ~Impl() {
         if (scene) rtcReleaseScene(scene);
@@ -33,13 +37,26 @@ struct Intersector::Impl {
 
 namespace {
 
+void reject_backs(const RTCFilterFunctionNArguments* args) {
+    const unsigned n = args->N;
+    for (unsigned i = 0; i < n; ++i) {
+        if (args->valid[i] != -1 || RTCRayN_flags(args->ray, n, i) == unsigned(Backs::met)) continue;
+        const float along = RTCHitN_Ng_x(args->hit, n, i) * RTCRayN_dir_x(args->ray, n, i) +
+                            RTCHitN_Ng_y(args->hit, n, i) * RTCRayN_dir_y(args->ray, n, i) +
+                            RTCHitN_Ng_z(args->hit, n, i) * RTCRayN_dir_z(args->ray, n, i);
+        if (along > 0) args->valid[i] = 0;
+    }
+}
+
+template <unsigned kind>
 void reject_transparent(const RTCFilterFunctionNArguments* args) {
     const auto& impl = *static_cast<const Intersector::Impl*>(args->geometryUserPtr);
+    if (kind & 2) reject_backs(args);
     for (unsigned i = 0; i < args->N; ++i) {
         if (args->valid[i] != -1) continue;
         const unsigned primitive = RTCHitN_primID(args->hit, args->N, i);
         const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
-        const float opacity = impl.opacity(impl.to_triangle[1][primitive], u, v);
+        const float opacity = impl.opacity(impl.to_triangle[kind][primitive], u, v);
         if (opacity >= 1) continue;
         const auto bits = [](float x) { return std::bit_cast<uint32_t>(x); };
         const uint32_t key =
@@ -58,24 +75,25 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
                                vertices.size());
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
                                sizeof(Intersector::Triangle), indices.size());
-    if (id == 1) {
+    if (id > 0) {
+        const RTCFilterFunctionN filters[] = {nullptr, reject_transparent<1>, reject_backs, reject_transparent<3>};
         rtcSetGeometryUserData(geometry, &impl);
-        rtcSetGeometryIntersectFilterFunction(geometry, reject_transparent);
-        rtcSetGeometryOccludedFilterFunction(geometry, reject_transparent);
+        rtcSetGeometryIntersectFilterFunction(geometry, filters[id]);
+        rtcSetGeometryOccludedFilterFunction(geometry, filters[id]);
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(impl.scene, geometry, id);
     rtcReleaseGeometry(geometry);
 }
 
-/// What no query changes, and the same for all packets.
-void prepare(RTCRay8& packet, int* valid) {
+/// What is the same for all packets.
+void prepare(RTCRay8& packet, int* valid, Backs backs) {
     for (size_t i = 0; i < 8; ++i) {
         valid[i] = -1;
         packet.time[i] = 0;
         packet.mask[i] = ~0u;
         packet.id[i] = static_cast<unsigned>(i);
-        packet.flags[i] = 0;
+        packet.flags[i] = static_cast<unsigned>(backs);
     }
 }
 
@@ -125,7 +143,7 @@ using QueryFlags = RTCIntersectContextFlags;
 }  // namespace
 
 Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                         const std::vector<uint8_t>& translucent, OpacityFunction opacity)
+                         std::span<const Sieve> sieves, OpacityFunction opacity)
     : impl_(std::make_unique<Impl>()) {
     impl_->opacity = std::move(opacity);
     impl_->device = rtcNewDevice(nullptr);
@@ -136,22 +154,24 @@ Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangl
     rtcSetSceneFlags(impl_->scene, RTC_SCENE_FLAG_ROBUST);
     rtcSetSceneBuildQuality(impl_->scene, RTC_BUILD_QUALITY_MEDIUM);
     for (uint32_t i = 0; i < triangles.size(); ++i) {
-        const int kind = translucent[i] ? 1 : 0;
+        const unsigned kind = Impl::kind_of(sieves[i]);
         impl_->to_triangle[kind].push_back(i);
         impl_->indices[kind].push_back(triangles[i]);
     }
-    for (unsigned id : {0u, 1u}) add_geometry(*impl_, vertices, id);
+    for (unsigned id = 0; id < Impl::kinds; ++id) add_geometry(*impl_, vertices, id);
     rtcCommitScene(impl_->scene);
     require(rtcGetDeviceError(impl_->device) == RTC_ERROR_NONE, "the ray tracer (Embree) could not build its tree");
 }
 
 Intersector::~Intersector() = default;
 
-void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
+bool Intersector::culls_backs() const { return !impl_->indices[2].empty() || !impl_->indices[3].empty(); }
+
+void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence, Backs backs) const {
     const QueryFlags flags = coherence == Coherence::camera ? coherent : incoherent;
     alignas(32) RTCRayHit8 packet{};
     alignas(32) int valid[8];
-    prepare(packet.ray, valid);
+    prepare(packet.ray, valid, backs);
     for (size_t begin = 0; begin < rays.size(); begin += 8) {
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
         fill(packet.ray, some, valid);
@@ -167,10 +187,10 @@ void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Cohe
     }
 }
 
-void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out) const {
+void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out, Backs backs) const {
     alignas(32) RTCRay8 packet{};
     alignas(32) int valid[8];
-    prepare(packet, valid);
+    prepare(packet, valid, backs);
     for (size_t begin = 0; begin < rays.size(); begin += 8) {
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
         fill(packet, some, valid);

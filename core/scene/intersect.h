@@ -3,6 +3,11 @@
 
 // Rays against triangles, in batches. Straight-through opacity is decided here, so that masked leaves are invisible to
 // whoever asks: a candidate hit counts with probability `opacity`, drawn from a hash of the ray and the hit.
+//
+// So are culled backs: single-sided surfaces of glTF are not there for rays that come from behind [glTF 2.0, 3.9.6]. A ray
+// runs the way one looks: from eyes, and from points towards what lights them. All estimates of radiance and irradiance
+// rest on such rays, shadow rays included, so that they agree: what is seen is what lights. Who follows light the other
+// way has to ask whether where it arrives sees where it came from.
 
 #pragma once
 
@@ -22,23 +27,36 @@ using OpacityFunction = std::function<float(uint32_t triangle, float u, float v)
 
 enum class Coherence { none, camera };
 
+/// Whether rays pass through culled backs, or meet them.
+enum class Backs : uint8_t { culled, met };
+
+/// What rays have to ask of a triangle before they meet it.
+struct Sieve {
+    bool translucent = false;  // its opacity
+    bool back_culled = false;  // from which side they come
+};
+
 class Intersector {
   public:
     struct Triangle {
         uint32_t v[3];
     };
 
-    /// `translucent[i]` says that triangle i needs `opacity`. The arrays are borrowed and must outlive this object;
-    /// `vertices` must own one element more than it shows (wide loads read past the last).
-    Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                const std::vector<uint8_t>& translucent, OpacityFunction opacity);
+    /// `sieves[i]` is of triangle i. `vertices` is borrowed, must outlive this object, and must own one element more than
+    /// it shows (wide loads read past the last).
+    Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const Sieve> sieves,
+                OpacityFunction opacity);
     ~Intersector();
     Intersector(const Intersector&) = delete;
 
     /// Closest hit of each ray. Rays are taken eight at a time in order, so results depend on a batch's order only.
-    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence = Coherence::none) const;
+    void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence = Coherence::none,
+                   Backs backs = Backs::culled) const;
     /// out[i] = 1 where anything lies between t_min and t_max.
-    void occluded(std::span<const Ray> rays, std::span<uint8_t> out) const;
+    void occluded(std::span<const Ray> rays, std::span<uint8_t> out, Backs backs = Backs::culled) const;
+
+    /// Whether any triangle's back is culled.
+    bool culls_backs() const;
 
     struct Impl;
 

@@ -78,7 +78,7 @@ Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceC
     using enum MaterialKind;
     const Material* m = &materials[index];
     if (from_behind && m->two_sided && m->back >= 0) m = &materials[m->back];
-    if (from_behind && !m->two_sided && !m->transmits) return {};
+    if (from_behind && m->has_no_back()) return {};
     const Reader read(*m, at);
     switch (m->kind) {
         case diffuse: return make_diffuse(read.base_color(parameter(diffuse, "reflectance")));

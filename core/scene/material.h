@@ -69,7 +69,8 @@ struct Material {
     MaterialKind kind = MaterialKind::diffuse;
     std::vector<Value> parameters;  // in the order of `parameter_names(kind)`
     bool two_sided = true;
-    int back = -1;  // with two_sided, the material of the other side; −1: the same
+    int back = -1;             // with two_sided, the material of the other side; −1: the same
+    bool back_culled = false;  // without two_sided, rays pass through the back
     int children[2] = {-1, -1};
     bool beckmann = false;
     bool nonlinear = false;
@@ -88,6 +89,11 @@ struct Material {
     bool refracts = false;   // inside and outside differ, so its frame is never turned towards the viewer
     PlasticTable coat;       // plastic only
     int lobes = 1;           // that a point of it may need, at most
+
+    /// Nothing is seen of it from behind.
+    bool has_no_back() const { return !two_sided && !transmits; }
+    /// Rays that come from behind pass through.
+    bool culls_back() const { return back_culled && has_no_back(); }
 
     /// Its lobes depend on directions in the tangent plane.
     bool anisotropic() const {

@@ -56,7 +56,7 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     low_ = Vec3{infinity, infinity, infinity};
     high_ = -low_;
     std::vector<Intersector::Triangle> triangles;
-    std::vector<uint8_t> translucent;
+    std::vector<Sieve> sieves;
     for (size_t i = 0; i < arrays_.size(); ++i) {
         MeshArrays& m = arrays_[i];
         check(m, i, materials_.size());
@@ -64,12 +64,13 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
         mesh_.push_back({m.material, first, &m});
         vertices_.insert(vertices_.end(), m.positions.begin(), m.positions.end());
         const Material& material = materials_[m.material];
-        const bool sees_through = !material.opacity.is_constant() || material.opacity.constant.r < 1 ||
-                                  (material.vertex_colors && !m.colors.empty());
+        const Sieve sieve{!material.opacity.is_constant() || material.opacity.constant.r < 1 ||
+                              (material.vertex_colors && !m.colors.empty()),
+                          material.culls_back()};
         for (const auto& t : m.triangles) {
             triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
             faces_.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}, static_cast<uint32_t>(i)});
-            translucent.push_back(sees_through);
+            sieves.push_back(sieve);
             for (int k = 0; k < 3; ++k) {
                 low_ = min(low_, m.positions[t.v[k]]);
                 high_ = max(high_, m.positions[t.v[k]]);
@@ -79,9 +80,9 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     }
     if (faces_.empty()) low_ = high_ = {};
     vertices_.reserve(vertices_.size() + 1);  // wide loads read past the last
-    intersector_ = std::make_unique<Intersector>(
-        vertices_, triangles, translucent,
-        [this](uint32_t t, float u, float v) { return opacity_at(material_of(t), coordinates(t, u, v)); });
+    intersector_ = std::make_unique<Intersector>(vertices_, triangles, sieves, [this](uint32_t t, float u, float v) {
+        return opacity_at(material_of(t), coordinates(t, u, v));
+    });
 }
 
 Vec2 Geometry::uv(uint32_t triangle, int corner, int set) const {

@@ -42,7 +42,7 @@ class Geometry {
     /// Whether nothing is seen of it from behind.
     bool has_no_back(uint32_t triangle) const {
         const Material& m = material_of(triangle);
-        return !m.two_sided && !m.transmits;
+        return m.has_no_back();
     }
     Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[faces_[triangle].v[corner]]; }
     Vec2 uv(uint32_t triangle, int corner, int set) const;

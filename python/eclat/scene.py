@@ -148,6 +148,10 @@ class Material:
     """Reflects on both sides; else its back is black (dielectrics and transmission always act on both)."""
     back: Material | None = None
     """With `two_sided`, another material for the back."""
+    back_culled: bool = False
+    """Without `two_sided`, its back is not black but not there: rays that come from behind pass through. So are
+    single-sided materials of glTF [glTF 2.0 specification, section 3.9.6, Double Sided]. What one sees is what lights:
+    eyes see through a culled back, and light comes to a point through one just where the point sees through it."""
     distribution: Literal["ggx", "beckmann"] = "ggx"
     nonlinear: bool = False
     """plastic: colour shifts by internal scattering."""

@@ -5,7 +5,9 @@
 //              are not symmetric: photons need the adjoint of what radiance does
 //
 // Departures   A path scatters by its diffuse or by its glossy lobes, chosen by their albedo, so that each photon is
-//              either a caustic one or not, whatever the material.
+//              either a caustic one or not, whatever the material. Culled backs are not there for those who look
+//              (scene/intersect.h), so photons, which run against looks, end at backs and pass through fronts, which they
+//              light as well.
 // Held to      tests/core/methods/photon_map/test_trace_photons.cpp, tests/methods/test_photon_map.py
 
 #include "methods/photon_map/trace_photons.h"
@@ -28,6 +30,8 @@ struct State {
     uint32_t emission;  // its number in the block
     float pdf;          // of its emission, with respect to a uniform one
     bool scattered_diffusely = false;
+    int passed = 0;        // edges that ended where it passed through a surface, which are none of its path
+    bool passing = false;  // its ray starts at such a place
 };
 
 class Tracer {
@@ -40,8 +44,9 @@ class Tracer {
             world_, emit(range), Coherence::none, Span::part, progress_,
             [&](int edges, std::span<State> states, std::span<const Vertex> vertices, Paths<State>& next) {
                 edges_ = edges;
+                look_back(states, vertices);
                 store(states, vertices);
-                if (options_.max_edges < 0 || edges < options_.max_edges) scatter_all(states, vertices, next);
+                scatter_all(states, vertices, next);
             },
             [](Paths<State>&) {});
     }
@@ -79,8 +84,27 @@ class Tracer {
         return photon.origin + n * (dot(n, photon.direction) >= 0 ? offset : -offset);
     }
 
+    int edges(const State& s) const { return edges_ - s.passed; }
+
+    /// Finds which photons met culled backs on their way: where they arrived does not see where they came from.
+    void look_back(std::span<const State> states, std::span<const Vertex> vertices) {
+        ended_.assign(vertices.size(), 0);
+        const Intersector& rays = world_.geometry.rays();
+        if (!rays.culls_backs()) return;
+        looks_.clear();
+        for (size_t i = 0; i < states.size(); ++i) {
+            const Vertex& v = vertices[i];
+            // A surface that was passed is not met from behind, but the front of another sheet that lies on it is.
+            const float reach =
+                states[i].passing ? v.hit.t / shadow_shortening + 2 * v.point.offset : v.hit.t * shadow_shortening;
+            looks_.push_back(v.missed() ? Ray{{}, 0, {0, 0, 1}, 0} : v.point.ray(v.wo, reach));
+        }
+        rays.occluded(looks_, ended_);
+        progress_.count_rays(looks_.size());
+    }
+
     bool wanted(const State& s) const {
-        if (edges_ == 1) return options_.stored.direct;
+        if (edges(s) == 1) return options_.stored.direct;
         return s.scattered_diffusely ? options_.stored.indirect : options_.stored.caustic;
     }
 
@@ -88,18 +112,27 @@ class Tracer {
     void store(std::span<const State> states, std::span<const Vertex> vertices) {
         for (size_t i = 0; i < states.size(); ++i) {
             const Vertex& v = vertices[i];
-            if (v.missed() || !v.point.bsdf.has(LobeSet::diffuse) || !wanted(states[i])) continue;
+            if (v.missed() || ended_[i] || !v.point.bsdf.has(LobeSet::diffuse) || !wanted(states[i])) continue;
             const Vec3 normal = v.point.normal;
             const Vec3 n = dot(normal, v.wo) >= 0 ? normal : -normal;
-            photons.push_back({v.point.position, states[i].power, v.wo, n, static_cast<float>(edges_)});
+            photons.push_back({v.point.position, states[i].power, v.wo, n, static_cast<float>(edges(states[i]))});
             emitted[states[i].emission].value += luminance(states[i].power) * states[i].pdf;
         }
     }
 
     void scatter_all(std::span<State> states, std::span<const Vertex> vertices, Paths<State>& next) const {
         for (size_t i = 0; i < states.size(); ++i) {
+            const Vertex& v = vertices[i];
+            if (v.missed() || ended_[i]) continue;
+            if (world_.geometry.material_of(v.hit.triangle).culls_back()) {
+                State through = states[i];
+                ++through.passed;
+                through.passing = true;
+                next.push(through, v.point.ray(-v.wo));
+            }
             Ray ray;
-            if (!vertices[i].missed() && scatter_photon(states[i], vertices[i], ray)) next.push(states[i], ray);
+            const bool may_go_on = options_.max_edges < 0 || edges(states[i]) < options_.max_edges;
+            if (may_go_on && scatter_photon(states[i], v, ray)) next.push(states[i], ray);
         }
     }
 
@@ -130,10 +163,11 @@ class Tracer {
         const Color power = s.power * sample.weight * (adjoint / p);
         // Unlike paths from the eye, photons keep equal powers: roulette at each vertex takes what the surface absorbs.
         float survival = std::min(1.0f, max_component(power) / max_component(s.power));
-        if (edges_ >= roulette_after::photon_edges) survival = std::min(survival, largest_survival);
+        if (edges(s) >= roulette_after::photon_edges) survival = std::min(survival, largest_survival);
         if (!(u_roulette < survival)) return false;
         s.power = power * (1 / survival);
         s.scattered_diffusely |= diffusely;
+        s.passing = false;
         ray = point.ray(to->direction);
         return true;
     }
@@ -143,6 +177,8 @@ class Tracer {
     Stream stream_;
     Progress& progress_;
     int edges_ = 0;  // of all paths under way
+    std::vector<Ray> looks_;
+    std::vector<uint8_t> ended_;  // of each vertex
 };
 
 /// `f(tracer, b)` for each block b of paths, once it is traced.

@@ -164,7 +164,8 @@ class Refiner {
 
     void trace(Decided& out) {
         hidden_.resize(rays_.size());
-        world_.geometry.rays().occluded(rays_, hidden_);
+        // Light is exchanged both ways, so the backs of sheets, culled or not, are in the way.
+        world_.geometry.rays().occluded(rays_, hidden_, Backs::met);
         progress_.count_rays(rays_.size());
         for (size_t i = 0; i < asked_.size(); ++i) {
             Asked& asked = asked_[i];

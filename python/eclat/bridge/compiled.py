@@ -167,6 +167,7 @@ class _Compiler:
         for name in names:
             out.set(name, self.value(given.get(name, DEFAULTS[name])))
         out.two_sided = material.two_sided
+        out.back_culled = material.back_culled
         out.back = -1 if material.back is None else self.material(material.back)
         out.children = [self.material(child) for child in material.children] or [-1, -1]
         out.beckmann = material.distribution == "beckmann"
@@ -182,7 +183,8 @@ class _Compiler:
             out.normal_scale = material.normal_map.scale
         out.emits = material.emission is not None and any(c > 0 for c in material.emission.constant)
         out.emission = self.value(material.emission or grey(0.0))
-        out.emission_two_sided = material.emission_two_sided
+        # What is not there from behind does not shine there.
+        out.emission_two_sided = material.emission_two_sided and (material.two_sided or not material.back_culled)
         return out
 
 

@@ -49,6 +49,8 @@ class Materials:
             json |= extras(two_sided=True, emission_two_sided=emits_twice)
         elif material.two_sided:
             json["doubleSided"] = True
+        elif not material.back_culled:
+            json |= extras(black_back=True)
         if not json["extensions"]:
             del json["extensions"]
         return json

@@ -118,7 +118,8 @@ def _in_place_of(old: Material, name: str, given: Mapping[str, Any] | Material, 
 
 def _on_sides_of(old: Material, new: Material) -> Material:
     sides = new.two_sided or old.two_sided
-    return replace(new, two_sided=sides, children=tuple(_on_sides_of(old, child) for child in new.children))
+    children = tuple(_on_sides_of(old, child) for child in new.children)
+    return replace(new, two_sided=sides, back_culled=old.back_culled, children=children)
 
 
 def _base_colour(material: Material) -> Value | None:

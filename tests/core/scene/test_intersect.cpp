@@ -22,7 +22,7 @@ namespace {
 struct Soup {
     std::vector<Vec3> vertices;  // one more than is shown
     std::vector<Intersector::Triangle> triangles;
-    std::vector<uint8_t> translucent;
+    std::vector<Sieve> sieves;
 
     std::span<const Vec3> shown() const { return std::span(vertices).first(vertices.size() - 1); }
 };
@@ -40,7 +40,7 @@ Soup soup(int count) {
         for (int k = 0; k < 3; ++k) s.vertices.push_back(center + (in_cube(rng) - Vec3{0.5f, 0.5f, 0.5f}) * 0.3f);
         const auto v = static_cast<uint32_t>(3 * i);
         s.triangles.push_back({{v, v + 1, v + 2}});
-        s.translucent.push_back(0);
+        s.sieves.emplace_back();
     }
     s.vertices.push_back({});
     return s;
@@ -83,7 +83,7 @@ std::vector<Ray> random_rays(int count, float t_max) {
 
 TEST_CASE("closest hits and occlusion are those of a loop over all triangles") {
     const Soup s = soup(200);
-    const Intersector rays_in(s.shown(), s.triangles, s.translucent, {});
+    const Intersector rays_in(s.shown(), s.triangles, s.sieves, {});
     for (float t_max : {infinity, 0.2f})
         for (Coherence coherence : {Coherence::none, Coherence::camera}) {
             const auto rays = random_rays(1003, t_max);  // the last packet is not full
@@ -117,8 +117,8 @@ TEST_CASE("a translucent triangle stops that part of rays that its opacity says"
             for (float y : {0.0f, 1.0f}) s.vertices.push_back({x, y, z});
     s.vertices.push_back({});
     s.triangles = {{{0, 1, 2}}, {{1, 3, 2}}, {{4, 5, 6}}, {{5, 7, 6}}};
-    s.translucent = {1, 1, 0, 0};
-    const Intersector rays_in(s.shown(), s.triangles, s.translucent,
+    s.sieves = {{.translucent = true}, {.translucent = true}, {}, {}};
+    const Intersector rays_in(s.shown(), s.triangles, s.sieves,
                               [](uint32_t triangle, float, float) { return triangle == 0 ? 0.3f : 1.0f; });
     Rng rng(33, 2);
     std::vector<Ray> rays;
@@ -142,5 +142,38 @@ TEST_CASE("a translucent triangle stops that part of rays that its opacity says"
     for (size_t i = 0; i < 100; ++i) {
         rays_in.intersect(std::span(rays).subspan(i, 1), std::span(&again, 1));
         CHECK(again.triangle == hits[i].triangle);
+    }
+}
+
+TEST_CASE("rays pass through culled backs, alone and where they are translucent, unless they ask for them") {
+    const Soup plain = soup(200);
+    Soup s = plain;
+    for (size_t i = 0; i < s.sieves.size(); ++i) s.sieves[i] = {.translucent = i % 4 == 0, .back_culled = i % 2 == 0};
+    const Intersector rays_in(s.shown(), s.triangles, s.sieves, [](uint32_t, float, float) { return 1.0f; });
+    CHECK(rays_in.culls_backs());
+    CHECK_FALSE(Intersector(plain.shown(), plain.triangles, plain.sieves, {}).culls_backs());
+    const auto rays = random_rays(1003, infinity);
+    for (const Backs backs : {Backs::culled, Backs::met}) {
+        std::vector<Hit> hits(rays.size());
+        std::vector<uint8_t> occluded(rays.size());
+        rays_in.intersect(rays, hits, Coherence::none, backs);
+        rays_in.occluded(rays, occluded, backs);
+        int passed = 0;
+        for (size_t i = 0; i < rays.size(); ++i) {
+            double nearest = infinity;
+            uint32_t which = no_triangle;
+            for (uint32_t k = 0; k < s.triangles.size(); ++k) {
+                const auto& v = s.triangles[k].v;
+                const Vec3 a = s.vertices[v[0]], normal = cross(s.vertices[v[1]] - a, s.vertices[v[2]] - a);
+                const auto m = meet(s, s.triangles[k], rays[i]);
+                if (!m) continue;
+                const bool culled = s.sieves[k].back_culled && dot(normal, rays[i].direction) > 0;
+                passed += culled;
+                if ((backs == Backs::met || !culled) && m->t < nearest) nearest = m->t, which = k;
+            }
+            CHECK(hits[i].triangle == which);
+            CHECK(bool(occluded[i]) == (which != no_triangle));
+        }
+        CHECK(passed > 100);
     }
 }

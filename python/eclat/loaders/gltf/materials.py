@@ -57,7 +57,10 @@ class Materials:
         if note is not None and note.flag("two_sided"):
             # Of a sheet that we wrote as two: its back is skipped.
             both_sides, emits_twice = True, note.flag("emission_two_sided")
-        material = Material(name=name, two_sided=both_sides, opacity=opacity, alpha_cutoff=cutoff)
+        black = note is not None and note.flag("black_back")
+        material = Material(
+            name=name, two_sided=both_sides, back_culled=not (both_sides or black), opacity=opacity, alpha_cutoff=cutoff
+        )
         if element.extension("KHR_materials_unlit") is not None:
             if vertex_colors:
                 warn(f"{element.where}: vertex colours of unlit materials are not supported and ignored")
@@ -66,7 +69,7 @@ class Materials:
                 kind="diffuse",
                 parameters={"reflectance": grey(0.0)},
                 emission=self._base_color(pbr, factor),
-                emission_two_sided=True,
+                emission_two_sided=emits_twice,
             )
         return replace(
             material,

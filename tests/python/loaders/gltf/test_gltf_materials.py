@@ -146,13 +146,14 @@ def test_texture_transform_scales_before_it_turns(tmp_path: Path) -> None:
     np.testing.assert_allclose([apply(value, 1, 0), apply(value, 0, 1)], [(0, -2), (3, 0)], atol=1e-12)
 
 
-def test_unlit_shines_on_both_sides(tmp_path: Path) -> None:
+@pytest.mark.parametrize("both", [False, True])
+def test_unlit_shines_on_the_sides_that_are_seen(both: bool, tmp_path: Path) -> None:
     pbr = {"baseColorFactor": [0.5, 0.6, 0.7, 1]}
-    unlit = {"pbrMetallicRoughness": pbr, "extensions": {"KHR_materials_unlit": {}}}
+    unlit = {"pbrMetallicRoughness": pbr, "extensions": {"KHR_materials_unlit": {}}, "doubleSided": both}
     material = load(GltfFile(), tmp_path, unlit)
     assert material.kind == "diffuse" and material.parameters["reflectance"].constant == (0, 0, 0)
     assert material.emission is not None and material.emission.constant == (0.5, 0.6, 0.7)
-    assert material.emission_two_sided
+    assert material.emission_two_sided == material.two_sided == both and material.back_culled != both
 
 
 def test_ior_specular_and_transmission(tmp_path: Path) -> None:
