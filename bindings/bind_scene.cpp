@@ -130,7 +130,7 @@ auto first_hits(const CoreScene& scene, Points origins, Points directions, int t
             std::vector<Ray> rays;
             for (size_t i = begin; i < end; ++i) rays.push_back({o[i], 0, d[i], infinity});
             std::vector<Hit> hits(rays.size());
-            scene.geometry->rays().intersect(rays, hits, Coherence::none, Backs::met);
+            scene.geometry->meet_with_backs(rays, hits);
             for (size_t i = begin; i < end; ++i)
                 triangles[i] = static_cast<int32_t>(hits[i - begin].triangle);  // -1 for no_triangle
         });

@@ -41,7 +41,7 @@ size_t count_backs(const World& world, std::span<const PathRay> rays, std::span<
     std::vector<Ray> looks;
     for (const PathRay& ray : rays) looks.push_back(ray.ray);
     std::vector<Hit> hits(looks.size());
-    world.geometry.rays().intersect(looks, hits, Coherence::none, Backs::met);
+    world.geometry.meet_with_backs(looks, hits);
     progress.count_rays(looks.size());
     size_t behind = 0;
     for (size_t i = 0; i < hits.size(); ++i)

@@ -85,6 +85,15 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     });
 }
 
+void Geometry::meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits) const {
+    intersector_->intersect(rays, hits);
+    if (!intersector_->culls_backs()) return;
+    std::vector<Hit> with_backs(rays.size());
+    intersector_->intersect(rays, with_backs, Coherence::none, Backs::met);
+    for (size_t i = 0; i < rays.size(); ++i)
+        if (with_backs[i].t < hits[i].t * shadow_shortening) hits[i] = with_backs[i];
+}
+
 Vec2 Geometry::uv(uint32_t triangle, int corner, int set) const {
     const Mesh& mesh = mesh_[faces_[triangle].mesh];
     const auto& uvs = set == 0 ? mesh.arrays->uvs : mesh.arrays->uvs2;

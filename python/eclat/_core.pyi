@@ -52,6 +52,10 @@ class Material:
     @two_sided.setter
     def two_sided(self, arg: bool, /) -> None: ...
     @property
+    def back_culled(self) -> bool: ...
+    @back_culled.setter
+    def back_culled(self, arg: bool, /) -> None: ...
+    @property
     def back(self) -> int: ...
     @back.setter
     def back(self, arg: int, /) -> None: ...
@@ -201,7 +205,7 @@ class Scene:
         threads: int,
     ) -> NDArray[numpy.int32]:
         """
-        The triangle that each ray meets first, counted over all meshes, and -1 for none.
+        The triangle that each ray meets first, culled backs included, counted over all meshes, and -1 for none.
         """
 
 class Progress:

@@ -109,18 +109,24 @@ TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is 
     // The room seen from outside: its walls face inwards.
     const Room room = furnace(0.5f, 1);
     Progress progress;
-    const auto enclosed = [&](bool two_sided, bool seen = false) {
+    const auto enclosed = [&](bool two_sided, bool seen = false, bool culled = false, bool lined = false) {
         std::vector<MeshArrays> meshes(1);
         meshes[0].positions = {{-1, -1, -1}, {1, -1, -1}, {1, 1, -1}, {-1, 1, -1},
                                {-1, -1, 1},  {1, -1, 1},  {1, 1, 1},  {-1, 1, 1}};
         // A block, its faces outwards.
         meshes[0].triangles = {{{0, 2, 1}}, {{0, 3, 2}}, {{4, 5, 6}}, {{4, 6, 7}}, {{0, 1, 5}}, {{0, 5, 4}},
                                {{3, 7, 6}}, {{3, 6, 2}}, {{0, 4, 7}}, {{0, 7, 3}}, {{1, 2, 6}}, {{1, 6, 5}}};
+        if (lined)
+            for (int i = 0; i < 12; ++i) {
+                const auto [a, b, c] = meshes[0].triangles[i].v;
+                meshes[0].triangles.push_back({{a, c, b}});
+            }
         Material m = diffuse(0.5f, 0);
         m.two_sided = two_sided;
+        m.back_culled = culled;
         const Geometry geometry(std::move(meshes), {m}, {});
         const Lights lights{LightInputs{}};
-        const std::vector<uint32_t> emitters(12, not_emitting);
+        const std::vector<uint32_t> emitters(24, not_emitting);
         const World world{geometry, lights, emitters};
         std::vector<Candidate> inside{candidate({0.2f, -0.5f, 0.1f}, {0, 1, 0}, 1)};
         inside[0].seen = seen;
@@ -129,6 +135,9 @@ TEST_CASE("most rays that meet backs of one-sided surfaces tell that a point is 
     CHECK(enclosed(false));
     CHECK_FALSE(enclosed(true));
     CHECK_FALSE(enclosed(false, true));
+    // Rays pass through culled backs, and yet they bound a solid; not where fronts line them inside, as in a room.
+    CHECK(enclosed(false, false, true));
+    CHECK_FALSE(enclosed(false, false, true, true));
     CHECK(gather_records(room.world(), on_the_floor(1), {}, coarse(), stream, 8, progress)[0].enclosed == 0);
 }
 
