@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb bake: light maps, which hold the irradiance of all surfaces for viewers that compute none."""
+"""The verb bake: light maps, which hold the irradiance of all surfaces for viewers that cannot compute it."""
 
 from __future__ import annotations
 
@@ -60,27 +60,28 @@ def bake(
     threads: int | None = None,
     progress: ProgressReport | None = None,
 ) -> Lightmap:
-    """The light map of `scene`: irradiance on all its surfaces, one texel beside the other.
+    """The light map of `scene`: an image of the irradiance on all its surfaces.
 
     Parameters
     ----------
-    what : how light is computed, as for `eclat.irradiance`; irradiance caching where None.
+    what : how light is computed, as for `eclat.irradiance`; None is irradiance caching.
     component : "total", or "direct" or "indirect" light alone. With "indirect" the saved file keeps its lights, and a
         viewer adds their light itself.
-    texel_size : metres a texel; where None such that the map has about a quarter of a million texels.
-    sides : "auto" gives both sides of two-sided sheets their own texels, but not the inside of solids; "front" shows the
-        front's light on both sides; "both" gives two to all that is two-sided.
-    samples : of the lights, and paths of `Path`, per texel, shared by its points.
-    supersampling : points along a texel's side: 2 means four a texel, whose mean it holds.
-    max_error : relative error of indirect light that None aims at.
+    texel_size : the side of a texel in metres. None chooses it so that the map has about a quarter of a million texels.
+    sides : "auto" gives both sides of two-sided sheets their own texels, but not the inside of solids; "front" shows
+        the front's light on both sides; "both" gives each side of every two-sided surface its own texels.
+    samples : samples of the lights per texel, and paths per texel with `Path`, divided among the texel's points.
+    supersampling : number of points along a texel's side. With 2, a texel holds the mean of four points.
+    max_error : wanted relative error of the indirect light if `what` is None.
     gutter : texels between charts beyond those that bilinear filtering reads: 2, or 2ⁿ for viewers that read n levels
         of a mip map.
     max_size : largest width and height of the map in texels.
-    charts_timeout : seconds after which xatlas is given up and flat pieces of surfaces become charts; 0 does not try it.
+    charts_timeout : seconds after which xatlas is stopped and flat pieces of surfaces become charts; 0 skips xatlas.
 
     Raises
     ------
-    EclatError : a scene without surfaces, a map larger than `max_size`, arguments out of range; before work starts.
+    EclatError : the scene has no surfaces, the map would be larger than `max_size`, or arguments are out of range. It
+        is raised before the work starts.
 
     Examples
     --------
@@ -109,7 +110,7 @@ def bake(
     points = sample_points(corners, texels, supersampling)
     gathered = gather(scene, source, points, in_the_open(scene, solid, points, settings), settings)
     image = _image(texels, corners, atlas, gathered, gutter)
-    # One texel, and what filtering reads around it, stays black for all that is dark.
+    # All dark surfaces share one black texel with the texels that filtering reads around it.
     image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
     return Lightmap(
         scene=scene,
@@ -146,7 +147,7 @@ def _check_map(sides: str, supersampling: int, gutter: int, max_size: int) -> No
 
 
 def _lit_area(scene: Scene, lit: list[Side]) -> float:
-    """Square metres of what gets texels. Raises EclatError where there is no surface; warns of what is left out."""
+    """The area in m² of the surfaces that get texels. Raises EclatError if there are none; warns of normal maps."""
     if not sum(areas(side.part.mesh).sum() for side in lit) > 0:
         raise EclatError(f"{scene.name or 'the scene'}: has no surfaces to bake light on")
     if any(mesh.material.normal_map is not None for mesh in scene.meshes):
@@ -155,7 +156,7 @@ def _lit_area(scene: Scene, lit: list[Side]) -> float:
 
 
 def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: Gathered, gutter: int) -> FloatArray:
-    """(H, W, 3): what was gathered, fitted; texels that nobody sees take the mean of their neighbours."""
+    """The fitted irradiance of the map, shape (H, W, 3). Texels that nobody sees take the mean of their neighbours."""
     seen = gathered.seen
     numbers = np.full((atlas.height, atlas.width), -1, np.int64)
     numbers[texels.rows[seen], texels.columns[seen]] = np.arange(int(seen.sum()))
@@ -172,7 +173,7 @@ def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: Gathered, g
 
 
 def _parts(sides: list[Side], atlas: Atlas, size: tuple[int, int]) -> tuple[Part, ...]:
-    """The parts with a vertex for each chart it belongs to, and its place in the map, (0, 0) to (1, 1)."""
+    """The parts with their vertices split at chart borders, and light map coordinates from (0, 0) to (1, 1)."""
     black = np.array([1.5, size[1] - BLACK_ROWS / 2])
     found = []
     for side, unwrapped in zip(sides, atlas.meshes, strict=True):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Methods beside the truth: each rendered at several levels of effort, each picture measured against one reference."""
+"""The verb compare: it renders a scene by several methods and measures each picture against a reference."""
 
 from __future__ import annotations
 
@@ -38,8 +38,8 @@ REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
 class Effort:
     """How hard the methods try, and at how many levels.
 
-    At the last level with all of it; each level before has a quarter of the samples (or seconds), photons and patches, and
-    twice the error, so that noise and bias are to halve from level to level.
+    The last level uses the full effort. Each earlier level has a quarter of the samples (or seconds), photons and
+    patches of the next one, and twice its error, so noise and bias should halve from level to level.
     """
 
     levels: int = 4
@@ -81,7 +81,7 @@ class Measurement:
 
 @dataclass(frozen=True, eq=False)
 class MethodResult:
-    """A method: measurements of all levels, picture and maps of the last."""
+    """The results of one method: measurements at all levels, and the picture and maps of the last level."""
 
     method: str
     measurements: tuple[Measurement, ...]
@@ -92,21 +92,22 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Two independent pictures of the truth (the same one twice where there is only one)."""
+    """Two independent reference pictures. If only one is given, it stands for both."""
 
     a: Image
     b: Image
 
     @property
     def image(self) -> Image:
-        """Their mean."""
+        """The mean of the two pictures."""
         half = np.float32(0.5)
         layers = {name: half * (a + self.b.layers[name]) for name, a in self.a.layers.items() if name in self.b.layers}
         return Image(half * (self.a.pixels + self.b.pixels), layers, self.a.metadata)
 
     @property
     def noise(self) -> float | None:
-        """Relative error of the mean, from the difference of the two; None for a single one."""
+        """The relative error of the mean, estimated from the difference of the two pictures; None if there is only
+        one."""
         if self.a is self.b:
             return None
         half = (self.a.pixels.astype(np.float64) - self.b.pixels) / 2
@@ -116,7 +117,7 @@ class Reference:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """All that the page shows."""
+    """Everything that the comparison page shows."""
 
     scene: str
     reference: Reference
@@ -125,7 +126,7 @@ class Comparison:
     """Stops at which pictures are shown and FLIP is measured."""
 
     def table(self) -> list[dict[str, Any]]:
-        """One row a measurement, as JSON can hold it."""
+        """One JSON-compatible row for each measurement."""
         names = [f.name for f in fields(Measurement)]
         return [{name: getattr(m, name) for name in names} for r in self.results for m in r.measurements]
 
@@ -150,10 +151,13 @@ def compare(
     Parameters
     ----------
     methods : methods, their classes or their names; default all of `METHODS`.
-    effort : levels and their samples, errors or seconds.
-    reference : default two path-traced pictures of `reference_samples` paths per pixel each.
-    exposure : stops; default such that the reference's log-average becomes mid grey (`auto_exposure`).
-    size : (width, height); default the camera's, scaled down to `LONGER_SIDE` pixels, or the reference's.
+    effort : the number of levels, and their samples, errors or seconds.
+    reference : the reference pictures. The default is two path-traced pictures with `reference_samples` paths per pixel
+        each.
+    exposure : exposure in stops. By default the log-average luminance of the reference becomes mid grey
+        (`auto_exposure`).
+    size : (width, height) in pixels. The default is the size of the reference, or the camera's scaled down to
+        `LONGER_SIDE`.
 
     Raises
     ------
@@ -199,7 +203,7 @@ def render_reference(
 
 
 def auto_exposure(image: Image) -> float:
-    """Stops that take the log-average luminance to mid grey (0.18), to the nearest half stop.
+    """The exposure that makes the log-average luminance mid grey (0.18), rounded to half a stop.
 
     Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2; black pixels, which
     have no logarithm, are left out.
@@ -247,7 +251,7 @@ def _known(methods: Sequence[str | Method | type[Method]] | None) -> list[Method
 
 
 def _levels(method: Method, effort: Effort) -> list[tuple[Method, dict[str, Any]]]:
-    """Options and other arguments of `render`, level by level; levels that would be the same are one."""
+    """The options and other arguments of `render` for each level. Identical levels are merged."""
     levels: list[tuple[Method, dict[str, Any]]] = []
     for level in range(effort.levels):
         bounds, max_error = effort.at(level)
@@ -258,7 +262,7 @@ def _levels(method: Method, effort: Effort) -> list[tuple[Method, dict[str, Any]
 
 
 def _labelled(progress: ProgressReport | None, label: str) -> ProgressReport | None:
-    """Reports under a name that says which of the many renderings it is."""
+    """Report progress under a name that identifies the current rendering."""
     if progress is None:
         return None
     report = progress

@@ -41,7 +41,7 @@ PATHS_OF_POINT = 8192
 
 
 def paths_for_few(count: int, max_error: float) -> int | None:
-    """Paths per point where fewer rays gather all points by paths than records would take; None where records pay.
+    """The number of paths per point if paths to all points take fewer rays than records would; otherwise None.
 
     The rule counts rays, so that the choice is the same on every machine: records first need their far records, which
     cost the same for one point as for thousands.
@@ -73,8 +73,9 @@ def irradiance(
     Parameters
     ----------
     points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
-    what : a method, its class or its name, what was solved before, or None: irradiance caching, or paths where the points are
-        so few that these take fewer rays (`paths_for_few`). A class or a name takes `max_error`, where the method has one.
+    what : a method, its class or its name, a solution, or None. None is irradiance caching, or paths if the points are
+        so few that paths take fewer rays (`paths_for_few`). A class or a name takes `max_error`, where the method has
+        one.
 
         ====================  ==================================================================================
         `Solution`            indirect light is read from its records; a point that none of them serves is
@@ -90,8 +91,8 @@ def irradiance(
 
     component : "direct" is what arrives straight from lights, the environment and suns included; "indirect" the rest;
         the same for every method.
-    max_error : relative error of indirect light that None aims at.
-    samples : of the lights, and paths of `Path`, per point.
+    max_error : wanted relative error of the indirect light if `what` is None.
+    samples : samples of the lights per point, and paths per point with `Path`.
     max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. What was solved must have been solved
         with the same.
     statistics : a dict that is filled with `points`, `served` (by records) and `gathered` (both only where a cache
@@ -99,7 +100,8 @@ def irradiance(
 
     Raises
     ------
-    EclatError : arrays that do not fit or are not finite, what was solved for another scene or depth, arguments out of range.
+    EclatError : arrays do not fit or are not finite, a solution is for another scene or depth, or arguments are out of
+        range.
 
     Examples
     --------
@@ -119,7 +121,7 @@ def irradiance(
     source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
     source.require_match(scene, max_depth)
     if not asks_for_indirect(component, max_depth):
-        source = Direct()  # what arrives straight from lights is the same for every method
+        source = Direct()  # Light that arrives straight from lights is the same for every method.
     elif what is None and (paths := paths_for_few(len(places.positions), max_error)) is not None:
         source, samples = Path(), max(samples, paths)
         counts["paths"] = float(samples)
@@ -145,12 +147,12 @@ def irradiance(
 
 
 def asks_for_indirect(component: Component, max_depth: int) -> bool:
-    """Whether there is more to find than light straight from lights."""
+    """Whether indirect light is wanted too, not only light straight from lights."""
     return component != "direct" and (max_depth < 0 or max_depth > 2)
 
 
 def checked_component(component: str) -> None:
-    """Raises EclatError for an unknown component of light."""
+    """Raise EclatError for an unknown component of light."""
     known = get_args(Component)
     if component not in known:
         raise EclatError(

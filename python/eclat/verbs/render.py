@@ -67,45 +67,47 @@ def render(
     progress: ProgressReport | None = None,
     tile_order: list[int] | None = None,
 ) -> Image:
-    """A picture of the scene.
+    """Render a picture of the scene.
 
     Parameters
     ----------
-    scene : or the name of a file or of a built-in one. What it lacks, a camera or light, is made up with a warning, as on
-        the command line; so it is for the other verbs.
+    scene : a scene, or the name of a file or of a built-in scene. If it has no camera or no light, one is added with a
+        warning, as on the command line. The other verbs do the same.
     what : a method, its class or its name (prepared on the fly), what was solved before, or None for irradiance caching.
         A class or a name takes `max_error`, where the method has one.
-    samples : paths per pixel, where `adaptive` their mean. None: as many as `max_error` asks for.
+    samples : paths per pixel; the mean over all pixels if `adaptive`. None takes as many as `max_error` needs.
     max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
         samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
-        error of the whole picture: what their own error, as `check` estimates it, leaves is the noise's, at least half.
-    time : stop after about this many seconds instead. What fits is chosen by the clock (`time_budget`): how fine records
-        are, and how many samples; the metadata hold both, and with them the same picture is made again, bit for bit.
+        error of the whole picture. Noise may then take what the estimated error of the records leaves of it, and at
+        least half.
+    time : stop after about this many seconds instead. The clock then decides how fine the records are and how many
+        samples are taken (`time_budget`). The metadata hold both choices, which reproduce the picture bit for bit.
     size, crop : (width, height), and (x0, y0, x1, y1) in pixels, exclusive; the rest of the picture stays black.
-    max_depth : edges of a path: 1 emission, 2 direct light, −1 unlimited. What was solved must have been solved with
-        the same.
-    filter : of pixels, "box" or "tent".
-    adaptive : give pixels that are noisy more samples and others less (`adaptive_sampling`), so that `samples` is their
-        mean. None: where a cache is read and there is no `crop`, whose pixels are then those of the whole picture, bit
-        for bit. Choosing by what samples showed biases the picture a little, so that `Path` does it only when told to.
-    keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then a whole Image of fewer
-        samples, their number in its metadata as `samples_done`; absent before the first sample of each pixel.
-    check : where records are solved on the fly, estimate their error as `solve` does. The statistics of the picture
-        then hold `estimated_error` with `_low` and `_high` (95 %) of the whole picture, the noise of its samples
-        included where there are at least two, and `cache_error`, without it.
-    refine : where records are solved on the fly, go on until their estimated error meets their `max_error`.
-    tile_order : a permutation in which tiles are worked on; it changes nothing (tests use it to show that).
+    max_depth : edges of a path: 1 emission, 2 direct light, −1 unlimited. A solution must have been solved with the
+        same value.
+    filter : the pixel filter, "box" or "tent".
+    adaptive : give noisy pixels more samples and the others fewer (`adaptive_sampling`); `samples` is then the mean.
+        None turns this on if a cache is read and there is no `crop`. Adaptive sampling biases the picture a little, so
+        `Path` uses it only on request.
+    keep_partial : on Ctrl-C, give the KeyboardInterrupt an attribute `partial`: an Image of the samples taken so far,
+        whose metadata hold their number as `samples_done`. The attribute is absent until every pixel has a sample.
+    check : if records are solved on the fly, estimate their error as `solve` does. The statistics of the picture then
+        hold `estimated_error` with `_low` and `_high` (95 %) of the whole picture, and `cache_error`, the error of the
+        records alone. The first includes the noise of the samples if there are at least two.
+    refine : if records are solved on the fly, refine them until their estimated error meets their `max_error`.
+    tile_order : the order in which tiles are rendered, as a permutation. It does not change the picture, as tests
+        check.
 
     Returns
     -------
-    Image with the layers direct, indirect, albedo, normal and depth, with records also record_density, and under radiance
-    caching gloss_cached and gloss_traced: in which share of a pixel's samples the glossy lobes that it sees were served by
-    records, and in which some had to be traced. Samples that were not finite are left out, told by a warning, and counted
-    in its metadata as `bad_samples`.
+    Image with the layers direct, indirect, albedo, normal and depth, and with records also record_density. Radiance
+    caching adds gloss_cached and gloss_traced: the shares of a pixel's samples in which records served all visible
+    glossy lobes, and in which some lobes were traced. Samples that are not finite are left out with a warning; the
+    metadata count them as `bad_samples`.
 
     Raises
     ------
-    EclatError : arguments out of range, an unknown method, what was solved for another scene or depth.
+    EclatError : arguments are out of range, the method is unknown, or a solution is for another scene or depth.
 
     Examples
     --------
@@ -130,7 +132,7 @@ def render(
     if refine and source.options.for_whole_scene:
         raise EclatError(f"refine: expected a method with records, got {source.options.name}")
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
-    # What was given may have been checked for another view.
+    # A given solution may have been checked for another view.
     estimate = None if prepared is source else prepared.estimate
     if estimate is not None:
         goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
@@ -168,7 +170,7 @@ def _checked_filter(name: str) -> _core.Filter:
 
 
 class _SampleTaker:
-    """Adds samples to a film, by the estimator of all of them or by one for each."""
+    """Add samples to a film, with one estimator for all samples or one for each."""
 
     def __init__(
         self,
@@ -186,7 +188,7 @@ class _SampleTaker:
             self._estimator = prepared.radiance_estimator(scene, work)
 
     def samples(self, first: Counts, end: Counts, report: ProgressReport | None) -> float:
-        """Takes samples [first, end) of each pixel or of all; returns the rays that took."""
+        """Take samples [first, end) of each pixel or of all pixels; return the number of rays traced."""
         counted = _core.Progress()
         run("render", lambda p: self._take(first, end, p), report, counted)
         return float(counted.rays)
@@ -203,7 +205,7 @@ class _SampleTaker:
 
 @dataclass(frozen=True, eq=False)
 class _Picture:
-    """What a picture shows and how it was asked for."""
+    """What a picture shows, and the settings it was requested with."""
 
     scene: Scene
     prepared: Prepared
@@ -217,7 +219,7 @@ class _Picture:
 
     @contextmanager
     def kept(self, sampling: Sampling) -> Iterator[None]:
-        """Lets KeyboardInterrupt carry the picture of the samples that are done, where that is wanted."""
+        """Attach the picture of the finished samples to a KeyboardInterrupt, if the caller wants it."""
         try:
             yield
         except KeyboardInterrupt as stop:
@@ -228,7 +230,7 @@ class _Picture:
             raise
 
     def image(self, film: _core.Film, sampling: Sampling, taken: int) -> Image:
-        """The film's picture after so many samples, with its layers and metadata."""
+        """The film's picture after the given number of samples, with its layers and metadata."""
         radiance, direct = film.radiance, film.direct
         layers = {
             "direct": direct, "indirect": radiance - direct,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb solve: what a method learns about a scene, as a value."""
+"""The verb solve: it computes the part of a method's work that can be kept and used again."""
 
 from __future__ import annotations
 
@@ -107,40 +107,40 @@ def solve(
     refine: bool = False,
     progress: ProgressReport | None = None,
 ) -> Solved:
-    """Compute what a method learns about a scene, to be kept and read by `render`, `irradiance` and `bake`.
+    """Solve a scene by a method; `render`, `irradiance` and `bake` can read the solution.
 
-    Records of irradiance and radiance caching are made for a view (the default), for points, or for all surfaces. Photons
-    and radiosity are for the whole scene, so that of the following only `max_depth`, `seed`, `threads` and `progress` apply.
+    Records of irradiance and radiance caching are made for a view (the default), for points, or for all surfaces.
+    Photons and radiosity are solved for the whole scene, so only `max_depth`, `seed`, `threads` and `progress` apply to
+    them.
 
     Parameters
     ----------
     what : a method, its class or its name; None is irradiance caching.
-    camera, size : the view, and its (width, height) in pixels; records are spaced by projected pixels. Default: the
-        scene's first camera and that camera's size.
-    points : positions and normals, (N, 3) each, instead of a view. They need not lie on a surface; each gets a record
-        unless another one serves it.
-    view_independent : records for all diffuse surfaces instead of a view, on each side that reflects, and under radiance
-        caching on all glossy ones, for views from any direction. Without a
-        view a pixel of `options` is a thousandth of the scene's diameter.
+    camera, size : the view, and its (width, height) in pixels, which determine the spacing of records. The defaults are
+        the scene's first camera and that camera's size.
+    points : positions and normals, (N, 3) each, instead of a view. The points need not lie on a surface. Each point
+        gets a record unless another record serves it.
+    view_independent : make records on all diffuse surfaces instead of for a view, on each side that reflects. Radiance
+        caching also makes records on all glossy surfaces, for all view directions. Lengths in pixels in the options are
+        then in thousandths of the scene's diameter.
     max_depth : edges of a path: 2 direct light only, −1 unlimited.
-    keep_partial : Ctrl-C still raises KeyboardInterrupt, but its attribute `partial` is then the Solution of the
-        passes that were finished, for a view, points or everywhere alike, marked incomplete; absent as long as there
-        are far records only, which the first passes make.
-    check : estimate the error of the records where they are wanted, by path-traced gathers that never end in a cache.
-        It takes up to `CHECK_SHARE` of the solve's rays, and says in the statistics `estimated_error` with
-        `estimated_error_low` and `_high` (95 %), the measure of `metrics.relative_rmse` over all pixels of the view,
-        over the points, or over all surfaces; of the light that records answer for, in units of all light there. In a
-        view that is gloss from records of radiance too; on all surfaces it is irradiance alone, which is said beside it.
-    refine : solve again with finer settings until the estimate and its margin meet the `max_error` of the options, or a
-        step would take more than `laws.MOST_RAYS`, which is said in a warning. The statistics then hold the number of
-        `refinements`; rays and seconds are those of all.
+    keep_partial : on Ctrl-C, give the KeyboardInterrupt an attribute `partial`: the Solution of the finished passes,
+        marked incomplete. The attribute is absent while there are only far records, which the first passes make.
+    check : estimate the error of the records by path-traced gathers that never end in a cache. This takes up to
+        `CHECK_SHARE` of the solve's rays. The statistics then hold `estimated_error` with `estimated_error_low` and
+        `_high` (95 %). The measure is that of `metrics.relative_rmse` over all pixels of the view, over the points, or
+        over all surfaces: the error of the light that records provide, relative to all light there. For a view this
+        includes gloss from records of radiance. For all surfaces it covers irradiance alone, and the statistics say so.
+    refine : solve again with finer settings until the estimate and its margin meet the `max_error` of the options. It
+        stops with a warning before a step that would take more than `laws.MOST_RAYS`. The statistics then hold the
+        number of `refinements`, and the rays and seconds of all solves together.
 
-    Same arguments, same bits, whatever `threads`.
+    The same arguments give the same bits for any number of `threads`.
 
     Raises
     ------
-    EclatError : a method that has nothing to solve, arguments out of range, arrays that do not fit or are not finite, more
-        than one of view, points and view_independent.
+    EclatError : the method has nothing to solve, arguments are out of range, arrays do not fit or are not finite, or
+        more than one of view, points and view_independent is given.
 
     Examples
     --------
@@ -180,21 +180,21 @@ def refine(
     check: bool = True,
     progress: ProgressReport | None = None,
 ) -> Solved:
-    """Go on from a Solution with finer settings: towards the exact light, the more often it is called.
+    """Solve again with finer settings than those of a Solution. Repeated calls approach the exact light.
 
-    Every setting that the error depends on is made finer (`laws.finer`), that of records and that of the far records
-    in which their gathers end, and records are gathered anew with more rays: none of the old noise stays.
+    Every setting that the error depends on becomes finer (`laws.finer`), for records and for the far records in which
+    their gathers end. All records are gathered anew with more rays, so none of the old noise stays.
 
     Parameters
     ----------
-    max_error : go on until the estimated error with its margin meets it, as `solve` does with `refine`; None: one step,
-        to half the error.
-    keep_partial, check : as in `solve`; a solve that goes on towards `max_error` cannot do without its check.
+    max_error : refine until the estimated error and its margin meet this value, as `solve` does with `refine`. None
+        takes one step, to half the error.
+    keep_partial, check : as in `solve`. Refinement towards a `max_error` needs the check.
     camera, size, points, view_independent : what the Solution was solved for, as in `solve`.
 
     Raises
     ------
-    EclatError : a Solution of another scene; else as `solve`.
+    EclatError : the Solution is for another scene, or for the same reasons as in `solve`.
     """
     scene = staged(scene)
     solution.require_match(scene, solution.max_depth)
@@ -221,7 +221,7 @@ def purpose_of(
     points: tuple[FloatArray, FloatArray] | None = None,
     view_independent: bool = False,
 ) -> Purpose:
-    """For what a scene is solved, by the arguments of `solve`. Raises EclatError where they contradict each other."""
+    """The purpose that the arguments of `solve` describe. Raises EclatError if they contradict each other."""
     if (camera is not None or size is not None) + (points is not None) + view_independent > 1:
         raise EclatError("solve: expected one of camera (with size), points and view_independent, got several")
     if points is not None:
