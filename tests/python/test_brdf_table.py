@@ -191,7 +191,7 @@ def test_lookups_that_do_not_fit_are_refused() -> None:
     table = brdf_table("lambert", keep=False)
     with pytest.raises(EclatError, match=r"shape \(N, 3\)"):
         table.lookup([0.0, 0.0, 1.0])
-    with pytest.raises(EclatError, match="table over roughness only"):
+    with pytest.raises(EclatError, match="tables over roughness, and for no others"):
         table.lookup([[0.0, 0.0, 1.0]], 0.3)
     assert table.lookup([[0.0, 0.0, -1.0]]).orders[0] == 0
 

@@ -50,7 +50,7 @@ def test_parents_and_absolute_paths_where_they_are_allowed(tmp_path: Path) -> No
 def test_a_path_of_another_machine_falls_back_to_the_name_with_a_warning(tmp_path: Path) -> None:
     make(tmp_path, "wood.png")
     with pytest.warns(
-        EclatWarning, match="x: 'C:/Maps/wood.png' not found; the file of that name in the scene's folder"
+        EclatWarning, match="x: 'C:/Maps/wood.png' does not exist; the file of that name in the scene's folder"
     ):
         assert resolve(tmp_path, "C:\\Maps\\wood.png", where="x", allow_parent=True) == tmp_path / "wood.png"
 
