@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The methods: ways to compute light. The table of all that there are; each is a module of this folder."""
+"""The methods, which are ways to compute light. Each is a module of this folder; this module lists them all."""
 
 from __future__ import annotations
 

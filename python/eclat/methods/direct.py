@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Direct light: what arrives straight from lights."""
+"""The method direct, which computes only light that arrives straight from lights."""
 
 from __future__ import annotations
 

@@ -21,7 +21,8 @@ IrradianceFunction = Callable[[FloatArray, FloatArray, str], FloatArray]
 
 
 def radiance_from(scene: Scene, function: RadianceFunction) -> _core.Estimator:
-    """A function as an estimator of radiance along camera rays. It is called for some hundred rays at a time."""
+    """Make an estimator of radiance along camera rays from a function, which is called for some hundred rays at a
+    time."""
     prepared = compiled(scene)
 
     def called(origins: np.ndarray, directions: np.ndarray, numbers: np.ndarray) -> np.ndarray:
@@ -35,7 +36,7 @@ def radiance_from(scene: Scene, function: RadianceFunction) -> _core.Estimator:
 
 
 def irradiance_from(scene: Scene, function: IrradianceFunction) -> _core.PointEstimator:
-    """A function as an estimator of irradiance at points. It is called once, for all of them."""
+    """Make an estimator of irradiance from a function, which is called once for all points."""
     center = compiled(scene).center
 
     def called(positions: np.ndarray, normals: np.ndarray, component: _core.Component) -> np.ndarray:

@@ -19,9 +19,10 @@ from eclat.scene import Scene
 
 @dataclass(frozen=True)
 class IrradianceCache(RecordOptions):
-    """Irradiance caching: diffuse indirect light from records, the rest traced.
+    """Irradiance caching: diffuse indirect light comes from records, and the rest is traced.
 
-    `max_error` steers the spacing and the rays of records, near and far; the other fields are None for "what max_error asks for".
+    `max_error` determines the spacing and the rays of near and far records. A field that is None takes the value that
+    follows from `max_error`.
     """
 
     name: ClassVar[str] = "irradiance-cache"

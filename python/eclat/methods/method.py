@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a method of light is, and what it prepares for a scene: all that the verbs know of any of them.
+"""The interface of all methods, and of what they prepare for a scene. The verbs know nothing else of a method.
 
 A method is a value: its options. It *prepares* a scene for a purpose, and what it prepared gives estimators: of radiance
-along camera rays, and of irradiance at points. What can be kept in a file beside is `Solved`. A new method is a class of
-its own beside its solved class, and one `register`.
+along camera rays, and of irradiance at points. What can also be kept in a file is a `Solved`. A new method needs its
+own class, its solved class if it has one, and a call of `register`.
 """
 
 from __future__ import annotations
@@ -41,49 +41,49 @@ class Prepared(ABC):
     statistics: dict[str, float]
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        """Itself, once it is known to be of this scene and depth, so that verbs take methods and solved values alike."""
+        """This value itself, after a check of scene and depth, so that verbs take methods and solutions alike."""
         if care is not None and care.refine:
             raise EclatError("refine: expected a method, got what was solved: `eclat.refine` goes on from that")
         self.require_match(scene, work.max_depth)
         return self
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
-        """Raises EclatError where it was prepared for another scene or depth."""
+        """Raise EclatError if it was prepared for another scene or depth."""
         return
 
     @abstractmethod
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
-        """Radiance along camera rays. A function in Python becomes one by `estimators.radiance_from`."""
+        """The estimator of radiance along camera rays. `estimators.radiance_from` makes one from a Python function."""
 
     @abstractmethod
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
-        """Irradiance at points. A function in Python becomes one by `estimators.irradiance_from`."""
+        """The estimator of irradiance at points. `estimators.irradiance_from` makes one from a Python function."""
 
     def passes(self, scene: Scene, work: Work) -> PassEstimator | None:
-        """Estimators of single samples of all pixels, instead of `radiance_estimator`; None where one serves them all."""
+        """One estimator for each sample of all pixels; None if `radiance_estimator` serves all samples."""
         return None
 
     @property
     def estimate(self) -> ErrorEstimate | None:
-        """Its error for the purpose for which it was prepared; None where nobody estimated it."""
+        """The estimated error for the purpose it was prepared for; None if the error was not estimated."""
         return None
 
     @property
     def record_positions(self) -> FloatArray | None:
-        """(N, 3) world positions of its records, to be shown in pictures; None where it has none."""
+        """World positions of the records to show in pictures, shape (N, 3); None if there are no records."""
         return None
 
     def layers(self, film: _core.Film) -> dict[str, np.ndarray]:
-        """Layers of a picture, besides those that all methods have."""
+        """The layers that this method adds to those that all pictures have."""
         return {}
 
     def picture_statistics(self, film: _core.Film) -> dict[str, float]:
-        """What the statistics of a picture say of it."""
+        """The entries that it adds to the statistics of a picture."""
         return {}
 
 
 class Solved(Prepared):
-    """What was learned about a scene, as a value: saved, loaded, merged, described, re-used.
+    """The solution of a scene by a method. It can be saved, loaded, merged, described and used again.
 
     Classes are frozen dataclasses, made with `repr=False` and `eq=False`, that have at least these fields.
     """
@@ -106,28 +106,29 @@ class Solved(Prepared):
 
     @abstractmethod
     def arrays(self) -> dict[str, np.ndarray]:
-        """Name → array, as they are saved."""
+        """The arrays to save, by name."""
 
     def header(self) -> dict[str, Any]:
-        """What is saved besides arrays and the fields that all have, as JSON can hold it."""
+        """The JSON-compatible values to save besides the arrays and the fields that all solutions have."""
         return {}
 
     @classmethod
     @abstractmethod
     def from_parts(cls, common: Common, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Self:
-        """From what was saved. Raises KeyError, TypeError or ValueError, with the name of the array that is damaged."""
+        """Make a solution from saved data. Raises KeyError, TypeError or ValueError with the name of a damaged
+        array."""
 
     def merged(self, other: Self) -> Self:
-        """Both as one; they are known to be of the same scene, options and depth. Raises EclatError where that cannot be."""
+        """Merge two solutions of the same scene, options and depth. Raises EclatError if the method cannot."""
         raise EclatError(f"merge: expected records or photons, got {self.options.name}, whose solutions are whole")
 
     @property
     def nbytes(self) -> int:
-        """Bytes of its arrays."""
+        """The size of the arrays in bytes."""
         return sum(array.nbytes for array in self.arrays().values())
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
-        """Raises EclatError where the scene or the depth is not what was solved; warns where it is incomplete."""
+        """Raise EclatError if it was solved for another scene or depth. Warn if it is incomplete."""
         if self.fingerprint != fingerprint(scene):
             raise EclatError(
                 f"this {self.called} was solved for another scene: geometry, materials or lights differ; solve it again"
@@ -140,7 +141,7 @@ class Solved(Prepared):
             warn(f"this {self.called} is incomplete, since its solve was interrupted: more is traced, with more noise")
 
     def merge(self, other: Solved) -> Solved:
-        """Both as one. Raises EclatError where methods, scenes or options differ."""
+        """Merge two solutions. Raises EclatError if methods, scenes or options differ."""
         if type(self) is not type(other):
             raise EclatError(f"merge: expected two of one kind, got a {self.called} and a {other.called}")
         if self.fingerprint != other.fingerprint:
@@ -150,7 +151,7 @@ class Solved(Prepared):
         return self.merged(other)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write to an `.npz` file, whole or not at all. Raises EclatError where it cannot be written."""
+        """Write an `.npz` file, completely or not at all. Raises EclatError if it cannot be written."""
         header = {
             "format": self.format,
             "method": self.options.name,
@@ -164,14 +165,14 @@ class Solved(Prepared):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], scene: Scene | None = None) -> Self:
-        """Read a saved one; with `scene`, refuse one that was solved for another. Raises EclatError."""
+        """Read a saved solution. Raises EclatError, also if it was solved for another scene than a given `scene`."""
         found = _load(path, scene)
         if not isinstance(found, cls):
             raise EclatError(f"{os.fspath(path)}: expected a {cls.called}, got a {found.called}")
         return found
 
     def describe(self) -> str:
-        """One line for people."""
+        """One line of text that describes the solution."""
         parts = [f"{len(self):,} {self.consists_of}", *self.remarks()]
         if "seconds" in self.statistics:
             parts.append(f"{self.statistics['seconds']:.1f} s")
@@ -180,11 +181,11 @@ class Solved(Prepared):
         return ", ".join(filter(None, (*parts, error_text(self.statistics))))
 
     def remarks(self) -> list[str]:
-        """What `describe` says besides."""
+        """Further text for `describe`."""
         return []
 
     def facts(self) -> dict[str, Any]:
-        """The same for programs, as JSON can hold it."""
+        """The same facts as JSON-compatible values, for programs."""
         return {self.consists_of: len(self), "complete": self.complete, "statistics": dict(self.statistics)}
 
     def picture_statistics(self, film: _core.Film) -> dict[str, float]:
@@ -196,7 +197,7 @@ class Solved(Prepared):
 
 @dataclass(frozen=True)
 class Common:
-    """The fields that all solved values have, as they were saved."""
+    """The fields that all solutions have, as they were saved."""
 
     options: Any
     fingerprint: str
@@ -207,7 +208,7 @@ class Common:
 
 @dataclass(frozen=True)
 class Method(ABC):
-    """A way to compute light, with its options. Every field has a default that needs no touching."""
+    """A way to compute light, with its options. Every field has a default that suits most scenes."""
 
     name: ClassVar[str]
     """On the command line, in files and in tables."""
@@ -223,33 +224,33 @@ class Method(ABC):
 
     @property
     def options(self) -> Method:
-        """Itself, so that verbs take methods and solved values alike."""
+        """This method itself, so that verbs take methods and solutions alike."""
         return self
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
-        """Nothing was solved, so that everything matches."""
+        """Accept every scene and depth, since nothing was solved."""
         return
 
     def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Solved:
-        """What can be kept. Raises EclatError where the method has nothing to solve."""
+        """Compute a solution that can be kept. Raises EclatError if the method has nothing to solve."""
         raise EclatError(f"{self.name} has nothing to solve: expected one of {', '.join(solving_methods())}")
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        """What pictures and points are computed from."""
+        """Prepare what pictures and points are computed from."""
         return self.solve(scene, purpose, work, care)
 
     def refine(
         self, solved: Solved, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None
     ) -> Solved:
-        """What was solved with these options, finer: until its error meets `max_error`, or for None by one step.
+        """Solve again with finer settings, until the error meets `max_error`; None takes one step.
 
-        Raises EclatError where the method cannot.
+        Raises EclatError if the method cannot be refined.
         """
         raise EclatError(f"refine: expected records, got a {solved.called}, which can only be solved anew")
 
     def at_effort(self, share: float, max_error: float) -> Self:
-        """The same method with that share (1 or less) of the effort of these options, or for that error, as it has settings
-        for the one or the other: so that methods are compared at several levels."""
+        """The same method with the given share (1 or less) of its effort, or with the given error, whichever its
+        options express. Comparisons use it for their levels."""
         return self
 
 
@@ -264,7 +265,7 @@ S = TypeVar("S", bound=Solved)
 
 
 def register(method: M) -> M:
-    """Add a method to `METHODS`, and so to all verbs and commands."""
+    """Add a method to `METHODS`, which makes it available in all verbs and commands."""
     METHODS[method.name] = method
     return method
 
@@ -275,7 +276,7 @@ def solving_methods() -> list[str]:
 
 
 def method_class(name: str) -> type[Method]:
-    """The method of that name. Raises EclatError with the nearest name where there is none."""
+    """The method with the given name. Raises EclatError, which suggests the nearest name, if there is none."""
     if name not in METHODS:
         raise EclatError(f"unknown method {name!r}, expected one of {', '.join(METHODS)}{did_you_mean(name, METHODS)}")
     return METHODS[name]
@@ -292,16 +293,16 @@ def make_options(method: str, **settings: object) -> Method:
 
 
 def as_method(what: Source | type[Method] | str | None, default: Method | None = None, **settings: object) -> Source:
-    """What a verb was given, as a method or as what was solved.
+    """Turn the `what` of a verb into a method or a solution.
 
     Parameters
     ----------
-    what : a method; its class or its name, which take those of the `settings` that it has; what was solved; or None.
-    default : for None.
+    what : a method, its class, its name, a solution, or None. A class or a name takes those `settings` that it has.
+    default : the method that None stands for.
 
     Raises
     ------
-    EclatError : an unknown name, or something else.
+    EclatError : the name is unknown, or `what` is nothing of the above.
     """
     if isinstance(what, str):
         what = method_class(what)
@@ -316,7 +317,7 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
 
 
 def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Solved:
-    """What `eclat solve` or `save` wrote, of any method; with `scene`, refused where it was solved for another.
+    """Read a solution of any method that `eclat solve` or `save` wrote.
 
     Raises EclatError.
     """
@@ -324,12 +325,13 @@ def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Sol
 
 
 def merge(first: S, second: S) -> S:
-    """Two solutions of one scene as one: the records of both, sorted, without duplicates, or the photons of both.
+    """Merge two solutions of one scene. The result has the records of both, sorted and without duplicates, or the
+    photons of both.
 
-    Commutative. For records it is not the same as one joint solve; photons are then those of one emission.
+    The order of the two does not matter. Merged photons are equal to those of one emission; merged records differ from
+    those of one joint solve.
 
-    Raises EclatError where methods, scenes or options differ, where both hold the same photons (by their seed), or for
-    radiosity.
+    Raises EclatError if methods, scenes or options differ, if both hold the photons of the same seed, or for radiosity.
     """
     merged = first.merge(second)
     assert isinstance(merged, type(first))
@@ -358,7 +360,8 @@ def _load(path: str | os.PathLike[str], scene: Scene | None) -> Solved:
 
 
 def _common(options: Method, header: Mapping[str, Any]) -> Common:
-    """The fields that all solved values have. Raises KeyError or ValueError, since files can be edited."""
+    """The fields that all solutions have. Raises KeyError or ValueError if the header lacks one or holds a wrong
+    one."""
     for name, kind in (("fingerprint", str), ("max_depth", int), ("complete", bool), ("statistics", dict)):
         if type(header[name]) is not kind:
             raise ValueError(f"{name} is {header[name]!r:.60}")
@@ -367,4 +370,4 @@ def _common(options: Method, header: Mapping[str, Any]) -> Common:
 
 
 class DamagedArrayError(ValueError):
-    """An array of a file, by its name, is absent or not what it should be."""
+    """An array of a file is missing or malformed. The argument is its name."""

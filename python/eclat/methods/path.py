@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Path tracing: unbiased, and so the reference of all others."""
+"""Path tracing, which is unbiased and therefore the reference for all other methods."""
 
 from __future__ import annotations
 

@@ -13,10 +13,11 @@ from eclat.methods.records.options import RadianceOptions
 
 @dataclass(frozen=True)
 class RadianceCache(RadianceOptions, IrradianceCache):
-    """Radiance caching: irradiance caching for diffuse surfaces, and records of light by direction for glossy ones; what is
-    too sharp is traced.
+    """Radiance caching: irradiance caching for diffuse surfaces, and records of light by direction for glossy ones.
+    Sharp reflections are traced.
 
-    Records of radiance are made for views and for all surfaces; for points, which have no lobes, only those of irradiance.
+    Records of radiance are made for views and for all surfaces; for points, which have no lobes, only records of
+    irradiance are made.
     """
 
     name: ClassVar[str] = "radiance-cache"

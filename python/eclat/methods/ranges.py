@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Ranges and names of options, checked when a method is made."""
+"""Checks of the types, ranges and names of options when a method is made."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ _KINDS: dict[type, tuple[type, str]] = {
 
 
 def check_types(method: object) -> None:
-    """Raises EclatError for the first field that is no truth value, whole number or number where its type says so.
+    """Raise EclatError for the first field whose value is not of its type: a truth value, a whole number or a number.
 
-    Numbers of other types, as of NumPy, become Python's, so that they can be saved. Words are `check_names`' task.
+    Numbers of other types, such as NumPy's, become Python numbers, which can be saved. `check_names` checks words.
     """
     types = get_type_hints(type(method))
     for field in dataclasses.fields(method):  # type: ignore[arg-type]
@@ -40,7 +40,7 @@ def check_types(method: object) -> None:
 
 
 def check_range(method: object, name: str, low: float, high: float) -> None:
-    """Raises EclatError where the field `name` is not None and no number from `low` to `high`."""
+    """Raise EclatError if the field `name` is neither None nor a number from `low` to `high`."""
     value = getattr(method, name)
     if value is None:
         return
@@ -49,7 +49,7 @@ def check_range(method: object, name: str, low: float, high: float) -> None:
 
 
 def check_names(method: object, *names: str) -> None:
-    """Raises EclatError where a field is not one of the words of its type, a `Literal`."""
+    """Raise EclatError if a field is not one of the words of its `Literal` type."""
     types = get_type_hints(type(method))
     for name in names:
         value, known = getattr(method, name), get_args(types[name])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What needs no preparation: all light is traced when it is asked for."""
+"""Methods without preparation, which trace all light on request."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ ROULETTE_DEPTH = 5
 
 @dataclass(frozen=True, eq=False)
 class Traced(Prepared):
-    """Paths of a camera and gathers of points, of at most `most_edges`."""
+    """Camera paths and gathers at points, with at most `most_edges` edges."""
 
     options: Method
     most_edges: int = -1

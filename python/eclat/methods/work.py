@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What methods are asked for: the purpose for which a scene is prepared, how, and with how much care."""
+"""The requests to methods: for which purpose a scene is prepared, how, and with how many checks."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from eclat.scene import Camera, FloatArray
 
 @dataclass(frozen=True)
 class Work:
-    """How work on a scene is done, whatever the work is: checked values."""
+    """The settings that all work on a scene shares. Their values are checked."""
 
     max_depth: int = -1
     """Edges of a path: 1 emission, 2 direct light, −1 unlimited."""
@@ -24,7 +24,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Care:
-    """How long a solve goes on, and what is known of its error afterwards."""
+    """Whether the error of a solve is checked and refined, and how long the solve may take."""
 
     check: bool = False
     """Estimate the error."""

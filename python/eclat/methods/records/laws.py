@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How fine records are for a wanted error, and how they become finer: all laws of `max_error`.
+"""The laws by which `max_error` decides how fine records are, and how they become finer.
 
-`core_options` turns `max_error` into numbers, `finer` scales all numbers towards a smaller error, `first_options` are those
-of a cheap solve that is to be refined, and `rays_after` says what a finer solve costs.
+`core_options` turns `max_error` into numbers, `finer` scales all numbers towards a smaller error, `first_options` are
+the options of a cheap solve that will be refined, and `rays_after` says what a finer solve costs.
 """
 
 from __future__ import annotations
@@ -47,7 +47,7 @@ FIRST_PIXELS = 4.0
 def core_options(
     options: RecordOptions, *, max_depth: int = -1, seed: int = 0, threads: int = 0
 ) -> _core.IrradianceCacheOptions:
-    """The core's options. `max_error` sets what is None.
+    """The core's options. Fields that are None follow from `max_error`.
 
     The error of first-order extrapolation grows with the square of a record's radius, a gather's noise falls with the
     number of its rows. Records are never more than √2 times as far apart as at 1 %: where they are wider than what
@@ -77,7 +77,7 @@ def core_options(
 def core_radiance_options(
     options: RadianceOptions, *, max_depth: int = -1, seed: int = 0, threads: int = 0
 ) -> _core.RadianceCacheOptions:
-    """The core's options; `max_error` sets what is None, by the same laws as in `core_options`."""
+    """The core's options for records of radiance. Fields that are None follow from `max_error` as in `core_options`."""
     out = _core.RadianceCacheOptions()
     out.irradiance = core_options(options, max_depth=max_depth, seed=seed, threads=threads)
     relative = options.max_error / USUAL_ERROR
@@ -89,7 +89,7 @@ def core_radiance_options(
 
 
 def finer(options: Settings, ratio: float) -> Settings:
-    """Options that bring all parts of the error to `ratio` (below 1) of what they are, by numbers that are written out.
+    """Options that scale all parts of the error by `ratio` (below 1). All their numbers are explicit.
 
     Extrapolation errs with the square of a record's radius, and what its lower bound in pixels hides is at least as wide
     as that bound; a gather of M rows, stratified in the plane, errs with M^(-3/2). The same holds for far records, which
@@ -121,18 +121,18 @@ def finer(options: Settings, ratio: float) -> Settings:
 
 
 def step_towards(estimate: ErrorEstimate, max_error: float) -> float:
-    """Ratio of the errors of the next step and this one."""
+    """The error after the next step divided by the error now."""
     wanted = MARGIN * max_error / max(estimate.quoted, 1e-12)
     return min(SMALLEST_STEP, max(LARGEST_STEP, wanted))
 
 
 def rays_after(rays: float, ratio: float) -> float:
-    """Rays of the next step."""
+    """The number of rays of the next step."""
     return float(rays * ratio**-RAYS_EXPONENT)
 
 
 def first_options(options: Settings) -> Settings:
-    """Options of a cheap solve, which tells how long rays take."""
+    """The options of a cheap solve that measures how long rays take."""
     coarse = core_options(replace(options, max_error=0.08, spacing=None, rows=None))
     return replace(
         options,

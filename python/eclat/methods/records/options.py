@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What can be set on records of light, under irradiance caching and radiance caching."""
+"""The options of records of light, which irradiance caching and radiance caching share."""
 
 from __future__ import annotations
 
@@ -16,8 +16,8 @@ from eclat.methods.ranges import check_names, check_range, check_types
 class RecordOptions(Method):
     """Settings of records of irradiance.
 
-    `max_error` steers the spacing and the rays of records, near and far; the other fields are None for "what max_error asks
-    for" (`laws.core_options`).
+    `max_error` determines the spacing and the rays of near and far records. A field that is None takes the value that
+    follows from `max_error` (`laws.core_options`).
     """
 
     for_whole_scene: ClassVar[bool] = False
@@ -26,17 +26,18 @@ class RecordOptions(Method):
     max_error: float = 0.01
     """Wanted relative error of the indirect light, 0.0005..0.5."""
     weight: Literal["tabellion", "ward", "split-sphere"] = "tabellion"
-    """How records are weighted: Tabellion and Lamorlette 2004; Ward's sum of errors, with the same guards against
-    leaks; or, for comparisons, Ward's split sphere as published (1988), without these guards."""
+    """How records are weighted. `tabellion` follows Tabellion and Lamorlette (2004), and `ward` uses Ward's sum of
+    errors with the same guards against leaks. `split-sphere` is the split sphere as Ward published it in 1988, without
+    these guards, for comparisons."""
     metric: Literal["occlusion", "radiometric", "geometric", "minimum", "harmonic"] = "occlusion"
-    """The length that a record's radius is proportional to. Three follow the second derivatives of irradiance:
+    """The length that a record's radius is proportional to. Three choices follow the second derivatives of irradiance:
     `occlusion` counts surfaces that come into view or disappear (Schwarzhaupt et al. 2012), `radiometric` ignores them,
-    `geometric` also takes radiance as constant (Jarosz et al. 2012). The others are the least distance to the surfaces
-    seen, and the harmonic mean of these distances (Ward 1988)."""
+    `geometric` also takes radiance as constant (Jarosz et al. 2012). `minimum` is the least distance to the surfaces
+    seen, and `harmonic` the harmonic mean of these distances (Ward 1988)."""
     balanced: Literal["squared", "absolute"] = "squared"
-    """The error that is the same for all records whose radius follows second derivatives: the sum of its squares over
-    pixels, which gives the least total error for a number of records, or the sum of its absolute values, as in
-    Schwarzhaupt et al. (2012)."""
+    """The measure of error that is made equal for all records whose radius follows second derivatives. `squared` sums
+    squared errors over pixels, which gives the least total error for a number of records; `absolute` sums absolute
+    errors, as in Schwarzhaupt et al. (2012)."""
     spacing: float | None = None
     """Radius of a record divided by the length that `metric` chooses."""
     rows: int | None = None
@@ -90,7 +91,7 @@ class RecordOptions(Method):
 
 @dataclass(frozen=True)
 class RadianceOptions(RecordOptions):
-    """The same, and settings of records of incident radiance."""
+    """Settings of records of irradiance and of records of incident radiance."""
 
     order: int = 8
     """Number of bands of the harmonics that represent light and lobes, 2..12: order² coefficients per colour

@@ -28,7 +28,7 @@ def radiance_tables(
 ) -> _core.RadianceTables:
     """Tables for the lobes of a scene whose parameters do not vary over surfaces, and for all metallic-roughness ones.
 
-    A lobe without a table is traced. Kept as long as the scene lives.
+    A lobe without a table is traced. The tables are kept as long as the scene lives.
     """
     known = _cache.setdefault(scene, {})
     key = options.order, options.gloss_error

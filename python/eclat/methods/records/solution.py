@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Solved records of a scene, as a value: save, load, merge, inspect as arrays, re-use."""
+"""The solved records of a scene, which can be saved, loaded, merged, inspected as arrays and used again."""
 
 from __future__ import annotations
 
@@ -41,7 +41,7 @@ class RadianceRecords:
 
     @staticmethod
     def of(caches: _core.SolvedCaches) -> RadianceRecords:
-        """From what the core solved."""
+        """Make them from a cache of the core."""
         return RadianceRecords(
             np.asarray(caches.radiance_records),
             np.asarray(caches.radiance_values),
@@ -49,11 +49,11 @@ class RadianceRecords:
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """By the names under which they are saved."""
+        """The arrays by the names under which they are saved."""
         return {"radiance": self.records, "radiance_values": self.values, "radiance_gradients": self.gradients}
 
     def damage(self, order: int) -> str | None:
-        """Name of an array that cannot belong to records of that order."""
+        """The name of an array that does not fit records of the given order, or None."""
         stride = -(-(order**2) // 8) * 8
         if _damaged(self.records):
             return "radiance"
@@ -71,8 +71,9 @@ class Solution(Solved):
     """A solved irradiance cache of one scene.
 
     `near` and `far` are (records, floats) float32 arrays in the core's frame; use `positions`, `normals`, `radii`,
-    `irradiance` and the gradients to look inside. `max_depth` is what it was solved with. One that is not `complete`
-    was interrupted: its records are right, but where some are missing, reading takes longer and is noisier.
+    `irradiance` and the gradients to look inside. `max_depth` is the depth it was solved with. A Solution that is not
+    `complete` was interrupted: its records are right, but where records are missing, reading takes longer and is
+    noisier.
     """
 
     called: ClassVar[str] = "cache"
@@ -112,12 +113,12 @@ class Solution(Solved):
 
     @property
     def irradiance(self) -> np.ndarray:
-        """(N, 3) indirect irradiance, W·m⁻², but for `excess`."""
+        """(N, 3) indirect irradiance without `excess`, W·m⁻²."""
         return self._column("irradiance")
 
     @property
     def excess(self) -> np.ndarray:
-        """(N, 3) irradiance from the few rays that brought more than a twentieth each, W·m⁻²: shared by neighbours."""
+        """(N, 3) irradiance in W·m⁻² from the few rays that brought more than a twentieth each; neighbours share it."""
         return self._column("excess")
 
     @property
@@ -127,23 +128,23 @@ class Solution(Solved):
 
     @property
     def enclosed(self) -> np.ndarray:
-        """(N,) whether a record lies inside a solid, unseen, where most rays met backs of one-sided surfaces: never
-        read."""
+        """(N,) whether a record lies inside a solid, where most rays met backs of one-sided surfaces. Such records are
+        never read."""
         return self._column("enclosed")[:, 0] > 0
 
     @property
     def rotation_gradients(self) -> np.ndarray:
-        """(N, 3 channels, 3) gradient for a turn of the normal, W·m⁻² per radian."""
+        """(N, 3 channels, 3) rotation gradient of the irradiance, W·m⁻² per radian."""
         return self._column("rotation_gradients").reshape(-1, 3, 3)
 
     @property
     def translation_gradients(self) -> np.ndarray:
-        """(N, 3 channels, 3) gradient in the tangent plane, W·m⁻³."""
+        """(N, 3 channels, 3) translation gradient of the irradiance in the tangent plane, W·m⁻³."""
         return self._column("translation_gradients").reshape(-1, 3, 3)
 
     @property
     def estimate(self) -> ErrorEstimate | None:
-        """The error of the records where they were wanted, unless that was not checked."""
+        """The estimated error of the records; None if it was not checked."""
         names = ("estimated_error", "estimated_error_low", "estimated_error_high", "unserved")
         if not set(names) <= set(self.statistics):
             return None
@@ -221,7 +222,7 @@ def _damaged(array: np.ndarray) -> bool:
 
 
 def _distinct(rows: np.ndarray) -> np.ndarray:
-    """Indices of unlike rows, in the order of their bytes."""
+    """The indices of distinct rows, in the order of their bytes."""
     if not len(rows):
         return np.arange(0)
     keys = np.ascontiguousarray(rows).view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()

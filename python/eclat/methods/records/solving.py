@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How records are solved: for a view, for points, or for all surfaces; checked, and refined until their error is met."""
+"""How records are solved for a view, for points or for all surfaces, and how they are checked and refined."""
 
 from __future__ import annotations
 
@@ -30,7 +30,7 @@ SURFACE_POINTS = 1 << 14
 
 
 def solve_records(scene: Scene, options: RecordOptions, purpose: Purpose, work: Work, care: Care) -> Solution:
-    """Records for a purpose, checked and refined as `care` says."""
+    """Solve records for a purpose, and check and refine them as `care` says."""
     job = Job(scene, purpose, work, care.keep_partial)
     solution = job.solve(options, CHECK_SHARE_OF_REFINEMENT if care.refine else CHECK_SHARE if care.check else 0.0)
     return job.refined(solution, options.max_error) if care.refine else solution
@@ -39,7 +39,7 @@ def solve_records(scene: Scene, options: RecordOptions, purpose: Purpose, work: 
 def refine_records(
     solution: Solution, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None
 ) -> Solution:
-    """Finer records: until their error meets `max_error`, or for None one step, to half the error."""
+    """Solve finer records until their error meets `max_error`. None takes one step, to half the error."""
     job = Job(scene, purpose, work, care.keep_partial)
     if max_error is None:
         return job.solve(finer(solution.options, 0.5), CHECK_SHARE if care.check else 0.0)
@@ -50,7 +50,7 @@ def refine_records(
 
 @dataclass(frozen=True)
 class Where:
-    """What records are for: how caches are filled for it, and how their error there is estimated."""
+    """The purpose of records, which decides how caches are filled and how their error is estimated."""
 
     fill: Callable[[_core.SolvedCaches, _core.IrradianceCacheOptions, _core.Progress], None]
     """In place; what it has done when it is stopped stays."""
@@ -67,7 +67,7 @@ class Where:
 
 @dataclass(frozen=True, eq=False)
 class Job:
-    """Solves of one scene for one purpose."""
+    """The solves of one scene for one purpose."""
 
     scene: Scene
     purpose: Purpose
@@ -98,7 +98,7 @@ class Job:
         return radiance_tables(self.scene, options, threads=self.work.threads or None, progress=self.work.progress)
 
     def _photons(self, options: RecordOptions) -> tuple[_core.PhotonMaps | None, float]:
-        """For gather rays to end in, if they are to, and the rays that tracing them took."""
+        """The photons that gather rays end in, if any, and the number of rays that tracing them took."""
         if not options.far_photons or self.work.max_depth >= 0:
             return None, 0.0
         if self.scene.environment is not None:
@@ -113,7 +113,7 @@ class Job:
         return maps, photons.statistics["rays"]
 
     def solve(self, options: RecordOptions, check_share: float) -> Solution:
-        """One solve, checked with that share of its rays."""
+        """One solve, whose check may take the given share of its rays."""
         started = clock.perf_counter()
         caches, counted = _core.SolvedCaches(), _core.Progress()
         photons, photon_rays = self._photons(options)
@@ -143,8 +143,9 @@ class Job:
     def checked(
         self, solution: Solution, share: float, caches: _core.SolvedCaches | None = None, max_error: float | None = None
     ) -> Solution:
-        """The same with an estimate of its error in the statistics, by gathers of at most that share of its rays; fewer
-        where it is soon clear on which side of `max_error` (default: that of its options) the error lies."""
+        """The solution with an estimate of its error in the statistics. The gathers for it take at most the given share
+        of the solve's rays, and fewer if it is soon clear whether the error is above `max_error` (default: that of the
+        options)."""
         started, counted, check = clock.perf_counter(), _core.Progress(), _core.ErrorCheck()
         check.rays = int(share * solution.statistics["rays"])
         check.wanted = solution.options.max_error if max_error is None else max_error
@@ -168,7 +169,7 @@ class Job:
         return replace(solution, statistics=statistics)
 
     def refined(self, solution: Solution, max_error: float) -> Solution:
-        """Solves with finer settings until the estimate and its margin meet `max_error`, or it is said why not."""
+        """Solve with finer settings until the estimate and its margin meet `max_error`, or warn why they cannot."""
         refinements, rays, seconds = 0, solution.statistics["rays"], solution.statistics["seconds"]
         while (estimate := solution.estimate) is not None and estimate.high > max_error:
             ratio = laws.step_towards(estimate, max_error)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How much of a given time goes into records: as fine ones as fit, the rest is left to samples of pixels.
+"""How a given time is divided between records, which are as fine as fits, and samples of pixels.
 
 A cheap solve, which looks only at every fourth pixel, tells how many rays a second this scene gets on this machine. A
 second one looks at all pixels, or at as many as there is time for. `laws` then say how fine a third one
@@ -52,7 +52,8 @@ def solve_within(
     total = last.statistics["rays"]
 
     def fitting() -> float:
-        """Rays for which there is time, by those of the last solve; a check takes its part."""
+        """The number of rays that there is time for, by the speed of the last solve and without the share of a
+        check."""
         left = max(0.0, deadline - clock.perf_counter())
         return left * last.statistics["rays"] / max(clock.perf_counter() - begun, 1e-9) / (1 + check_share)
 
@@ -70,7 +71,7 @@ def solve_within(
             covering = replace(last.options, least_pixels=least)
             last = job.solve(covering, 0.0 if finer_fits else check_share)
             total += last.statistics["rays"]
-        # Then all becomes finer.
+        # Then all settings become finer.
         if finer_fits:
             ratio = (last.statistics["rays"] / max(1.0, SHARE_OF_RECORDS * fitting())) ** (1 / RAYS_EXPONENT)
             ratio = min(1.0, max(FINEST_STEP, ratio))
@@ -86,11 +87,11 @@ def solve_within(
 
 
 class _LateError(Exception):
-    """A solve takes longer than there is time."""
+    """Raised if a solve takes longer than the time that is left."""
 
 
 def _until(latest: float, report: ProgressReport | None) -> ProgressReport:
-    """`report`, which stops what it reports of when it is later than that."""
+    """A `report` that also stops the work when the deadline has passed."""
 
     def timely(phase: str, fraction: float, statistics: dict[str, float]) -> None:
         if clock.perf_counter() > latest:
