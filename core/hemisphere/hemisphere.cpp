@@ -1,8 +1,26 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Symbols as in [WardHeckbert92]: M rows in θ, N columns in φ; θ_j− and θ_j+ are the walls of row j, φ_k− the lower wall
-// of column k, u_k the tangent towards the middle of column k, v_k− the tangent at right angles to its wall.
+// What a stratified gather tells beyond irradiance: how it changes when the point turns, and when it moves [WardHeckbert92].
+// Turning changes only the cosines. Moving changes how large the cells look: the wall between two cells belongs to the
+// nearer of both hits, and sweeps over the hemisphere the faster the nearer that is. Where radiance jumps across it, light
+// is gained or lost.
+//
+// Symbol          name here         meaning                                                        unit
+//   M, N          rows, columns     rows in θ, columns in φ                                        1
+//   θ_j−, θ_j+    row_wall()        upper and lower wall of row j, its angles from the zenith      rad
+//   φ_k, φ_k−     phi, wall         middle and lower wall of column k                              rad
+//   u_k           tangent()         tangent towards φ_k
+//   v_k, v_k−     tangent()         tangents towards φ_k + π/2 and φ_k− + π/2
+//   L_jk, r_jk    L(j, k), r(j, k)  radiance in cell (j, k) (W m⁻² sr⁻¹) and distance (m)
+//
+//   E    = π / (M N) Σ L_jk   in cosine rows; otherwise each row is weighted by its projected solid angle
+//   ∇_r E = Σ_k v_k 2 sin(π / N) Σ_j L_jk ∫ sin² θ dθ over row j
+//   ∇_t E = Σ_k [ u_k 2π/N Σ_{j ≥ 1} sin θ_j− cos² θ_j− (L_jk − L_{j−1,k}) / min(r_jk, r_{j−1,k})
+//                + v_k− Σ_j (sin θ_j+ − sin θ_j−) (L_jk − L_{j,k−1}) / min(r_jk, r_{j,k−1}) ]
+//
+// References   [Ward88] irradiance and the harmonic mean, [WardHeckbert92] both gradients, [Tabellion04] the least distance
+// Departures   The exact integrals over rows and columns take the place of tan at the centre of a row.
 // Held to tests/core/hemisphere/test_hemisphere.cpp: exact gradients of a polygon's irradiance.
 
 #include "hemisphere/hemisphere.h"
@@ -58,6 +76,7 @@ Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind) {
 }
 
 float excess_limit(const HemisphereSamples& samples) {
+    // By judgement: a smaller share would blur what records know well, a larger one leaves the splotches of single rays.
     constexpr float largest_share = 0.05f;
     const std::vector<float> weights = row_weights(samples);
     const auto columns = static_cast<size_t>(samples.columns);
@@ -70,7 +89,7 @@ float excess_limit(const HemisphereSamples& samples) {
             sum += std::min(brought, limit);
             lowered = lowered || brought > limit;
         }
-        // The limit falls until it is the stated share of the sum that it leaves.
+        // The limit falls until it is the stated share of the sum that it leaves, within a hundredth.
         const float next = largest_share * sum;
         lowered = (limit == infinity || lowered) && next < 0.99f * limit;
         limit = std::min(limit, next);
@@ -180,6 +199,9 @@ float harmonic_mean_distance(const HemisphereSamples& samples) {
 }
 
 bool stands_apart(Vec3 here, Vec3 direction, Vec3 there) {
+    // A chord's normals differ by 2 × its elevation on a circle; twice that and 5° more are allowed for facets and mapped
+    // normals. All three numbers are judgement: tighter ones take a curved surface for its own obstacle, and records crowd
+    // there; looser ones overlook low steps. Common renderers ignore all hits below 10° instead.
     const float elevation = std::asin(clamp(dot(here, direction), -1, 1));
     if (elevation > 15 * degree) return true;
     return std::acos(clamp(dot(here, there), -1, 1)) > 4 * std::max(elevation, 0.0f) + 5 * degree;

@@ -1,7 +1,18 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to     tests/core/methods/radiance_cache/test_far_end.cpp
+// A gather ray that meets a surface need not go on: a coarse cache of irradiance, or photons, may know how bright that surface
+// is. Only averages over whole hemispheres see these values, so they may be rough. But a short ray sees a large part of
+// its hemisphere from near by, where the roughness would show, as in corners: it reads nothing, and goes on.
+//
+// Symbol     name here     meaning                                                                   unit
+//   κ        relaxation    how much farther than its radius a record is read                         1
+//   t        distance      length of the gather ray                                                  m
+//   R        radius        mean radius of the records that serve the point; read only where t ≥ R    m
+//
+// References   [Christensen99] gather rays that end in irradiance found beforehand
+// Bias         Light that varies within R is blurred in what gather rays see.
+// Held to      tests/core/methods/radiance_cache/test_far_end.cpp
 
 #include "records/far_end.h"
 
@@ -9,7 +20,7 @@ namespace eclat {
 
 CacheOptions far_reading(const CacheOptions& near) {
     CacheOptions far = near;
-    far.relaxation = 1.4f;
+    far.relaxation = 1.4f;  // by judgement: wider blurs light from behind gaps, narrower leaves more rays to go on
     far.rotation_gradient = false;
     return far;
 }

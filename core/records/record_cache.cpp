@@ -1,6 +1,26 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
+// Irradiance between records is a weighted mean of what each record extrapolates to the point [WardHeckbert92],
+//   E(P) = Σ w_i (E_i + (n_i × n) · ∇_r E_i + (P − P_i) · ∇_t E_i + X_i) / Σ w_i ,
+// with X_i the mean over the record's surroundings of what gathers found in excess. Inserting records may shrink others: near
+// neighbours that are closer to obstacles, and neighbours that disagree, tell that a record reaches too far [Krivanek06].
+//
+// Symbol       name here              meaning                                                          unit
+//   P, n       p, shading             the point and its normal
+//   P_i, n_i   position, normal       those of record i
+//   E_i        irradiance             irradiance there, without excess                                 W m⁻²
+//   X_i        shared_excess_         excess, shared with surroundings                                 W m⁻²
+//   ∇_r, ∇_t   rotation, translation  gradients by turning (W m⁻² rad⁻¹) and by moving (W m⁻³)
+//   w_i        weight_of              weight, records/weight.h                                         1
+//   R_i        distance               the length that the radius follows, records/spacing.cpp          m
+//   κ          relaxation             how much farther a record is read than it keeps others away      1
+//
+// References   [WardHeckbert92], [Tabellion04] strict and relaxed tests, [Krivanek06] neighbour clamping, disagreement
+// Departures   Neighbours are clamped in one exact round over all records instead of whenever one is inserted, so that the
+//              order of records does not matter. Extrapolation is bounded.
+// Held to      tests/core/records/test_record_cache.cpp
+
 #include "records/record_cache.h"
 
 #include <algorithm>
@@ -50,6 +70,7 @@ void RecordCache::rebuild(float spacing, int threads) {
 // noise falls with their number. How wide they are depends on the noise of all, never on a record's own: one that met
 // nothing bright knows of no noise.
 void RecordCache::share_excess(int threads) {
+    // Set by judgement: wider surroundings blur bright spots over more of their walls, narrower ones leave splotches.
     constexpr float widest = 4, narrowest = 0.5f;  // in units of a record's radius
     constexpr float noisiest = 0.1f;               // of the irradiance, for which it takes the widest
     const auto& order = tree_.order();
@@ -202,8 +223,9 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shad
         float change = 0;
         if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
         if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
-        // Tuned: a first-order change beyond these factors tells that the record reads too far, not that light does so.
-        // Below, a gradient would take light away until none or less is left; above, it would make a bright spot.
+        // Set by judgement, to the factors that Radiance uses: a first-order change beyond them tells that the record reads
+        // too far, not that light changes so. Tighter ones cut true penumbrae; without them a gradient takes away more light
+        // than there is, or makes a bright spot.
         constexpr float least = 0.05f, most = 20;
         E[c] = clamp(value + change, least * value, most * value);
     }

@@ -1,7 +1,21 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Symbols and references as in methods/irradiance_cache/irradiance_cache.cpp.
+// A cache is filled in passes. Each looks at candidates, finds those that no record serves yet, gathers their records in
+// parallel against the cache as the pass before left it, and inserts them in the order of the candidates: the result does
+// not depend on threads. Far records come first: coarse ones at points that rays from seen points meet, where later gather
+// rays may end. Near records, which pictures read, come after them. What a pass met that was bright is aimed at by the next.
+//
+// Symbol    name here          meaning                                                            unit
+//   M       options.rows       rows of a gather; it has π M² rays                                 1
+//   ν       noise              mean relative noise of the finished records around a candidate     1
+//   ν_0     wanted_noise       noise at which a gather takes just M rows                          1
+//
+// Noise falls with the power 3/4 of the number of rays, as stratified samples in the plane do, so with M^{3/2}. Records keep it
+// as of a gather of the default M. A gather that is to have ν_0 takes M (ν / ν_0)^{2/3} rows; for other M all scales alike.
+//
+// References   [Ward88], [Tabellion04] records are placed by a strict test and read by a relaxed one
+// Held to      tests/core/records/test_record_passes.cpp
 
 #include "records/record_passes.h"
 
@@ -53,7 +67,7 @@ std::vector<IrradianceRecord> remembered(const World& world, std::span<const Gat
 /// Those that no earlier one lies within `distance` of, on the same side. Cells of that width hold the kept ones, so that only
 /// those of neighbouring cells are asked.
 std::vector<Candidate> thinned(std::span<const Candidate> candidates, float distance) {
-    constexpr float same_side = 0.9f;  // cosine, about the angle at which a record's validity ends
+    constexpr float same_side = 0.9f;  // cosine of 26°, by judgement: a record serves 10°, but far ones may be coarser
     std::vector<Candidate> out;
     std::unordered_multimap<uint32_t, uint32_t> cells;
     const auto cell = [&](Vec3 p, int axis) { return static_cast<int64_t>(std::floor(p[axis] / distance)); };
@@ -87,9 +101,11 @@ std::vector<Candidate> thinned(std::span<const Candidate> candidates, float dist
 int rows_for(const Candidate& candidate, const RecordCache& cache, const IrradianceCacheOptions& options) {
     const auto noise = cache.noise_around(candidate.position, candidate.normal);
     if (!noise) return options.rows;
-    constexpr float most_rows = 2;         // four times the rays
-    constexpr float wanted_noise = 0.04f;  // at which a gather takes just the rows that were asked for
-    const float factor = clamp(std::pow(*noise / wanted_noise, 2 / 3.0f), 0.75f, most_rows);
+    // Both bounds and the noise are set by judgement. A lower noise would cost rays everywhere, a higher one leaves splotches;
+    // the bounds keep a gather between about half (0.75²) and four times (2²) of its rays, since noise is itself uncertain.
+    constexpr float fewest_rows = 0.75f, most_rows = 2;
+    constexpr float wanted_noise = 0.04f;
+    const float factor = clamp(std::pow(*noise / wanted_noise, 2 / 3.0f), fewest_rows, most_rows);
     return std::max(2, static_cast<int>(std::lround(static_cast<float>(options.rows) * factor)));
 }
 

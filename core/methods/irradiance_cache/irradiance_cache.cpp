@@ -4,12 +4,19 @@
 // Irradiance caching: indirect light on diffuse surfaces, computed at few points, interpolated between them.
 // Irradiance changes slowly where surfaces are far away, so records may be sparse there and must be dense in corners.
 //
-// References   [Ward88], [WardHeckbert92], [Tabellion04], [Krivanek06], [Schwarzhaupt12]
+// For a picture the candidates are what its pixels see, at first or after mirrors. They are looked at coarse to fine: every 32nd
+// pixel first, then the three points that halve the lattice, until neighbouring candidates are no farther apart than the
+// smallest records reach. Here is only the order of the passes; each step has its own file:
 //
-// Symbol       name here            meaning                                      unit
-//   E_i        record.irradiance    irradiance at record i                       W m⁻²
-//   ℓ_i        record.distance      the length that its radius follows, see records/spacing.cpp   m
-//   M, N       rows, columns        rows and columns of a gather                 1
+//   one gather                  records/gather.cpp, hemisphere/hemisphere.cpp     [Ward88], [WardHeckbert92]
+//   the radius of a record      records/spacing.cpp                               [Schwarzhaupt12]
+//   a pass                      records/record_passes.cpp                         [Tabellion04]
+//   interpolation, clamping     records/record_cache.cpp, records/weight.h        [WardHeckbert92], [Krivanek06]
+//
+// Symbol       name here               meaning                                                     unit
+//   s          step                    lattice constant of a pass: pixels between its candidates   pixel
+//   s_0        coarsest                that of the first pass                                      pixel
+//   R−         options.least_pixels    least radius of a record; the last s is no larger           pixel
 //
 // Departures   Filled in coarse-to-fine passes against a frozen cache instead of on demand, so that it does not depend
 //              on timing. Gather rays end in a second, coarse cache of far points wherever that is not too near.
@@ -26,7 +33,9 @@ namespace eclat {
 
 namespace {
 
-constexpr float coarsest = 32;  // pixels between the candidates of the first pass
+// Pixels between the candidates of the first pass, by judgement: the power of two just below the largest radius of a record (40
+// pixels by default). A wider first pass would find few records, a narrower one places wide records on each other.
+constexpr float coarsest = 32;
 
 /// Pixel centres, or places between them, of one class of a lattice: the three finer points of each cell of `2 · step`, or
 /// all of the first. `step`: a power of two.
@@ -77,7 +86,9 @@ uint64_t camera_passes(const IrradianceCacheOptions& options, int sweeps) {
 
 void solve_far_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
                           RecordSolve& solve, Progress& progress) {
-    constexpr int far_sources = 16;  // pixels between the points from which the far cache is found
+    // Pixels between the points from which the far cache is found, by judgement: a picture of 512 × 512 has 1024 of them, so
+    // that 8000 rays leave evenly from all it sees. Closer ones only cost rays from the camera.
+    constexpr int far_sources = 16;
     solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
               solve, progress);
 }

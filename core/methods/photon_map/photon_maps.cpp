@@ -1,6 +1,27 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
+// What photon mapping reads [Jensen01]: two maps of photons, and irradiance that is found once from both. A photon that was
+// scattered diffusely on its way lies in the global map, one that met glossy lobes only lies in the caustic map, so that
+// irradiance is the sum of what the two tell. To estimate the density of a hundred photons wherever a gather ray ends is
+// dear. So it is done beforehand at places that photons reach, and a gather ray reads the nearest of these [Christensen99].
+//
+// Symbol    name here            meaning                                                          unit
+//   E       Record::irradiance   irradiance at a place: the sum of the estimates from both maps   W m⁻²
+//   r       Record::radius       radius of the disc of the global estimate there                  m
+//   n       photons              photons in a map                                                 1
+//   k       nearest              photons that an estimate asks for                                1
+//   A       area                 area of all surfaces                                             m²
+//
+// If all n photons were spread evenly, a disc of radius r would hold n π r² / A of them. The largest radius of an estimate
+// is that at which this is k, r = √(A k / (π n)).
+//
+// References   [Jensen01], [Christensen99]
+// Departures   The places are those of other photons than the maps hold, see docs/algorithms/photon_map.md. A place is read
+//              only where the point sees it. A gather ray shorter than r reads nothing, since the blur would be seen.
+// Bias         Photons are blurred over the disc, and irradiance is constant around each place.
+// Held to      tests/methods/test_photon_map.py
+
 #include "methods/photon_map/photon_maps.h"
 
 #include "base/parallel.h"
@@ -32,7 +53,7 @@ const IrradianceMap::Record* IrradianceMap::nearest(const World& world, const De
 }
 
 void PhotonMaps::precompute(const World& world, std::span<const Photon> places, int threads, Progress& progress) {
-    constexpr size_t block = 256;
+    constexpr size_t block = 256;  // places between two looks at Ctrl-C, set by judgement; results do not depend on it
     std::vector<IrradianceMap::Record> records(places.size());
     progress.begin((places.size() + block - 1) / block);
     parallel_blocks(places.size(), block, threads, [&](size_t begin, size_t end) {

@@ -1,7 +1,21 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Radiance caching, for a view or for all surfaces.
+// Radiance caching, for a view or for all surfaces: indirect light on glossy surfaces from few records [Krivanek05]. A record
+// holds the radiance that arrives at its place as coefficients of harmonics, and how they change along the surface. What a
+// lobe reflects is then a product of two short lists of numbers: those of the light, and those of the lobe. Light is smooth
+// enough for that where the lobe is wide; narrow lobes are traced.
+//
+// Symbol     name here                 meaning                                                           unit
+//   n        options.order             order of the expansion, n² coefficients                           1
+//   λ, ∇λ    coefficients, gradients   those of the radiance at a record and how they change             W m⁻² sr⁻¹, W m⁻³ sr⁻¹
+//   f        factors                   coefficients of lobe times cosine for one direction of view       1
+//   R        records[i].radius         radius of a record; spacing · distance before it is bounded       m
+//
+//   L_o = Σ_i w_i f · (λ_i + (P − P_i) · ∇λ_i) / Σ_i w_i   (records/radiance_record_cache.cpp)
+//
+// This file finds the places: glossy points that no record serves, coarse to fine as in irradiance caching. Where a bound made
+// a radius larger than spacing · distance, ∇λ is reduced by their ratio, or it would reach farther than it is known.
 //
 // References   [Krivanek05], [Gautron04], [Krivanek06]; docs/algorithms/radiance_cache.md
 //
@@ -62,7 +76,8 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
         });
 }
 
-/// The narrowest lobe that may be cached, of views from four heights and two sides; false where there is none.
+/// The narrowest lobe that may be cached, of views from four heights and two sides; false where there is none. The heights
+/// are judgement; at views flatter than 0.25 few lobes can be cached.
 bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFactors& out) {
     ReflectedFactors factors;
     out.order = 0;
