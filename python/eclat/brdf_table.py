@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reflection as coefficients: f · cosθ_i of a lobe in harmonics over wi, tabulated over wo, kept on disk once computed.
+"""Reflection as coefficients: f · cosθ_i of a lobe in harmonics over wi, tabulated over wo. Tables are kept on disk.
 
-The reflected radiance under light with coefficients λ is their dot product. What the tables lose:
-docs/algorithms/radiance_cache.md.
+The reflected radiance under light with coefficients λ is their dot product. docs/algorithms/radiance_cache.md says how
+accurate the tables are.
 """
 
 from __future__ import annotations
@@ -106,22 +106,25 @@ def brdf_table(
     threads: int | None = None,
     progress: ProgressReport | None = None,
 ) -> BrdfTable:
-    """The coefficients of a white lobe over all view directions; a second or so the first time, then from disk.
+    """The coefficients of a white lobe over all view directions. They are computed once, in about a second, and then
+    read from disk.
 
     Parameters
     ----------
     kind : "lambert"; "phong" with `exponent`; "ward", "ggx" or "beckmann" with `alpha`, one number or those along u and
         v; "metallic-roughness" for GGX as in glTF with all roughnesses in one table. Reflection only.
-    masking : of "ggx": whether shadowing and masking are correlated by height, as "metallic-roughness" has it.
+    masking : for "ggx", "correlated" if shadowing and masking are correlated by height, as in "metallic-roughness", or
+        "separable".
     basis : "hemispherical", or "spherical" for least-squares fits (whose light is given by inner products over the
         hemisphere: `harmonics.project`).
     order : largest order, 1 to 12.
     max_error : relative L2 error up to which a direction is cached; it decides each direction's order.
-    keep : read from and write to the user's cache folder: `$XDG_CACHE_HOME/eclat`, `~/.cache/eclat` without.
+    keep : read and write tables in the user's cache folder: `$XDG_CACHE_HOME/eclat`, or `~/.cache/eclat` if that is not
+        set.
 
     Raises
     ------
-    EclatError : arguments out of range or missing.
+    EclatError : arguments are out of range or missing.
 
     Examples
     --------
@@ -168,9 +171,9 @@ def split_dielectric(ior: float) -> Floats:
 
 
 def cache_folder() -> Path:
-    """Where tables are kept: by the XDG base directory specification. Raises EclatError where nothing says where that is."""
+    """The folder of tables by the XDG base directory specification. Raises EclatError if the environment names none."""
     given = os.environ.get("XDG_CACHE_HOME", "")
-    # A relative path is to be ignored, says the specification.
+    # The specification says that a relative path is ignored.
     try:
         base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"
     except RuntimeError:
@@ -179,7 +182,7 @@ def cache_folder() -> Path:
 
 
 def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: float | None) -> list[tuple[float, float]]:
-    """Parameters along u and v, one pair a lobe."""
+    """The parameters along u and v, one pair per lobe."""
     if kind not in get_args(Kind):
         known = get_args(Kind)
         raise EclatError(f"kind must be one of {', '.join(known)}, got {kind!r}{did_you_mean(str(kind), known)}")
@@ -201,7 +204,7 @@ def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: floa
 
 @cache
 def _core_digest() -> str:
-    """A digest of the code that makes tables, since other code makes other tables."""
+    """A digest of the code that makes tables. It identifies tables that other code has made."""
     return hashlib.sha256(Path(str(_core.__file__)).read_bytes()).hexdigest()
 
 
@@ -210,7 +213,7 @@ def _key(*parameters: object) -> str:
 
 
 def _file(key: str) -> Path | None:
-    """Where a table is kept; None, with a warning, where there is no place."""
+    """The file of a table; None, with a warning, if there is no cache folder."""
     try:
         return cache_folder() / f"brdf-{key}.npz"
     except EclatError as error:
@@ -219,7 +222,7 @@ def _file(key: str) -> Path | None:
 
 
 def _read(path: Path, lobes: list[_core.TableLobe], options: _core.BrdfTableOptions) -> _core.BrdfTable | None:
-    """The table of a file; None, with a warning, where the file is damaged."""
+    """The table in a file; None, with a warning, if the file is damaged."""
     if not os.path.lexists(path):
         return None
     try:

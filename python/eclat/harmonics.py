@@ -4,7 +4,7 @@
 
 `basis` is "spherical" (orthonormal on the sphere) or "hemispherical" (orthonormal on z ≥ 0, 0 below; Gautron et al.
 2004). Order n means n bands, n² coefficients; that of (l, m) stands at l² + l + m, m > 0 with √2 cos mφ, m < 0 with
-√2 sin |m|φ, without Condon–Shortley phase. Directions are (N, 3) unit vectors. All is in double precision.
+√2 sin |m|φ, without Condon–Shortley phase. Directions are (N, 3) unit vectors. All computation is in double precision.
 """
 
 from __future__ import annotations
@@ -76,7 +76,7 @@ def quadrature(count: int, domain: Domain = "hemisphere") -> tuple[Doubles, Doub
 def project(
     basis: Basis, order: int, directions: ArrayLike, values: ArrayLike, weights: ArrayLike | None = None
 ) -> Doubles:
-    """Inner products with all harmonics, Σ weight · value · harmonic: (order²,) or (order², C).
+    """The inner products with all harmonics, Σ weight · value · harmonic, shape (order²,) or (order², C).
 
     Parameters
     ----------
@@ -100,11 +100,11 @@ def project(
 
 
 def fit(inner_products: ArrayLike, tikhonov: float = 1e-6) -> Doubles:
-    """Spherical coefficients that come closest on the hemisphere, from inner products over it: same shape.
+    """The spherical coefficients of the best fit on the hemisphere, from inner products over it. The shape stays.
 
     `project("spherical", …)` over the hemisphere gives coefficients of a function that is 0 below the horizon; its step
-    there costs accuracy. These leave the lower half free (least squares, with `tikhonov` times the squared norm of the
-    coefficients added so that it stays bounded): for lobes along the surface the best of the three representations.
+    there costs accuracy. A least-squares fit leaves the lower half free; `tikhonov` times the squared norm of the
+    coefficients is added to keep it bounded. It is the best of the three representations for lobes along the surface.
 
     Examples
     --------
@@ -135,10 +135,10 @@ def reconstruct(basis: Basis, coefficients: ArrayLike, directions: ArrayLike) ->
 
 
 def window(kind: Window, coefficients: ArrayLike) -> Doubles:
-    """Coefficients times a factor a band, against ringing; the factor of band 0 is 1, so the mean stays.
+    """Coefficients with a factor for each band that reduces ringing. The factor of band 0 is 1, which keeps the mean.
 
-    "hanning" is (1 + cos πl/n) / 2, "lanczos" is sin(πl/n) / (πl/n). For lighting in an orthonormal basis, not for
-    BRDFs, and not for the inputs and outputs of `fit`.
+    "hanning" is (1 + cos πl/n) / 2, "lanczos" is sin(πl/n) / (πl/n). Use it for lighting in an orthonormal basis, not
+    for BRDFs or for the inputs and outputs of `fit`.
 
     Examples
     --------
@@ -167,11 +167,11 @@ def rotate(
     Parameters
     ----------
     rotation : (3, 3) rotation matrix R.
-    horizon : hemispherical basis only: what rises above the horizon where R tilts z. "continued" is the smooth
-        continuation of what was above, good for tilts up to about 0.2; "dark" is nothing, as in Gautron et al. 2004.
-        Either loses something (docs/algorithms/radiance_cache.md says how much); only turns about z are exact.
-    spherical_order : hemispherical basis only: order of the spherical harmonics through which it goes; by default the
-        order + 2 for "continued", twice the order for "dark".
+    horizon : hemispherical basis only: the values that rise above the horizon if R tilts z. "continued" continues the
+        function smoothly, which is good for tilts up to about 0.2 rad. "dark" is 0, as in Gautron et al. 2004. Both
+        lose accuracy (docs/algorithms/radiance_cache.md says how much); only turns about z are exact.
+    spherical_order : hemispherical basis only: order of the spherical harmonics used in between; by default the order +
+        2 for "continued", twice the order for "dark".
     tolerance : spherical basis only: above 0, use a series that stops at this relative error; faster for single vectors
         where R tilts z by little.
 

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where each triangle lies in the light map: charts without overlap, cut by xatlas or, where it fails, by ourselves."""
+"""Where each triangle lies in the light map: charts without overlap, cut by xatlas or, if it fails, by
+`planar_charts`."""
 
 from __future__ import annotations
 
@@ -40,7 +41,7 @@ LEAST_DIGITS = 2
 class Unwrapped:
     """A mesh in the atlas.
 
-    `vertices` (V,): which of the mesh's vertices each is a copy of, for a vertex on a cut has one for each side.
+    `vertices` (V,): the vertex of the mesh that each is a copy of; a vertex on a cut has one copy for each side.
     `triangles` (T, 3) refer to these, in the mesh's order. `uvs` (V, 2) in texels: (0, 0) is the image's top left
     corner, (0.5, 0.5) the centre of its first texel. `charts` (V,): the chart of each, −1 for triangles without area.
     """
@@ -71,7 +72,7 @@ def areas(mesh: Mesh) -> FloatArray:
 
 
 def default_texel_size(area: float) -> float:
-    """Metres, such that surfaces of `area` m² take about `TYPICAL_TEXELS`."""
+    """The texel size in metres with which surfaces of `area` m² take about `TYPICAL_TEXELS`."""
     if area <= 0:
         return 1.0
     size = math.sqrt(area / TYPICAL_TEXELS)
@@ -80,7 +81,8 @@ def default_texel_size(area: float) -> float:
 
 
 def check_texel_count(area: float, texel_size: float, max_size: int) -> None:
-    """Raise EclatError, before any work, where charts of `area` m² cannot fit into an image of `max_size` squared."""
+    """Raise EclatError before any work if charts of `area` m² cannot fit into an image of `max_size` × `max_size`
+    texels."""
     if not (math.isfinite(texel_size) and texel_size > 0):
         raise EclatError(f"texel_size must be a finite number of metres above 0, got {texel_size}")
     room = max_size * max_size * TYPICAL_FILL
@@ -105,9 +107,9 @@ def unwrap(
 
     Parameters
     ----------
-    gutter : texels between what bilinear filtering reads of two charts.
+    gutter : number of texels between those that bilinear filtering reads for two charts.
     max_size : largest width and height.
-    timeout : seconds after which xatlas is given up; 0 does not try it.
+    timeout : seconds after which xatlas is stopped; 0 skips it.
 
     Raises
     ------
@@ -140,7 +142,7 @@ def _by_xatlas(
     timeout: float,
     progress: ProgressReport | None,
 ) -> Atlas | None:
-    """None, with a warning, where xatlas fails, takes too long or leaves triangles out."""
+    """The atlas of xatlas; None, with a warning, if xatlas fails, takes too long or leaves triangles out."""
     arrays: dict[str, np.ndarray] = {
         "count": np.array(len(meshes)),
         "texels_per_unit": np.array(1 / texel_size),
@@ -178,11 +180,12 @@ def _by_xatlas(
 def _run_child(
     arrays: dict[str, np.ndarray], timeout: float, progress: ProgressReport | None
 ) -> tuple[dict[str, np.ndarray] | None, str]:
-    """The child's arrays, or None and what it did instead."""
+    """The child's arrays, or None and a text that says what went wrong."""
     command = [sys.executable, str(PROGRAM)]
     started = time.monotonic()
     with tempfile.TemporaryFile() as data:
-        # Not a pipe: `communicate` forgets what is left to be written when its time-out ends it (CPython 3.11).
+        # A file is used instead of a pipe, because `communicate` forgets unwritten input after a time-out (CPython
+        # 3.11).
         np.savez(data, **arrays)  # type: ignore[arg-type]
         data.seek(0)
         child = subprocess.Popen(command, stdin=data, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
@@ -213,7 +216,7 @@ def _run_child(
 
 
 def _area_without_chart(meshes: Sequence[Mesh], unwrapped: Sequence[Unwrapped]) -> float:
-    """m² of triangles that have area in the world and none in the atlas, though rounding is none."""
+    """The area in m² of triangles that have area in the world but none in the atlas. Rounding errors do not count."""
     lost = 0.0
     for mesh, charts in zip(meshes, unwrapped, strict=True):
         if len(charts.triangles) != len(mesh.triangles) or not np.isfinite(charts.uvs).all():

@@ -1,15 +1,16 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Texel values from what was gathered: a least-squares fit of what viewers will read.
+"""A least-squares fit of texel values, so that what viewers read comes close to the gathered irradiance.
 
-Viewers read the map by bilinear lookups, B(x; p) at place p of the texel values x. Sought are those values that minimise
+Viewers read the map by bilinear lookups, B(x; p) at place p of the texel values x. The fit finds the values that
+minimise
 
     Σₖ (B(x; pₖ) − Eₖ)²  +  κ Σₖ (xₖ − Eₖ)²  +  σ Σₛ (B(x; aₛ) − B(x; bₛ))²
 
-with Eₖ gathered for texel k at place pₖ. The first sum matters where pₖ is not the texel's centre, which lies outside the
-surface: the texel becomes what makes the lookup at its border right. The second keeps the solution unique and near what
-was gathered. The third joins the two sides of each seam [Iwanicki13]. The normal equations are solved by conjugate
-gradients [Hestenes52].
+where Eₖ is the irradiance gathered for texel k at place pₖ. The first sum matters where pₖ is not the texel's centre,
+which lies outside the surface: the texel becomes what makes the lookup at its border right. The second keeps the
+solution unique and near what was gathered. The third joins the two sides of each seam [Iwanicki13]. The normal
+equations are solved by conjugate gradients [Hestenes52].
 """
 
 from __future__ import annotations
@@ -43,12 +44,12 @@ class Rows:
     weights: FloatArray
 
     def times(self, x: FloatArray) -> FloatArray:
-        """(rows, C) of x (columns, C)."""
+        """The product with x (columns, C), shape (rows, C)."""
         product: FloatArray = np.einsum("ij,ijc->ic", self.weights, x[self.columns])
         return product
 
     def transposed_times(self, y: FloatArray, count: int) -> FloatArray:
-        """(count, C) of y (rows, C)."""
+        """The product of the transpose with y (rows, C), shape (count, C)."""
         entries = self.weights[:, :, None] * y[:, None, :]
         flat = self.columns.ravel()
         return np.column_stack(
@@ -75,13 +76,14 @@ def bilinear(numbers: Ints, places: FloatArray) -> Rows:
 
 
 def differences(a: Rows, b: Rows) -> Rows:
-    """Rows a − b; those of which one side is missing are 0."""
+    """The rows a − b. A row is 0 if one of its two sides is missing."""
     both = ((a.weights.max(axis=1) > 0) & (b.weights.max(axis=1) > 0))[:, None]
     return Rows(np.hstack((a.columns, b.columns)), np.hstack((a.weights, -b.weights)) * both)
 
 
 def fit(gathered: FloatArray, lookups: Rows, seams: Rows) -> FloatArray:
-    """Texel values (N, C) of at least 0 for the irradiance `gathered` (N, C), of which `lookups` has a row each."""
+    """Texel values (N, C) of at least 0 that fit the irradiance `gathered` (N, C); `lookups` has a row for each
+    value."""
     count = len(gathered)
 
     def normal(x: FloatArray) -> FloatArray:
@@ -100,7 +102,7 @@ def fit(gathered: FloatArray, lookups: Rows, seams: Rows) -> FloatArray:
             break
         along = normal(direction)
         curvature = (direction * along).sum(axis=0)
-        # A channel that has converged, or is dark, stands still.
+        # A channel that has converged or is dark no longer changes.
         step = np.where(squared > enough, squared / np.where(curvature > 0, curvature, 1), 0.0)
         x = x + step * direction
         residual = residual - step * along

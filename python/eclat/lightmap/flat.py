@@ -1,9 +1,11 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A lit scene for viewers that know no light maps: what every surface shines, in one texture of unlit materials.
+"""A lit scene for viewers that do not support light maps: one texture of unlit materials holds the light of all
+surfaces.
 
 A texel holds ρ/π · E + Lₑ, scaled to what a screen shows. Unlit materials [KHR_materials_unlit] show their colour as it
-is, in any viewer. Textures of the scene come at the resolution of the map, and gloss is shown as if it were diffuse.
+is, in any viewer. Textures of the scene are reduced to the resolution of the map, and gloss is shown as if it were
+diffuse.
 """
 
 from __future__ import annotations
@@ -35,11 +37,11 @@ WHITE = 0.95
 
 
 class LitParts(Protocol):
-    """What a light map holds of a scene, as far as its colours need it."""
+    """The parts of a light map that are needed to compute colours."""
 
     @property
     def scene(self) -> Scene:
-        """Whose cameras go into the file."""
+        """The scene whose cameras go into the file."""
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -57,8 +59,8 @@ class LitParts(Protocol):
 def encode_flat(lightmap: LitParts, exposure: float | None, tone_mapping: str, generator: str) -> bytes:
     """A binary glTF file with unlit materials.
 
-    `exposure` in stops, None such that few texels are white; `tone_mapping` a key of `TONE_MAPPINGS`.
-    Raises EclatError for either out of range.
+    `exposure` is in stops; None chooses it so that few texels are white. `tone_mapping` is a key of `TONE_MAPPINGS`.
+    Raises EclatError if either is out of range.
     """
     check_display(0.0 if exposure is None else exposure, tone_mapping)
     radiance, opacity = _shine(lightmap)
@@ -157,7 +159,7 @@ def _surface(
 
 
 def evaluate(value: Value, uvs: list[FloatArray]) -> FloatArray:
-    """(N, 3): a parameter at texture coordinates, of which `uvs` holds both sets, (N, 2) each."""
+    """The values (N, 3) of a parameter at texture coordinates; `uvs` holds both sets, (N, 2) each."""
     constant = np.broadcast_to(np.array(constant_of(value)), (len(uvs[0]), 3))
     if value.texture is None:
         return constant

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The light of each texel: of points spread over it that a viewer may see, by any method."""
+"""The light of each texel, gathered by any method at points of the texel that a viewer may see."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ USUAL_POINTS = 1000
 
 @dataclass(frozen=True)
 class Settings:
-    """What `eclat.irradiance` takes beside points and method; `samples` are a texel's."""
+    """The arguments of `eclat.irradiance` beside points and method. `samples` is the number per texel."""
 
     component: Component
     samples: int
@@ -43,7 +43,7 @@ class Settings:
     progress: ProgressReport | None
 
     def keywords(self, component: Component | None = None, samples: int | None = None) -> dict[str, Any]:
-        """As arguments, of which some may be replaced."""
+        """The values as keyword arguments, some of them replaced."""
         return {
             "component": self.component if component is None else component,
             "samples": self.samples if samples is None else max(1, samples),
@@ -67,8 +67,8 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """`values` (N, 3) of texels and the `places` (N, 2) in the map that they are for; `seen` (N,): texels of which a
-    viewer may see anything, the others being 0."""
+    """The `values` (N, 3) of texels and the `places` (N, 2) in the map that they are for. `seen` (N,) marks the texels
+    that a viewer may see; all others are 0."""
 
     values: FloatArray
     places: FloatArray
@@ -77,7 +77,7 @@ class Gathered:
 
 
 def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Points:
-    """`supersampling`² points of each texel beside its centre, all moved into its triangle."""
+    """The centre and `supersampling`² more points of each texel, all moved into its triangle."""
     steps = (np.arange(supersampling) + 0.5) / supersampling
     offsets = [(0.5, 0.5), *((u, v) for v in steps for u in steps)]
     found = [
@@ -91,8 +91,8 @@ def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Point
 
 
 def in_the_open(scene: Scene, solid: Sequence[Mask], points: Points, settings: Settings) -> Mask:
-    """(N, n) which points a viewer may see: not those in solids, nor those that are dark behind one-sided surfaces, like
-    the foot of a wall that passes through the floor."""
+    """A mask (N, n) of the points that a viewer may see. It excludes points in solids, and dark points behind one-sided
+    surfaces, like the foot of a wall that passes through the floor."""
     shape = points.positions.shape[:2]
     places, normals = points.positions.reshape(-1, 3), points.normals.reshape(-1, 3)
     buried, behind = buried_or_behind(scene, solid, places, points.face_normals.reshape(-1, 3), settings.threads)
@@ -100,7 +100,7 @@ def in_the_open(scene: Scene, solid: Sequence[Mask], points: Points, settings: S
     others = np.flatnonzero(~behind & ~buried)
     free = ~buried
     if len(doubtful) and len(others):
-        # What records tell of a point behind a wall may come from before it: paths do not err.
+        # Records may give a point behind a wall the light in front of it. Paths do not make this error.
         asked = np.concatenate((doubtful, others[:: max(1, len(others) // USUAL_POINTS)]))
         keywords = settings.keywords("total", DOUBTFUL_PATHS)
         brightness = irradiance(scene, places[asked], normals[asked], Path(), **keywords).mean(axis=1)
@@ -112,14 +112,14 @@ def in_the_open(scene: Scene, solid: Sequence[Mask], points: Points, settings: S
 def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: Settings) -> Gathered:
     """The mean irradiance over the points of each texel that are `free`.
 
-    What is read from records varies slowly, so that one point a texel suffices for it, and the others serve light from
-    sources, whose shadows have edges.
+    Light from records varies slowly, so one point per texel suffices for it. All points serve light from sources, whose
+    shadows have edges.
     """
     spread = free[:, 1:]
     seen = np.asarray(spread.any(axis=1))
     share = spread / np.maximum(spread.sum(axis=1, keepdims=True), 1)
     places = (points.uvs[:, 1:] * share[..., None]).sum(axis=1)
-    chosen = np.argmax(free, axis=1)  # the centre, or the first point that is free
+    chosen = np.argmax(free, axis=1)  # This is the centre, or else the first point that is free.
     at = np.flatnonzero(seen), chosen[seen]
     rays = 0.0
     from_records = asks_for_indirect(settings.component, settings.max_depth) and source.options.has_records
@@ -148,7 +148,7 @@ def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: S
     values: FloatArray = np.zeros((len(free), 3))
     if not from_records:
         return Gathered(mean_of(source, settings.component), places, seen, rays)
-    # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
+    # Records hold the light of an environment image. The two parts alone would be noisier than their sum.
     apart = settings.component == "total" and scene.environment is None
     component: Component = "indirect" if apart else settings.component
     values[seen] = of_points(at, source, **settings.keywords(component))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A light map as a value, and as files: a glTF scene, an EXR image and what they mean in JSON."""
+"""A light map as a value and as files: a glTF scene, an EXR image, and their description in JSON."""
 
 from __future__ import annotations
 
@@ -64,7 +64,8 @@ class Lightmap:
         return "lux" if self.scene.photometric else "W/m2"
 
     def intensity(self) -> float:
-        """What 1 in the embedded 8-bit image stands for: the largest value, or less where few texels are far above."""
+        """The irradiance that 1 in the embedded 8-bit image stands for: the largest value, or less if a few texels are
+        far above the rest."""
         largest = np.max(self.irradiance, axis=2)
         lit = largest[largest > 0]
         if not len(lit):
@@ -87,7 +88,7 @@ class Lightmap:
 
         Raises
         ------
-        EclatError : a name that does not end in .glb, or a file that cannot be written.
+        EclatError : the name does not end in .glb, or a file cannot be written.
         """
         target = Path(path)
         names = output_names(target)
@@ -133,23 +134,24 @@ class Lightmap:
     def save_flat(
         self, path: str | os.PathLike[str], exposure: float | None = None, tone_mapping: str = "none"
     ) -> Path:
-        """Write one .glb for viewers that know no light maps: what the surfaces shine, in unlit materials.
+        """Write one .glb for viewers that do not support light maps, with the light of the surfaces in unlit materials.
 
         Parameters
         ----------
-        exposure : stops; radiance is multiplied by 2^exposure, and 1 is then white. None: few texels are white.
+        exposure : exposure in stops. Radiance is multiplied by 2^exposure, and 1 is then white. None chooses it so that
+            few texels are white.
         tone_mapping : "none" or "filmic", as for pictures.
 
         Raises
         ------
-        EclatError : a name that does not end in .glb, a file that cannot be written, an exposure out of range.
+        EclatError : the name does not end in .glb, the file cannot be written, or the exposure is out of range.
         """
         target = output_names(path)[0]
         write_file(target, encode_flat(self, exposure, tone_mapping, f"eclat {eclat.__version__}"))
         return target
 
     def png(self, intensity: float) -> bytes:
-        """The map in 8 bits a channel, sRGB-encoded, 1 being `intensity`."""
+        """The map in 8 bits a channel, sRGB-encoded; 1 stands for `intensity`."""
         scaled = srgb_encode(self.irradiance.astype(np.float64) / intensity)
         file = io.BytesIO()
         PillowImage.fromarray(np.rint(scaled * 255).astype(np.uint8)).save(file, format="PNG")
@@ -157,7 +159,7 @@ class Lightmap:
 
 
 def output_names(path: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
-    """The .glb, the .exr and the .json. Raises EclatError for a name that does not end in .glb."""
+    """The paths of the .glb, the .exr and the .json. Raises EclatError for a name that does not end in .glb."""
     target = Path(path)
     if target.suffix.lower() != ".glb":
         raise EclatError(f"{os.fspath(path)}: expected a name that ends in .glb")

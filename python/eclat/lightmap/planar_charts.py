@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Charts without a library: flat pieces of surfaces, laid flat as they are and packed in rows.
+"""Charts without a library: flat pieces of surfaces, packed in rows without distortion.
 
 Triangles that share an edge and a plane are one chart, so that it cannot overlap itself unless the surface does. Curved
-surfaces fall into single triangles: correct, with many seams. It is what is left where xatlas fails.
+surfaces fall apart into single triangles, which is correct but makes many seams. Bakes use these charts when xatlas
+fails.
 """
 
 from __future__ import annotations
@@ -52,7 +53,7 @@ def _charts_of(mesh: Mesh, texel_size: float) -> Arrays:
         return empty, np.zeros((0, 3), np.int64), np.zeros((0, 2)), empty
     normals = face_normals(mesh)
     labels = _connected(positions, triangles, normals)
-    # A vertex for each chart that it belongs to.
+    # A vertex is copied for each chart that it belongs to.
     keys = np.column_stack((np.repeat(labels, 3), triangles.ravel()))
     unique, inverse = np.unique(keys, axis=0, return_inverse=True)
     charts, vertices = unique[:, 0], unique[:, 1]
@@ -81,7 +82,7 @@ def _axes(positions: FloatArray, triangles: Ints, normals: FloatArray, leaders: 
 
 
 def _connected(positions: FloatArray, triangles: Ints, normals: FloatArray) -> Ints:
-    """(T,) numbers of charts: triangles are joined over edges (of equal positions) where their planes agree."""
+    """The chart numbers (T,) of triangles. Two triangles are joined if they share an edge (by position) and a plane."""
     places = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1)
     edges, owners = edges_of(places[triangles])
     shared = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
@@ -98,7 +99,7 @@ def _extent(uvs: FloatArray, charts: Ints) -> FloatArray:
 
 
 def _pack(boxes: Ints) -> tuple[Ints, int, int]:
-    """Places of boxes, tallest first, in rows from left to right; the image's width and height."""
+    """The places of boxes, packed tallest first in rows from left to right, and the image's width and height."""
     places = np.zeros_like(boxes)
     if not len(boxes):
         return places, 1, 1

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Questions about what points see, asked with rays: whether they lie in a solid, behind a wall, or before nothing."""
+"""Tests by rays of what points see: whether they lie in a solid or behind a wall, or face empty space."""
 
 from __future__ import annotations
 
@@ -61,7 +61,7 @@ def sees_nothing(scene: Scene, points: FloatArray, normals: FloatArray, threads:
         return np.zeros(len(points), bool)
     missed = [(met < 0).all(axis=1) for met, _ in _looks(scene, points, normals, RAYS, threads)]
     dark = np.concatenate(missed)
-    # Rays may miss what is small, which matters where it shines.
+    # Rays may miss small objects, which matters if these emit light.
     for corners in _bounds_of_emitters(scene):
         above = ((corners - points[:, None]) * normals[:, None]).sum(axis=2).max(axis=1)
         dark &= above <= GRAZING * compiled(scene).core.radius
@@ -71,14 +71,14 @@ def sees_nothing(scene: Scene, points: FloatArray, normals: FloatArray, threads:
             if isinstance(light, DirectionalLight)
             else np.asarray(light.position, np.float64) - points
         )
-        # A sun has a disc that may rise above the horizon though its centre does not.
+        # The disc of a sun may rise above the horizon although its centre does not.
         wide = np.sin(np.radians(light.angular_radius)) if isinstance(light, DirectionalLight) else 0.0
         dark &= (towards * normals).sum(axis=1) <= -wide * np.linalg.norm(towards, axis=1)
     return dark
 
 
 def _bounds_of_emitters(scene: Scene) -> Iterator[FloatArray]:
-    """The (8, 3) corners of the bounds of each mesh that shines."""
+    """The (8, 3) corners of the bounds of each mesh that emits light."""
     for mesh in scene.meshes:
         sides = (mesh.material, mesh.material.back)
         if any(side is not None and side.emission is not None for side in sides) and len(mesh.positions):
@@ -90,8 +90,8 @@ def _bounds_of_emitters(scene: Scene) -> Iterator[FloatArray]:
 def _looks(
     scene: Scene, points: FloatArray, normals: FloatArray, count: int, threads: int | None
 ) -> Iterator[tuple[np.ndarray, FloatArray]]:
-    """What `count` rays of each point meet, some points at a time: triangles (n, count), −1 for nothing, and directions
-    (n, count, 3)."""
+    """The hits of `count` rays from each point, for some points at a time: triangles (n, count), −1 for none, and
+    directions (n, count, 3)."""
     prepared = compiled(scene)
     i = np.arange(count) + 0.5
     radius, turn = np.sqrt(i / count), 2 * np.pi * GOLDEN * i
@@ -100,7 +100,7 @@ def _looks(
         n = np.asarray(normals[first : first + at_once], np.float64)
         u = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
         u /= np.linalg.norm(u, axis=1, keepdims=True)
-        # Another turn of the pattern for each point, or all would look past the same things.
+        # The pattern is turned differently for each point. Otherwise all points would miss the same objects.
         phi = turn + 2 * np.pi * ((np.arange(first, first + len(n)) * GOLDEN) % 1)[:, None]
         x, y, z = radius * np.cos(phi), radius * np.sin(phi), np.sqrt(1 - radius**2)
         directions = x[..., None] * u[:, None] + y[..., None] * np.cross(n, u)[:, None] + z[:, None] * n[:, None]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where two charts meet on one smooth surface: pairs of places in the map that stand for the same point.
+"""Seams, where two charts meet on one smooth surface: pairs of places in the map that stand for the same point.
 
 At a real corner the two sides have different light, and are left alone. An edge is a seam where the shading normals of
 its two triangles agree at both ends, and their places in the map do not.
@@ -46,7 +46,7 @@ def _seams(corners: Corners) -> tuple[FloatArray, FloatArray]:
         return empty, empty
     _, places = np.unique(corners.positions[used].reshape(-1, 3), axis=0, return_inverse=True)
     places = places.reshape(-1, 3)
-    # Each edge from the end with the smaller number, so that both sides run the same way.
+    # Each edge starts at the end with the smaller number, so that both sides run the same way.
     start, end = np.arange(3), np.array([1, 2, 0])
     flip = places[:, start] > places[:, end]
     begins, ends = np.where(flip, end, start), np.where(flip, start, end)

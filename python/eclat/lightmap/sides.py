@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which sides of which triangles get texels.
 
-A thin wall has two sides with different light. Where a viewer can see both, its back becomes a sheet of its own, and both
-materials one-sided. The inside of a solid needs no texels, nor does what is dark for certain, such as the outer side of a
-room in empty space: all that shares one black texel.
+A thin wall has two sides with different light. Where a viewer can see both, the back becomes a separate sheet and both
+materials become one-sided. The inside of a solid needs no texels, and neither do surfaces that are certainly dark, such
+as the outer side of a room in empty space. All of these share one black texel.
 """
 
 from __future__ import annotations
@@ -30,7 +30,7 @@ CORNERWARDS = 0.9
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A part with normals at all vertices, and which of its triangles (T,) get texels."""
+    """A part with normals at all vertices, and a mask (T,) of the triangles that get texels."""
 
     part: Part
     lit: Mask
@@ -44,8 +44,8 @@ def lit_sides(
 ) -> list[Side]:
     """The sides of all meshes of `scene`; `solid` says which triangles bound solids.
 
-    `choice`: "auto" gives the backs of two-sided sheets texels of their own, "front" lights both sides as the front,
-    "both" gives every two-sided triangle two.
+    `choice`: "auto" gives the backs of two-sided sheets texels of their own. "front" lights both sides like the front.
+    "both" gives every two-sided triangle texels for each side.
     """
     sides: list[Side] = []
     for mesh, hull in zip(scene.meshes, solid, strict=True):
@@ -63,7 +63,7 @@ def lit_sides(
 
 
 def reflects_diffusely(material: Material) -> bool:
-    """Whether irradiance means anything for what the material shines."""
+    """Whether the light that the material reflects depends on irradiance."""
 
     def largest(name: str) -> float:
         return max(constant_of(material.parameters.get(name, DEFAULTS[name])))
@@ -89,7 +89,7 @@ def _side(part: Part) -> Side:
 
 
 def _without_dark(scene: Scene, sides: list[Side], threads: int | None) -> list[Side]:
-    """Without the triangles that see nothing from their middle nor from near their corners."""
+    """The sides without those triangles that see nothing, neither from their middle nor from near their corners."""
     points, normals = [], []
     for side in sides:
         places, faces = _asking_points(side.part.mesh)

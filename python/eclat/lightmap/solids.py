@@ -2,10 +2,10 @@
 # SPDX-License-Identifier: Apache-2.0
 """Which triangles bound solids, so that nobody sees their backs from within.
 
-A connected piece of a mesh is a solid where it is closed, each edge joining two triangles that run along it in opposite
-directions, and its normals point outwards, so that its signed volume is above 0. A two-sided one might be a room that
-people walk in: it counts only where no camera, no light and no other vertex lies in its bounds. A one-sided one may have
-flat holes, like a box without its bottom: its inside is black in any picture.
+A connected piece of a mesh is a solid if it is closed and its normals point outwards. It is closed if each edge joins
+two triangles that run along it in opposite directions; its signed volume is then above 0. A two-sided piece might be a
+room that people walk in, so it counts only if no camera, no light and no other vertex lies in its bounds. A one-sided
+piece may have flat holes, like a box without its bottom, because its inside is black in any picture.
 """
 
 from __future__ import annotations
@@ -69,7 +69,7 @@ def _is_hull(points: FloatArray, holes: bool) -> bool:
     _, corners = np.unique(points.reshape(-1, 3), axis=0, return_inverse=True)
     triangles = corners.reshape(-1, 3)
     ends = np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2)
-    # Each way along an edge once, and the way back once: else something ends or branches there.
+    # Each edge must be run along once in each direction. Otherwise the surface ends or branches there.
     ways, counts = np.unique(ends, axis=0, return_counts=True)
     back = {(int(b), int(a)) for a, b in ways}
     open_ends = np.array([(int(a), int(b)) not in back for a, b in ways])
@@ -90,13 +90,13 @@ def _is_hull(points: FloatArray, holes: bool) -> bool:
 
 
 def _inside(points: FloatArray, low: FloatArray, high: FloatArray) -> bool:
-    """Whether a point lies inside the box, away from its sides: what stands on a floor touches it."""
+    """Whether a point lies inside the box, away from its sides. Objects that stand on a floor only touch it."""
     margin = 1e-3 * (high - low)
     return bool(((points > low + margin) & (points < high - margin)).all(axis=1).any())
 
 
 def _places_of(scene: Scene) -> FloatArray:
-    """Where cameras and lights stand."""
+    """The positions of cameras and lights."""
     places = [np.asarray(camera.to_world, np.float64)[:3, 3] for camera in scene.cameras]
     places += [np.asarray(light.position) for light in scene.lights if not isinstance(light, DirectionalLight)]
     return np.array(places, np.float64).reshape(-1, 3)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which surface point each texel stands for: triangles drawn into the atlas, conservatively.
+"""The surface point that each texel stands for, found by drawing triangles into the atlas conservatively.
 
-Bilinear filtering at a point reads the up to four texels whose centres lie less than a texel away in u and in v. So all
-those texels are drawn, although the centres of some lie outside their triangle; these stand for the nearest point of it.
+Bilinear filtering at a point reads the up to four texels whose centres lie less than a texel away in u and in v. All
+these texels are drawn. A texel whose centre lies outside its triangle stands for the nearest point of the triangle.
 """
 
 from __future__ import annotations
@@ -86,7 +86,8 @@ def corners_of(meshes: Sequence[Mesh], atlas: Atlas) -> Corners:
 
 
 def rasterize(corners: Corners, width: int, height: int) -> Texels:
-    """The texels that bilinear filtering reads anywhere on the triangles, each with the nearest point of the nearest."""
+    """The texels that bilinear filtering reads anywhere on the triangles, each with the nearest point of its nearest
+    triangle."""
     best = np.full(width * height, np.inf)
     owner = np.full(width * height, -1, np.int64)
     weights = np.zeros((width * height, 3))
@@ -99,7 +100,7 @@ def rasterize(corners: Corners, width: int, height: int) -> Texels:
         triangle, centers, uvs = triangle[reached], centers[reached], uvs[reached]
         texel = row[reached] * width + column[reached]
         found, distance = nearest_in_triangle(uvs, centers)
-        # The nearest triangle first, of equally near ones the one with the smaller number.
+        # The nearest triangle comes first; of equally near ones, the one with the smaller number.
         order = np.lexsort((triangle, distance, texel))
         _, start, group = np.unique(texel[order], return_index=True, return_inverse=True)
         first = order[start]
@@ -113,7 +114,7 @@ def rasterize(corners: Corners, width: int, height: int) -> Texels:
 
 
 def at_texel_points(corners: Corners, texels: Texels, uvs: FloatArray) -> Texels:
-    """The same texels with other points, those of their triangles that are nearest to `uvs` (N, 2) in texels."""
+    """The same texels with other points: the points of their triangles that are nearest to `uvs` (N, 2), in texels."""
     weights, _ = nearest_in_triangle(corners.uvs[texels.triangles], uvs)
     return _sampled(corners, texels.rows, texels.columns, texels.triangles, weights, texels.shared)
 
@@ -141,7 +142,7 @@ def nearest_in_triangle(uvs: FloatArray, points: FloatArray) -> tuple[FloatArray
 
 
 def _sampled(corners: Corners, rows: Ints, columns: Ints, triangles: Ints, weights: FloatArray, shared: int) -> Texels:
-    """Points at barycentric weights, a little inward of the triangle's edges."""
+    """The points at the given barycentric weights, moved a little inward from the triangle's edges."""
     uvs = corners.uvs[triangles]
     weights = _moved_inward(uvs, weights)
 
@@ -167,7 +168,7 @@ def _sampled(corners: Corners, rows: Ints, columns: Ints, triangles: Ints, weigh
 
 
 def _moved_inward(uvs: FloatArray, weights: FloatArray) -> FloatArray:
-    """Weights of points at least `INWARD` texels from each edge, in triangles that are large enough."""
+    """The weights moved so that points lie at least `INWARD` texels from each edge, if the triangle is large enough."""
     area = np.abs(_cross(uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]))
     opposite = np.linalg.norm(uvs[:, [2, 0, 1]] - uvs[:, [1, 2, 0]], axis=2)
     with np.errstate(all="ignore"):

@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The program that unwraps meshes by xatlas: arrays come on standard input, charts leave on standard output.
 
-It runs as a process of its own, because the library can take for ever, or crash, on meshes that are broken in some way,
-and knows no way to be stopped. It imports nothing of ours, so that it starts at once.
+It runs as a separate process, because the library can crash or run for ever on broken meshes and cannot be stopped. It
+imports nothing of this package, so that it starts at once.
 """
 
 from __future__ import annotations
@@ -44,7 +44,7 @@ def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
 
 
 def main() -> None:
-    """Read, unwrap, write."""
+    """Read the meshes, unwrap them and write the charts."""
     with np.load(io.BytesIO(sys.stdin.buffer.read()), allow_pickle=False) as arrays:
         found = unwrap(dict(arrays))
     out = io.BytesIO()

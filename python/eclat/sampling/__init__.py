@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which pixels take how many samples, and when to stop."""
+"""Decides how many samples each pixel takes, and when sampling stops."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which pixels take how many samples, so that a picture's error is least for all that it takes.
+"""Decides how many samples each pixel takes, so that the picture's error is least for a given total.
 
 The error is the mean over pixels of v / n, with v the variance of one sample relative to the pixel's radiance as in
 `metrics.relative_rmse` and n the pixel's samples: for a given sum of n it is least where n goes with √v
@@ -34,7 +34,7 @@ Picture = NDArray[np.floating]
 
 
 class AdaptiveSamples:
-    """Samples of each pixel, and what they told of its variance.
+    """The number of samples of each pixel, and the variance estimated from them.
 
     Parameters
     ----------
@@ -54,15 +54,15 @@ class AdaptiveSamples:
         self._contrast: NDArray[np.float64] | None = None
 
     def evenly(self, samples: int) -> Counts:
-        """Counts after a pass that brings all pixels to so many samples."""
+        """The counts after a pass that brings all pixels to the given number of samples."""
         counts = np.zeros_like(self.counts)
         counts[self._region] = samples
         return counts
 
     def unevenly(self, samples: int) -> Counts:
-        """Counts after a pass that brings the mean over pixels to about so many samples, where they help most.
+        """The counts after a pass that brings the mean over pixels to about the given number, where samples help most.
 
-        Before two passes were observed nothing is known, and all pixels take as many.
+        Until two passes have been observed, all pixels take the same number.
         """
         if self._variance is None or self._contrast is None:
             return self.evenly(samples)
@@ -87,7 +87,7 @@ class AdaptiveSamples:
         return counts
 
     def observe(self, counts: Counts, mean: Picture) -> None:
-        """After a pass: what was taken in all, and the (height, width, 3) picture that it gave."""
+        """Observe a pass: the samples taken so far, and the resulting picture, shape (height, width, 3)."""
         mean = np.asarray(mean[self._region], dtype=np.float64)
         if self._mean is not None:
             before, after = (c[self._region].astype(np.float64)[..., None] for c in (self.counts, counts))
@@ -109,12 +109,12 @@ class AdaptiveSamples:
         if self._variance is None:
             return float("nan")
         taken = np.maximum(self.counts[self._region], 1)
-        # Blurred like what the allocation went by: pixels that look quiet by chance got few samples.
+        # The variance is blurred as for the allocation, because pixels that look quiet by chance got few samples.
         return float(np.sqrt((_blurred(self._variance) / taken).mean()))
 
 
 def _neighbourhood(values: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]:
-    """The picture and its eight neighbours, each as seen from the pixel in the middle; edges repeat."""
+    """The picture and its eight copies shifted by one pixel. Pixels at the edges are repeated."""
     height, width = values.shape[:2]
     padded = np.pad(values, ((1, 1), (1, 1), *((0, 0) for _ in values.shape[2:])), mode="edge")
     for dy, dx in itertools.product(range(3), range(3)):
@@ -132,7 +132,7 @@ def _square(first: Picture, last: Picture, both: NDArray[np.bool_], mean: Pictur
 
 
 def _contrast(mean: Picture, scale: NDArray[np.float64]) -> NDArray[np.float64]:
-    """The greatest squared difference to one of the eight neighbours, relative."""
+    """The largest relative squared difference to any of the eight neighbours."""
     greatest = np.zeros(mean.shape[:2])
     for neighbour in _neighbourhood(np.asarray(mean, dtype=np.float64)):
         np.maximum(greatest, ((neighbour - mean) ** 2 / scale).mean(axis=-1), out=greatest)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How many samples a picture takes: a given number, until an error is met, or until time is up.
+"""Decides how many samples a picture takes: a given number, until an error is met, or until time is up.
 
 A picture's error is estimated from its two halves, the first n/2 samples of each pixel and the last. They must not be
 the even and the odd samples: consecutive Sobol points are stratified against each other, one in each half of every
@@ -43,8 +43,8 @@ RenderRange = Callable[[Counts, Counts, ProgressReport | None], float]
 
 @dataclass(frozen=True)
 class Goal:
-    """When to stop: at `samples` (the mean over pixels, where they take unlike numbers), else when `deadline` (of
-    `time.perf_counter`) is near, else at `max_error`."""
+    """When to stop: at `samples` (the mean over pixels if their numbers differ), else near the `deadline` (of
+    `time.perf_counter`), else at `max_error`."""
 
     samples: int | None
     max_error: float
@@ -113,7 +113,7 @@ class Sampling:
             self._pass(max(self._first, 2 * self.taken))
 
     def _affordable(self) -> int:
-        """Samples for which there is time, with that of looking at the picture after them left over."""
+        """The number of samples that there is time for, when the time to estimate the error afterwards is set aside."""
         if self._seconds_per_sample is None or self._deadline == math.inf:
             return EXPECTED_SAMPLES
         left = self._deadline - clock.perf_counter() - self._seconds_of_look
@@ -123,20 +123,20 @@ class Sampling:
         """How many samples are taken before the next look at the clock."""
         step, pace = end - self.taken, self._seconds_per_sample
         if self._deadline < math.inf:
-            # Half of what fits, then half of the rest: when the last sample ends is known from ones just taken.
+            # Half of what fits is taken, then half of the rest, so that recent samples predict when the last one ends.
             step = min(step, 1 if pace is None else max(1, self._affordable() // 2))
         if self.keep_partial:
             step = min(step, 1 if pace is None else max(1, int(SLICE_SECONDS / max(pace, 1e-9))))
         return step
 
     def _pass(self, end: int) -> None:
-        """Take samples until there are `end` of each pixel, or on average; fewer where the deadline is near."""
+        """Take samples until each pixel, or the mean over pixels, has `end`; take fewer if the deadline is near."""
         half = self.film.radiance if self.taken and end == 2 * self.taken else None
         while self.taken < end and (self.taken == 0 or self._affordable() >= 1):
             step = self._step(end)
             first, last = _everywhere(self.taken), _everywhere(self.taken + step)
             if self.adaptive is not None:
-                # What a pixel takes grows with the mean, so that parts of a pass add up to it.
+                # The samples of a pixel grow with the mean, so that the parts of a pass add up to the whole pass.
                 first, last = self._counts, self.adaptive.unevenly(self.taken + step)
                 self._counts = last
             before = clock.perf_counter()
@@ -188,6 +188,6 @@ def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> f
     square = np.maximum(sliding_window_view(padded, (3, 3), axis=(0, 1)).mean(axis=(-1, -2)), 0.0)
     scale = square + RELATIVE_C * square.mean()
     difference = ((first - last) / 2) ** 2
-    # Where everything is black there is no error.
+    # A picture that is black everywhere has no error.
     relative = np.divide(difference, scale, out=np.where(difference > 0, np.inf, 0.0), where=scale > 0)
     return float(np.sqrt(relative.mean()))
