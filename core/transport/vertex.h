@@ -95,7 +95,7 @@ inline std::optional<Scattered> scatter(const SurfacePoint& point, Vec3 wo, Samp
     return scatter(point, wo, u_lobe, sampler.next_2d(), lobes);
 }
 
-/// Edges after which paths may end by chance. Tuned: later ends cost rays, earlier ones noise.
+/// Edges after which paths may end by chance. Set by judgement, not measured: later ends cost rays, earlier ones noise.
 namespace roulette_after {
 constexpr int picture_edges = 5;        // of paths from the camera
 constexpr int gather_edges = 2;         // of what one of a record's many rays finds
@@ -103,7 +103,7 @@ constexpr int photon_gather_edges = 3;  // from the camera, through gathers that
 constexpr int probe_edges = 3;          // from the camera, of a path whose served vertices are examined
 constexpr int photon_edges = 8;         // of photons that lost nothing; those that did may end at any vertex
 }  // namespace roulette_after
-/// The greatest chance to survive: light caught in glass must end somewhere.
+/// The greatest chance to survive, by judgement: light caught in glass must end, here after 20 more edges on average.
 constexpr float largest_survival = 0.95f;
 
 /// Lets the path go on from `vertex` along `ray` by one direction of `lobes`, with `roulette` if it survives that; false

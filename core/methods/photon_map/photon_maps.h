@@ -48,8 +48,8 @@ struct PhotonMaps {
     IrradianceMap irradiance;
 
     /// Fills `irradiance` at the places of photons. They must not be those of the maps: an estimate at a photon's own place
-    /// counts it, and finds fewer others the farther the next such place is, so that what is read there is wrong by some
-    /// parts of a photon, a few per cent of a hundred.
+    /// counts it, and a point's nearest such place tells that around the point photons are missing. Both errors are about two
+    /// photons of those that are read: 2 % where `nearest` is 100.
     void precompute(const World& world, std::span<const Photon> places, int threads, Progress& progress);
 };
 
