@@ -30,6 +30,11 @@ enum class Stream : uint32_t {
     patch_surfaces = 61,   // what a radiosity patch reflects and emits: points on it
     patch_lights = 62,     // its direct light
     patch_closure = 63,    // what it sees
+    patch_insides = 64,    // … and whether it lies inside of a solid
+    link_decisions = 65,   // whether a link is hidden in part
+    point_arrivals = 71,   // light that is met from points that a user named
+    photon_places = 72,    // from where places are seen at which photons' irradiance is taken
+    focused_light = 73,    // photons that tell how much light comes by mirrors
 };
 
 /// Does not compile where two streams share a number.
@@ -53,7 +58,12 @@ constexpr bool is_stream(Stream stream) {
         case Stream::emission_guides:
         case Stream::patch_surfaces:
         case Stream::patch_lights:
-        case Stream::patch_closure: return true;
+        case Stream::patch_closure:
+        case Stream::patch_insides:
+        case Stream::link_decisions:
+        case Stream::point_arrivals:
+        case Stream::photon_places:
+        case Stream::focused_light: return true;
     }
     return false;
 }

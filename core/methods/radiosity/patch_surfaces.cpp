@@ -127,22 +127,18 @@ class PatchMeter {
         hits_.resize(rays_.size());
         world_.geometry.rays().intersect(rays_, hits_);
         progress_.count_rays(rays_.size());
-        // Each ray starts at a point of its own. One that meets the back of a surface without any starts inside a solid.
+        // Each ray starts at a point of its own.
         exposed_.clear();
-        for (size_t i = 0; i < hits_.size(); ++i) {
-            const uint32_t triangle = hits_[i].triangle;
-            const bool back =
-                !hits_[i].missed() && dot(world_.geometry.geometric_normal(triangle), rays_[i].direction) > 0;
-            if (back && world_.geometry.has_no_back(triangle)) continue;
-            exposed_.push_back({where[i], rays_[i].origin, !hits_[i].missed()});
-        }
+        for (size_t i = 0; i < hits_.size(); ++i)
+            exposed_.push_back({where[i], rays_[i].origin, met(rays_[i], hits_[i])});
+        drop_points_inside(patch, index);
         out.cut = is_cut(patch);
         if (out.cut) keep_largest_part(patch);
         out.exposed = static_cast<float>(exposed_.size()) / static_cast<float>(count);
         // The deviation of independent rays; stratified ones err less.
-        const auto met =
-            std::count_if(exposed_.begin(), exposed_.end(), [](const Exposed& e) { return e.meets_patch; });
-        out.closure = exposed_.empty() ? 0 : static_cast<float>(met) / static_cast<float>(exposed_.size());
+        const auto lit =
+            std::count_if(exposed_.begin(), exposed_.end(), [](const Exposed& e) { return e.met == Met::patch; });
+        out.closure = exposed_.empty() ? 0 : static_cast<float>(lit) / static_cast<float>(exposed_.size());
         out.closure_error = 2 * std::sqrt(out.closure * (1 - out.closure) / std::max(1.0f, out.exposed * count));
         if (out.exposed == 1 || out.exposed < least_exposed) return;
         for (const Exposed& e : exposed_) {
@@ -150,6 +146,45 @@ class PatchMeter {
             out.points[out.point_count++] = {static_cast<uint8_t>(e.where.x * 255),
                                              static_cast<uint8_t>(e.where.y * 255)};
         }
+    }
+
+    /// What a ray from a patch ends on. A surface without a back is black from behind: it takes light and sends none.
+    enum class Met : uint8_t { sky, patch, black_back };
+
+    Met met(const Ray& ray, const Hit& hit) const {
+        if (hit.missed()) return Met::sky;
+        const bool from_behind = dot(world_.geometry.geometric_normal(hit.triangle), ray.direction) > 0;
+        return from_behind && world_.geometry.has_no_back(hit.triangle) ? Met::black_back : Met::patch;
+    }
+
+    /// Points from which a black back is seen lie behind a sheet or inside of a solid. More rays tell: inside, hardly any
+    /// meets anything else. What lies there is no part of the patch that others can see.
+    void drop_points_inside(const PatchNode& patch, uint32_t index) {
+        constexpr uint32_t rays_of_point = 16, others_inside = 1;
+        rays_.clear();
+        for (uint32_t i = 0; i < exposed_.size(); ++i) {
+            if (exposed_[i].met != Met::black_back) continue;
+            const SurfacePoint point = bare(patch, patch.point(exposed_[i].where));
+            const uint32_t stream = stream_seed(options_.seed, Stream::patch_insides, i);
+            for (uint32_t k = 0; k < rays_of_point; ++k) {
+                Sampler sampler(stream, key(tree_.name(index)), k);
+                rays_.push_back(point.ray(point.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
+            }
+        }
+        hits_.resize(rays_.size());
+        world_.geometry.rays().intersect(rays_, hits_);
+        progress_.count_rays(rays_.size());
+        size_t kept = 0, ray = 0;
+        for (const Exposed& e : exposed_) {
+            uint32_t others = others_inside + 1;
+            if (e.met == Met::black_back) {
+                others = 0;
+                for (uint32_t k = 0; k < rays_of_point; ++k, ++ray)
+                    others += met(rays_[ray], hits_[ray]) != Met::black_back;
+            }
+            if (others > others_inside) exposed_[kept++] = e;
+        }
+        exposed_.resize(kept);
     }
 
     /// Whether the points are hidden from each other, just above the patch: one half of them from the other, in pairs.
@@ -199,7 +234,7 @@ class PatchMeter {
     struct Exposed {
         Vec2 where;  // barycentric weights
         Vec3 position;
-        bool meets_patch;  // its ray; the others end in the sky
+        Met met;  // by its ray
     };
 
     const World& world_;
