@@ -18,6 +18,7 @@
 #include "base/parallel.h"
 #include "base/precision.h"
 #include "methods/radiosity/form_factor.h"
+#include "sampling/rng.h"
 
 namespace eclat {
 
@@ -31,6 +32,8 @@ constexpr float partly_hidden = 0.3f;
 
 // Share of the light of the weakest sender below which there counts as none.
 constexpr float unlit = 1e-3f;
+
+constexpr uint32_t deciding = 65;  // stream of rays
 
 // Rays that ask what stands between: few where little is carried.
 constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
@@ -70,7 +73,7 @@ class Refiner {
                 ask_or_divide(link, pair, weight, out.next);
                 continue;
             }
-            const float unsure = pair.uncertain + (partial(link.visibility) ? partly_hidden : 0);
+            const float unsure = pair.uncertain + (link.in_part ? partly_hidden : 0);
             if (!(weight * unsure > 1 && divide(link, out.next))) out.kept.push_back(link);
         }
         trace(out);
@@ -78,13 +81,14 @@ class Refiner {
     }
 
   private:
+    /// Twice `rays` of a link: those that decide whether it is hidden in part, and those that measure it. Were they the same,
+    /// a link of which a few rays see nothing would be kept as hidden and one of which they see something would be replaced
+    /// by better ones: through keyholes nearly all light would be lost.
     struct Asked {
         Link link;
         Pair pair;
-        size_t first_ray, rays;
+        size_t first_ray, first_measuring, rays;
     };
-
-    static bool partial(float visibility) { return visibility > 0 && visibility < 1; }
 
     void ask_or_divide(const Link& link, const Pair& pair, float weight, std::vector<Link>& next) {
         const bool ends = tree_[link.a].ends_links && tree_[link.b].ends_links;
@@ -142,15 +146,20 @@ class Refiner {
 
     void ask(const Link& link, const Pair& pair, uint32_t count) {
         const bool near_clusters = pair.near > 0.1f && (tree_[link.a].is_cluster() || tree_[link.b].is_cluster());
+        const auto send = [&](uint32_t seed) {
+            for (uint32_t i = 0; i < count; ++i) {
+                const PointPair points = exposed_.sample_pair(link.a, link.b, seed, i, count);
+                const float kernel = near_clusters ? points.smooth_kernel() : points.kernel();
+                if (!(kernel > 0)) continue;
+                rays_.push_back(ray_between(points));
+                kernels_.push_back(kernel);
+            }
+        };
         const size_t first = rays_.size();
-        for (uint32_t i = 0; i < count; ++i) {
-            const PointPair points = exposed_.sample_pair(link.a, link.b, options_.seed, i, count);
-            const float kernel = near_clusters ? points.smooth_kernel() : points.kernel();
-            if (!(kernel > 0)) continue;
-            rays_.push_back(ray_between(points));
-            kernels_.push_back(kernel);
-        }
-        asked_.push_back({link, pair, first, count});
+        send(options_.seed ^ hash(deciding));
+        const size_t measuring = rays_.size();
+        send(options_.seed);
+        asked_.push_back({link, pair, first, measuring, count});
     }
 
     Ray ray_between(const PointPair& p) const {
@@ -170,10 +179,13 @@ class Refiner {
         for (size_t i = 0; i < asked_.size(); ++i) {
             Asked& asked = asked_[i];
             const size_t end = i + 1 < asked_.size() ? asked_[i + 1].first_ray : rays_.size();
-            measure(asked, end);
             Link& link = asked.link;
+            const auto sees = std::count(hidden_.begin() + static_cast<ptrdiff_t>(asked.first_ray),
+                                         hidden_.begin() + static_cast<ptrdiff_t>(asked.first_measuring), 0);
+            link.in_part = sees > 0 && static_cast<size_t>(sees) < asked.first_measuring - asked.first_ray;
+            measure(asked, end);
             const float unsure = asked.pair.uncertain + partly_hidden;
-            if (partial(link.visibility) && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next))
+            if (link.in_part && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next))
                 continue;
             out.kept.push_back(link);
         }
@@ -182,12 +194,12 @@ class Refiner {
         kernels_.clear();
     }
 
-    /// Exchange and visibility from the rays [first, end) of a link.
+    /// Exchange and visibility from the measuring rays of a link, which end at `end`.
     void measure(Asked& asked, size_t end) const {
         Link& link = asked.link;
         const PatchNode &a = tree_[link.a], &b = tree_[link.b];
         float all = 0, seen = 0;
-        for (size_t r = asked.first_ray; r < end; ++r) {
+        for (size_t r = asked.first_measuring; r < end; ++r) {
             all += kernels_[r];
             if (!hidden_[r]) seen += kernels_[r];
         }
