@@ -33,8 +33,6 @@ constexpr float partly_hidden = 0.3f;
 // Share of the light of the weakest sender below which there counts as none.
 constexpr float unlit = 1e-3f;
 
-constexpr uint32_t deciding = 65;  // stream of rays
-
 // Rays that ask what stands between: few where little is carried.
 constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
 
@@ -156,7 +154,7 @@ class Refiner {
             }
         };
         const size_t first = rays_.size();
-        send(options_.seed ^ hash(deciding));
+        send(stream_seed(options_.seed, Stream::link_decisions));
         const size_t measuring = rays_.size();
         send(options_.seed);
         asked_.push_back({link, pair, first, measuring, count});
