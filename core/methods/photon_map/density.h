@@ -43,10 +43,8 @@ struct DensityPoint {
           offset(point.offset) {}
     DensityPoint(Vec3 position, Vec3 normal, float offset)
         : position(position), normal(normal), shading(normal), offset(offset) {}
-    static DensityPoint of_photon(const World& world, const Photon& photon) {
-        return {photon.position, photon.normal,
-                coordinate_resolution * (world.geometry.radius() + length(photon.position))};
-    }
+    /// Where a photon arrived, on the surface there as it is seen from a random direction `wo` above it.
+    static DensityPoint of_photon(const World& world, const Photon& photon, Vec3 wo);
 };
 
 /// A ray along the surface, between points just above the two: how far above goes with the size of the disc `radius`.

@@ -25,6 +25,8 @@
 #include "methods/photon_map/photon_maps.h"
 
 #include "base/parallel.h"
+#include "sampling/sampler.h"
+#include "sampling/warp.h"
 
 namespace eclat {
 
@@ -60,7 +62,9 @@ void PhotonMaps::precompute(const World& world, std::span<const Photon> places, 
         progress.check();
         for (size_t i = begin; i < end; ++i) {
             const Photon& p = places[i];
-            const DensityPoint at = DensityPoint::of_photon(world, p);
+            Sampler sampler(stream_seed(0, Stream::photon_places), 0, static_cast<uint32_t>(i));
+            const Vec3 wo = Frame::around(p.normal).to_world(square_to_cosine_hemisphere(sampler.next_2d()));
+            const DensityPoint at = DensityPoint::of_photon(world, p, wo);
             const DensityEstimate diffuse = estimate_irradiance(world, global, at, reading.global, progress);
             const DensityEstimate focused = estimate_irradiance(world, caustic, at, reading.caustic, progress);
             records[i] = {p.position, p.normal, diffuse.irradiance + focused.irradiance, diffuse.radius, diffuse.clear};

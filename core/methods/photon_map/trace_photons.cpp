@@ -138,7 +138,7 @@ class Tracer {
 
     bool scatter_photon(State& s, const Vertex& v, Ray& ray) const {
         const SurfacePoint& point = v.point;
-        const Vec3 from = v.wo, from_local = v.wo_local;
+        const Vec3 from_local = v.wo_local;
         float u_lobe = s.sampler.next_1d();
         const Vec2 u = s.sampler.next_2d();
         const float u_roulette = s.sampler.next_1d();
@@ -152,15 +152,11 @@ class Tracer {
         const float p = diffusely ? p_diffuse : 1 - p_diffuse;
         u_lobe = std::min((diffusely ? u_lobe : u_lobe - p_diffuse) / p, below_one);
         if (diffusely && !options_.stored.indirect) return false;
-        const auto to = scatter(point, from_local, u_lobe, u, diffusely ? LobeSet::diffuse : LobeSet::glossy);
+        const auto to = diffusely && point.frame.n != point.normal
+                            ? scatter_as_seen(v, u)
+                            : scatter_by_lobes(point, v, u_lobe, u, diffusely ? LobeSet::diffuse : LobeSet::glossy);
         if (!to) return false;
-        const BsdfSample& sample = to->sample;
-
-        // What `sample` weighs is radiance that travels the other way [Veach97 §5.3].
-        float adjoint = std::fabs(from_local.z * dot(to->direction, point.normal)) /
-                        std::fabs(dot(from, point.normal) * sample.wi.z);
-        if (sample.transmission) adjoint *= sqr(sample.eta_ratio);
-        const Color power = s.power * sample.weight * (adjoint / p);
+        const Color power = s.power * to->weight * (1 / p);
         // Unlike paths from the eye, photons keep equal powers: roulette at each vertex takes what the surface absorbs.
         float survival = std::min(1.0f, max_component(power) / max_component(s.power));
         if (edges(s) >= roulette_after::photon_edges) survival = std::min(survival, largest_survival);
@@ -170,6 +166,36 @@ class Tracer {
         s.passing = false;
         ray = point.ray(to->direction);
         return true;
+    }
+
+    struct Onward {
+        Vec3 direction;
+        Color weight;
+    };
+
+    /// What `scatter` weighs is radiance that travels the other way [Veach97 §5.3].
+    static std::optional<Onward> scatter_by_lobes(const SurfacePoint& point, const Vertex& v, float u_lobe, Vec2 u,
+                                                  LobeSet lobes) {
+        const auto to = scatter(point, v.wo_local, u_lobe, u, lobes);
+        if (!to) return std::nullopt;
+        const BsdfSample& sample = to->sample;
+        float adjoint = std::fabs(v.wo_local.z * dot(to->direction, point.normal)) /
+                        std::fabs(dot(v.wo, point.normal) * sample.wi.z);
+        if (sample.transmission) adjoint *= sqr(sample.eta_ratio);
+        return Onward{to->direction, sample.weight * adjoint};
+    }
+
+    /// By the diffuse lobes of a surface whose shading normal is not its geometric one. Who looks at it flatly sees it with a
+    /// normal bent towards him, so light leaves in all directions above the geometric surface, and not only above the
+    /// shading normal's: a direction is chosen by the geometric cosine, and weighed with what is seen from there.
+    std::optional<Onward> scatter_as_seen(const Vertex& v, Vec2 u) const {
+        const Vec3 n = dot(v.point.normal, v.wo) >= 0 ? v.point.normal : -v.point.normal;
+        const Vec3 to = Frame::around(n).to_world(square_to_cosine_hemisphere(u));
+        const SurfacePoint seen = world_.geometry.surface_point(v.hit, to);
+        const Vec3 wi = seen.frame.to_local(v.wo), wo = seen.frame.to_local(to);
+        if (wi.z * dot(v.wo, seen.normal) <= 0) return std::nullopt;
+        const Color f = seen.bsdf.eval(wo, wi, LobeSet::diffuse).f;
+        return Onward{to, f * (pi * std::fabs(wi.z) / dot(v.wo, n))};
     }
 
     const World& world_;

@@ -31,7 +31,7 @@ constexpr size_t block = 1024;  // links that are looked at together, whose rays
 constexpr float partly_hidden = 0.3f;
 
 // Share of the light of the weakest sender below which there counts as none.
-constexpr float unlit = 1e-3f;
+constexpr float unlit = 1e-5f;
 
 // Rays that ask what stands between: few where little is carried.
 constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
@@ -183,8 +183,7 @@ class Refiner {
             link.in_part = sees > 0 && static_cast<size_t>(sees) < asked.first_measuring - asked.first_ray;
             measure(asked, end);
             const float unsure = asked.pair.uncertain + partly_hidden;
-            if (link.in_part && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next))
-                continue;
+            if (link.in_part && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next)) continue;
             out.kept.push_back(link);
         }
         asked_.clear();

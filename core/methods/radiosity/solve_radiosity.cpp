@@ -41,6 +41,10 @@ constexpr float least_sender = 0.25f;
 constexpr float least_contrast = 0.03f;
 constexpr size_t neighbors = 8;
 
+// Where links are refined: black patches that are lit count as sending a little. Form factors are scaled to their closure,
+// so those of a black room must be known as well, or what it takes is wrong.
+constexpr float least_albedo = 0.05f;
+
 // As if the light of its two sides had nothing in common.
 constexpr float cut_contrast = 2;
 
@@ -121,7 +125,7 @@ class Solver {
         light_.total.resize(radiosity.size());
         for (const uint32_t i : tree_.leaves()) {
             const PatchSurface& s = surfaces_[i];
-            radiosity[i] = s.emitted + s.albedo * max(inherited(i), s.lights);
+            radiosity[i] = s.emitted + max(s.albedo, Color(least_albedo)) * max(inherited(i), s.lights);
         }
         const Exchanges none(tree_, {});
         const std::vector<Color> sent = RadiositySystem(tree_, surfaces_, none, options_.threads).pull(radiosity);
