@@ -5,6 +5,8 @@
 
 #include "base/parallel.h"
 #include "base/precision.h"
+#include "sampling/mis.h"
+#include "sampling/warp.h"
 
 namespace eclat {
 
@@ -47,6 +49,90 @@ Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t 
     });
 }
 
+/// Light straight from lights, found by light samples and by half as many directions in proportion to the cosine, weighted as
+/// two techniques [Veach97 §9]. Light samples alone are noisy beside what is large and near.
+class DirectSampler {
+  public:
+    DirectSampler(const World& world, const SurfacePoint& point, LightSet set, const PointIrradianceOptions& options)
+        : world_(world),
+          point_(point),
+          set_(set),
+          seed_(options.seed),
+          directions_(static_cast<float>((options.samples + samples_per_direction - 1) / samples_per_direction) /
+                      static_cast<float>(options.samples)) {}
+
+    /// For samples [first, end), as if each had all of its light and half a direction.
+    Color sum(uint32_t index, int first, int end, Progress& progress) {
+        return sum_of_light_samples(index, first, end, progress) + sum_of_arrivals(index, first, end, progress);
+    }
+
+  private:
+    static constexpr int samples_per_direction = 2;
+
+    Color sum_of_light_samples(uint32_t index, int first, int end, Progress& progress) {
+        rays_.clear();
+        contributions_.clear();
+        for (int s = first; s < end; ++s) {
+            Sampler sampler(seed_, index, static_cast<uint32_t>(s));
+            const float u = sampler.next_1d();
+            const LightSample light = world_.lights.sample(point_.position, u, sampler.next_2d(), set_);
+            const float cosine = dot(light.wi, point_.normal);
+            if (!(light.pdf_solid_angle > 0) || cosine <= 0) continue;
+            const float weight =
+                light.delta ? 1 : power_heuristic(light.pdf_solid_angle, directions_ * cosine * inv_pi);
+            rays_.push_back(point_.ray(light.wi, light.distance * shadow_shortening));
+            contributions_.push_back(light.radiance * (cosine * weight / light.pdf_solid_angle));
+        }
+        std::vector<uint8_t> occluded(rays_.size());
+        world_.geometry.rays().occluded(rays_, occluded);
+        progress.count_rays(rays_.size());
+        Color sum;
+        for (size_t i = 0; i < rays_.size(); ++i)
+            if (!occluded[i]) sum += contributions_[i];
+        return sum;
+    }
+
+    Color sum_of_arrivals(uint32_t index, int first, int end, Progress& progress) {
+        rays_.clear();
+        const uint32_t seed = stream_seed(seed_, Stream::point_arrivals);
+        // Numbers of directions are those of every second sample, so that parts of the samples need not begin evenly.
+        for (int s = first + first % samples_per_direction; s < end; s += samples_per_direction) {
+            Sampler sampler(seed, index, static_cast<uint32_t>(s / samples_per_direction));
+            rays_.push_back(point_.ray(point_.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
+        }
+        std::vector<Hit> hits(rays_.size());
+        world_.geometry.rays().intersect(rays_, hits);
+        progress.count_rays(rays_.size());
+        Color sum;
+        for (size_t i = 0; i < rays_.size(); ++i) sum += arriving(rays_[i].direction, hits[i]);
+        return sum * (pi / directions_);
+    }
+
+    /// Radiance along a direction, in so far as light samples have not counted it.
+    Color arriving(Vec3 w, const Hit& hit) const {
+        Color radiance;
+        float pdf_of_lights = 0;
+        if (hit.missed()) {
+            const Lights::Infinite behind = world_.lights.infinite(w, set_);
+            radiance = behind.radiance;
+            pdf_of_lights = behind.pdf_solid_angle;
+        } else if (const uint32_t emitter = world_.emitter(hit.triangle); emitter != not_emitting) {
+            radiance = world_.lights.emitted(emitter, {hit.u, hit.v}, -w);
+            pdf_of_lights = world_.lights.pdf_solid_angle(emitter, point_.position, point_.position + w * hit.t, set_);
+        }
+        if (is_black(radiance)) return {};
+        return radiance * power_heuristic(directions_ * dot(w, point_.normal) * inv_pi, pdf_of_lights);
+    }
+
+    const World& world_;
+    const SurfacePoint& point_;
+    LightSet set_;
+    uint32_t seed_;
+    float directions_;  // for each light sample
+    std::vector<Ray> rays_;
+    std::vector<Color> contributions_;
+};
+
 bool may_bounce(int max_depth) { return max_depth < 0 || max_depth > 2; }
 bool may_arrive(int max_depth) { return max_depth < 0 || max_depth > 1; }
 
@@ -63,24 +149,9 @@ SurfacePoint bare_point(const World& world, const PointNormal& at) {
 
 Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t index, LightSet set,
                         const PointIrradianceOptions& options, Progress& progress) {
-    return mean_over_samples(options, progress, [&](int first, int end) {
-        std::vector<Ray> rays;
-        std::vector<Color> contributions;
-        for (int s = first; s < end; ++s) {
-            Sampler sampler(options.seed, index, static_cast<uint32_t>(s));
-            if (const auto shadow = sample_irradiance(world, point, point.normal, set, sampler)) {
-                rays.push_back(shadow->ray);
-                contributions.push_back(shadow->contribution);
-            }
-        }
-        std::vector<uint8_t> occluded(rays.size());
-        world.geometry.rays().occluded(rays, occluded);
-        progress.count_rays(rays.size());
-        Color sum;
-        for (size_t i = 0; i < rays.size(); ++i)
-            if (!occluded[i]) sum += contributions[i];
-        return sum;
-    });
+    DirectSampler sampler(world, point, set, options);
+    return mean_over_samples(options, progress,
+                             [&](int first, int end) { return sampler.sum(index, first, end, progress); });
 }
 
 std::vector<Color> path_irradiance(const World& world, std::span<const PointNormal> points,
