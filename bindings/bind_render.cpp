@@ -37,14 +37,18 @@ void render_samples(const Camera& camera, Film& film, const EstimatorHolder& est
 auto irradiance(Points positions, Points normals, const PointEstimatorHolder& estimator,
                 const PointIrradianceOptions& options, Progress& progress) {
     const auto points = points_with_normals(positions, normals);
+    std::vector<float> errors(points.size(), 0.0f);
+    PointIrradianceOptions asked = options;
+    asked.direct_errors = errors;
     PointIrradiance found;
     {
         const nb::gil_scoped_release unlocked;
-        found = estimator.call(points, options, progress);
+        found = estimator.call(points, asked, progress);
     }
     std::optional<std::pair<size_t, size_t>> served;
     if (found.served) served = {found.served->served, found.served->gathered};
-    return std::make_tuple(color_array(found.values), served);
+    auto direct_errors = float_array({errors.size()}, [&](float* data) { std::ranges::copy(errors, data); });
+    return std::make_tuple(color_array(found.values), served, std::move(direct_errors));
 }
 
 using FoundRadiance = Array<float, -1, 2, 3>;

@@ -14,17 +14,17 @@ namespace {
 
 constexpr uint32_t path_dimension = 8;  // where a path's numbers begin, after those of the light sample
 
-/// Mean over all samples of a point, of which `block(first, end)` returns a part's sum: a block at a time, so that memory
-/// and the wait after a cancelled progress are bounded.
+/// Sum over samples [first, end) of a point, of which `block(first, end)` returns a part's sum: a block at a time, so that
+/// memory and the wait after a cancelled progress are bounded.
 template <class Block>
-Color mean_over_samples(const PointIrradianceOptions& options, Progress& progress, Block&& block) {
+Color sum_over_samples(int first, int end, Progress& progress, Block&& block) {
     constexpr int samples_at_once = 4096;
     Color sum;
-    for (int first = 0; first < options.samples; first += samples_at_once) {
+    for (; first < end; first += samples_at_once) {
         progress.check();
-        sum += block(first, std::min(options.samples, first + samples_at_once));
+        sum += block(first, std::min(end, first + samples_at_once));
     }
-    return sum / static_cast<float>(options.samples);
+    return sum;
 }
 
 Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t index,
@@ -33,7 +33,7 @@ Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t 
     paths.cache = far;
     paths.emission_at_first_hit = false;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
-    return mean_over_samples(options, progress, [&](int first, int end) {
+    const Color sum = sum_over_samples(0, options.samples, progress, [&](int first, int end) {
         std::vector<PathRay> rays;
         for (int s = first; s < end; ++s) {
             Sampler sampler(options.seed, index, static_cast<uint32_t>(s));
@@ -47,6 +47,7 @@ Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t 
         for (const PathResult& r : results) sum += r.radiance * pi;
         return sum;
     });
+    return sum / static_cast<float>(options.samples);
 }
 
 /// Light straight from lights, found by light samples and by half as many directions in proportion to the cosine, weighted as
@@ -150,8 +151,19 @@ SurfacePoint bare_point(const World& world, const PointNormal& at) {
 Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t index, LightSet set,
                         const PointIrradianceOptions& options, Progress& progress) {
     DirectSampler sampler(world, point, set, options);
-    return mean_over_samples(options, progress,
-                             [&](int first, int end) { return sampler.sum(index, first, end, progress); });
+    const auto sum = [&](int from, int to) {
+        return sum_over_samples(from, to, progress,
+                                [&](int first, int end) { return sampler.sum(index, first, end, progress); });
+    };
+    // How far halves of the samples differ tells how far their mean lies from the truth, half as much.
+    const int first_half = (options.samples + 1) / 2, second_half = options.samples - first_half;
+    const Color first = sum(0, first_half), second = sum(first_half, options.samples);
+    if (!options.direct_errors.empty() && second_half > 0) {
+        const float difference =
+            luminance(first / static_cast<float>(first_half)) - luminance(second / static_cast<float>(second_half));
+        options.direct_errors[index] = std::hypot(options.direct_errors[index], 0.5f * difference);
+    }
+    return (first + second) / static_cast<float>(options.samples);
 }
 
 std::vector<Color> path_irradiance(const World& world, std::span<const PointNormal> points,

@@ -30,6 +30,9 @@ struct PointIrradianceOptions {
     int max_depth = -1;  // as for pictures: 2 is direct light
     uint32_t seed = 0;
     int threads = 0;
+    /// Gets a standard error for each point's light straight from lights, W m⁻² of luminance, where it is not empty; filled
+    /// with 0 by the caller.
+    std::span<float> direct_errors{};
 };
 
 /// Light straight from the lights of `set` at the point with that index, by light samples [W m⁻²].

@@ -155,7 +155,7 @@ def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat:
     statistics = lightmap.statistics
     text = (
         f"{output}: {width} x {height} texels of {lightmap.texel_size:g} m, {statistics['charts']:,.0f} charts, "
-        f"{statistics['seconds']:.1f} s"
+        f"{statistics['seconds']:.1f} s{_errors(statistics)}"
     )
     clipped = 0.0 if flat else lightmap.clipped_share()
     if clipped > 0:
@@ -169,4 +169,12 @@ def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat:
         texel_size=lightmap.texel_size,
         clipped_share=clipped,
         statistics=dict(statistics),
+    )
+
+
+def _errors(statistics: dict[str, float]) -> str:
+    """What is known of the error of texels before they are fitted."""
+    names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
+    return "".join(
+        f", {what} within {100 * statistics[n]:.1g} %" for n, what in names.items() if statistics.get(n, 0) > 0
     )

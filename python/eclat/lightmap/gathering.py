@@ -67,13 +67,14 @@ class Points:
 
 @dataclass(frozen=True, eq=False)
 class Gathered:
-    """The `values` (N, 3) of texels and the `places` (N, 2) in the map that they are for. `seen` (N,) marks the texels
-    that a viewer may see; all others are 0."""
+    """`values` (N, 3) of texels and the `places` (N, 2) in the map that they are for; `seen` (N,): texels of which a
+    viewer may see anything, the others being 0. `errors` are as `eclat.irradiance` states them."""
 
     values: FloatArray
     places: FloatArray
     seen: Mask
     rays: float
+    errors: dict[str, float]  # relative: `direct_error` of light straight from lights, `estimated_error` of records besides
 
 
 def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Points:
@@ -122,6 +123,7 @@ def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: S
     chosen = np.argmax(free, axis=1)  # This is the centre, or else the first point that is free.
     at = np.flatnonzero(seen), chosen[seen]
     rays = 0.0
+    errors: dict[str, float] = {}
     from_records = asks_for_indirect(settings.component, settings.max_depth) and source.options.has_records
     if from_records:
         work = Work(settings.max_depth, settings.seed, thread_count(settings.threads), settings.progress)
@@ -135,6 +137,7 @@ def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: S
         counts: dict[str, float] = {}
         found = irradiance(scene, points.positions[which], points.normals[which], by, statistics=counts, **keywords)
         rays += counts["rays"]
+        errors.update({name: counts[name] for name in ("direct_error", "estimated_error") if name in counts})
         return found.astype(np.float64)
 
     def mean_of(by: Source, component: Component) -> FloatArray:
@@ -143,15 +146,17 @@ def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: S
         samples = math.ceil(settings.samples / spread.shape[1])
         total[where] = of_points((where[0], where[1] + 1), by, **settings.keywords(component, samples))
         summed: FloatArray = (total * share[..., None]).sum(axis=1)
+        # Points of a texel err independently.
+        errors["direct_error"] *= math.sqrt(len(share) / max(1, len(where[0])))
         return summed
 
     values: FloatArray = np.zeros((len(free), 3))
     if not from_records:
-        return Gathered(mean_of(source, settings.component), places, seen, rays)
-    # Records hold the light of an environment image. The two parts alone would be noisier than their sum.
+        return Gathered(mean_of(source, settings.component), places, seen, rays, errors)
+    # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
     apart = settings.component == "total" and scene.environment is None
     component: Component = "indirect" if apart else settings.component
     values[seen] = of_points(at, source, **settings.keywords(component))
     if apart:
         values += mean_of(Direct(), "direct")
-    return Gathered(values, places, seen, rays)
+    return Gathered(values, places, seen, rays, errors)

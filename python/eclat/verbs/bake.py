@@ -124,6 +124,7 @@ def bake(
             "texels": float(len(texels)),
             "buried": float((~gathered.seen).sum()),
             "rays": gathered.rays,
+            **gathered.errors,
             "seconds": clock.perf_counter() - started,
             "area": area,
             "charts": float(len(np.unique(corners.charts[corners.charts >= 0]))),

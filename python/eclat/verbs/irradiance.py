@@ -24,6 +24,8 @@ from eclat.bridge.arguments import (
 from eclat.bridge.compiled import compiled
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, did_you_mean
+from eclat.measure.metrics import RELATIVE_C
+from eclat.measure.photometry import luminance
 from eclat.methods import Direct, IrradianceCache, Method, Path, Source, as_method
 from eclat.methods.records.laws import core_options
 from eclat.methods.work import AtPoints, Work
@@ -96,7 +98,9 @@ def irradiance(
     max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. What was solved must have been solved
         with the same.
     statistics : a dict that is filled with `points`, `served` (by records) and `gathered` (both only where a cache
-        was read), `paths` per point (only where None chose them), `rays` and `seconds`.
+        was read), `paths` per point (only where None chose them), `rays` and `seconds`; `direct_error`, the relative
+        error of light straight from lights (one deviation, from halves of its samples), and where the error of records
+        is known, `estimated_error` of both.
 
     Raises
     ------
@@ -135,15 +139,31 @@ def irradiance(
     positions = compiled(scene).to_core(places.positions)
     directions = np.ascontiguousarray(places.normals, np.float32)
     counted = _core.Progress()
-    found, served = run(
+    found, served, direct_errors = run(
         "irradiance", lambda p: _core.irradiance(positions, directions, estimator, asked, p), progress, counted
     )
     if served is not None:
         counts |= {"served": float(served[0]), "gathered": float(served[1])}
     counts["rays"] += float(counted.rays)
+    counts |= stated_errors(np.asarray(found), np.asarray(direct_errors), prepared.statistics)
     if statistics is not None:
         statistics.update(counts, seconds=clock.perf_counter() - started)
     return np.asarray(found, np.float32).reshape(-1, 3)
+
+
+def stated_errors(
+    found: NDArray[np.floating], direct_errors: NDArray[np.floating], solved: dict[str, float]
+) -> dict[str, float]:
+    """What is known of the error of irradiance (N, 3), relative as in `metrics.relative_rmse`: `direct_error`, from halves
+    of the light samples of each point, whose standard errors are (N,) luminances; and where the error of records was
+    estimated, `estimated_error` of both together."""
+    light = luminance(found).astype(np.float64)
+    scale = light**2 + RELATIVE_C * float(np.mean(light**2)) if len(light) else light
+    relative = np.divide(direct_errors.astype(np.float64) ** 2, scale, out=np.zeros_like(light), where=scale > 0)
+    errors = {"direct_error": float(np.sqrt(relative.mean())) if len(light) else 0.0}
+    if "estimated_error" in solved:
+        errors["estimated_error"] = float(np.hypot(errors["direct_error"], solved["estimated_error"]))
+    return errors
 
 
 def asks_for_indirect(component: Component, max_depth: int) -> bool:
