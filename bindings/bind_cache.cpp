@@ -3,6 +3,7 @@
 
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
+#include <nanobind/stl/pair.h>
 #include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
@@ -17,6 +18,7 @@
 
 #include "arrays.h"
 #include "estimate/error_estimate.h"
+#include "estimate/focused_light.h"
 #include "methods/irradiance_cache/irradiance_cache.h"
 #include "methods/radiance_cache/radiance_cache.h"
 #include "methods/irradiance_cache/solve_points.h"
@@ -264,6 +266,13 @@ void bind_error_types(nb::module_& m) {
 }
 
 void bind_error_estimates(nb::module_& m) {
+    m.def(
+        "focused_light",
+        [](const CoreScene& scene, int max_depth, uint32_t seed, int threads, Progress& progress) {
+            const FocusedLight found = focused_light(scene.world(), max_depth, seed, threads, progress);
+            return std::pair(found.by_chance, found.unseen);
+        },
+        "scene"_a, "max_depth"_a, "seed"_a, "threads"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def(
         "estimate_error_for_camera",
         [](const CoreScene& scene, const Camera& camera, const SolvedCaches& caches, const ErrorCheck& check,

@@ -74,7 +74,9 @@ class Gathered:
     places: FloatArray
     seen: Mask
     rays: float
-    errors: dict[str, float]  # relative: `direct_error` of light straight from lights, `estimated_error` of records besides
+    errors: dict[
+        str, float
+    ]  # relative: `direct_error` of light straight from lights, `estimated_error` of records besides
 
 
 def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Points:

@@ -56,10 +56,34 @@ class ErrorEstimate:
         return ErrorEstimate(error, low, high, self.unserved)
 
 
+LIGHT_BY_CHANCE = "light_by_chance"
+LEAST_BY_CHANCE = 0.005  # of the light of lamps; less is not worth a word
+
+
+def with_light_by_chance(statistics: Mapping[str, float], share: float) -> dict[str, float]:
+    """`share` of the light of lamps, which comes from small ones by mirrors, metals and glass, as `light_by_chance`, and what
+    is claimed of the error with it: no probe sees that light, so that as much may be wrong."""
+    if not share > LEAST_BY_CHANCE:
+        return {}
+    raised = {name: math.hypot(statistics[name], share) for name in ("estimated_error", "estimated_error_high")}
+    return raised | {LIGHT_BY_CHANCE: share}
+
+
+def without_light_by_chance(statistics: Mapping[str, float]) -> dict[str, float]:
+    """What the probes themselves said: finer settings make only that smaller."""
+    share = statistics.get(LIGHT_BY_CHANCE, 0.0)
+    names = ("estimated_error", "estimated_error_high")
+    return dict(statistics) | {name: math.sqrt(max(0.0, statistics[name] ** 2 - share**2)) for name in names}
+
+
 def error_text(statistics: Mapping[str, float]) -> str:
     """`estimated error 0.9 % ± 0.1 (95 %)`; empty where nothing was estimated. It says where records of radiance are left out."""
     if "estimated_error" not in statistics:
         return ""
+    if share := statistics.get(LIGHT_BY_CHANCE, 0.0):
+        rest = {name: value for name, value in statistics.items() if name != LIGHT_BY_CHANCE}
+        by_chance = f"{100 * share:.1g} % of the light of lamps comes from small ones by mirrors, metals or glass"
+        return f"{error_text(rest)}; {by_chance}, where records and probes find it by chance only"
     if statistics.get("gloss_estimated") == 0 and statistics.get("radiance_records"):
         return error_text({**statistics, "gloss_estimated": 1.0}) + " of irradiance, gloss not included"
     quoted, low, high = (100 * statistics[f"estimated_error{end}"] for end in ("", "_low", "_high"))

@@ -31,7 +31,7 @@ from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.images.image import Image
 from eclat.images.record_overlay import record_density
-from eclat.measure.error_estimate import ErrorEstimate
+from eclat.measure.error_estimate import LIGHT_BY_CHANCE, ErrorEstimate, with_light_by_chance
 from eclat.methods import IrradianceCache, Method, Prepared, Source, as_method
 from eclat.methods.work import Care, View, Work
 from eclat.sampling.adaptive_sampling import AdaptiveSamples, Counts
@@ -263,6 +263,7 @@ class _Picture:
         if self.estimate is not None:
             whole = self.estimate.with_noise(statistics.get("noise", 0.0))
             statistics |= whole.statistics() | {"cache_error": self.estimate.quoted}
+            statistics |= with_light_by_chance(statistics, self.prepared.statistics.get(LIGHT_BY_CHANCE, 0.0))
         return statistics
 
     def tell_bad_samples(self, image: Image, film: _core.Film, taken: int) -> None:

@@ -12,7 +12,7 @@ import numpy as np
 
 from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
-from eclat.measure.error_estimate import ErrorEstimate
+from eclat.measure.error_estimate import ErrorEstimate, without_light_by_chance
 from eclat.methods.method import Common, DamagedArrayError, Solved
 from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.options import RadianceOptions, RecordOptions
@@ -148,7 +148,8 @@ class Solution(Solved):
         names = ("estimated_error", "estimated_error_low", "estimated_error_high", "unserved")
         if not set(names) <= set(self.statistics):
             return None
-        return ErrorEstimate(*(self.statistics[name] for name in names))
+        seen = without_light_by_chance(self.statistics)
+        return ErrorEstimate(*(seen[name] for name in names))
 
     def core(self) -> _core.SolvedCaches:
         """The caches as the core reads them."""

@@ -15,7 +15,7 @@ from eclat import _core
 from eclat.bridge.compiled import compiled
 from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
-from eclat.measure.error_estimate import CHECK_SHARE, ErrorEstimate
+from eclat.measure.error_estimate import CHECK_SHARE, ErrorEstimate, with_light_by_chance
 from eclat.methods.photon_map import PhotonMap, trace
 from eclat.methods.records import laws
 from eclat.methods.records.laws import CHECK_SHARE_OF_REFINEMENT, core_options, core_radiance_options, finer
@@ -161,6 +161,10 @@ class Job:
         statistics = (
             solution.statistics | ErrorEstimate.of_squared(found.squared, found.deviation, found.missed).statistics()
         )
+        by_chance, _ = _core.focused_light(
+            compiled(self.scene).core, self.work.max_depth, self.work.seed, self.work.threads, counted
+        )
+        statistics |= with_light_by_chance(statistics, by_chance)
         if tables is not None:
             statistics["gloss_estimated"] = float(self.where.estimates_gloss)
         statistics["check_rays"] = float(counted.rays)

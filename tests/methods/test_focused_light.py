@@ -1,0 +1,57 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""What is stated of light that gather rays and error probes find by chance only."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.measure.error_estimate import LIGHT_BY_CHANCE, error_text
+from eclat.scene import Material, Mesh, Scene, grey
+
+
+def quad(corners: list[tuple[float, float, float]], material: Material) -> Mesh:
+    return Mesh(np.array(corners, float), np.array([(0, 1, 2), (0, 2, 3)]), material)
+
+
+def lamp_beside(mirror: Material, half_width: float) -> Scene:
+    """A lamp over a floor in the corner that the floor makes with an upright sheet."""
+    h = half_width
+    lamp = Material("diffuse", {"reflectance": grey(0.0)}, emission=grey(1.0 / h**2))
+    floor = Material("diffuse", {"reflectance": grey(0.8)})
+    return Scene(
+        meshes=(
+            quad([(0.8 - h, 1.5, h), (0.8 - h, 1.5, -h), (0.8 + h, 1.5, -h), (0.8 + h, 1.5, h)], lamp),
+            quad([(0, 0, 4), (4, 0, 4), (4, 0, -4), (0, 0, -4)], floor),
+            quad([(0, 0, 4), (0, 0, -4), (0, 4, -4), (0, 4, 4)], mirror),
+        )
+    )
+
+
+MIRROR = Material("conductor", {"specular_reflectance": grey(0.9)})
+POINTS = np.column_stack([np.linspace(0.1, 2, 40), np.zeros(40), np.linspace(-0.9, 0.9, 40)])
+NORMALS = np.tile((0.0, 1.0, 0.0), (40, 1))
+
+
+def statistics(scene: Scene) -> dict[str, float]:
+    return eclat.solve(scene, points=(POINTS, NORMALS)).statistics
+
+
+def test_light_of_a_small_lamp_by_a_mirror_is_not_claimed_to_be_right() -> None:
+    """The floor cannot see itself, so that all its indirect light is that of the lamp's image, a fifth of all; the cache
+    misses it, and its probes said 0.00 %."""
+    found = statistics(lamp_beside(MIRROR, 0.01))
+    assert 0.1 < found[LIGHT_BY_CHANCE] < 0.4
+    assert found["estimated_error"] >= found[LIGHT_BY_CHANCE]
+    assert "by mirrors, metals or glass" in error_text(found)
+
+
+@pytest.mark.parametrize(
+    "scene",
+    [lamp_beside(MIRROR, 0.5), lamp_beside(Material("diffuse", {"reflectance": grey(0.9)}), 0.01)],
+    ids=["large lamp", "white wall"],
+)
+def test_light_that_gathers_find_is_not_held_against_them(scene: Scene) -> None:
+    assert LIGHT_BY_CHANCE not in statistics(scene)
