@@ -17,7 +17,8 @@ namespace eclat {
 /// that are not diffuse.
 struct FocusedLight {
     double by_chance = 0;  // by narrow lobes from what looks so small that few rays of a gather meet it, or none
-    double unseen = 0;     // the part of it that no ray from the eye ever finds: of points and the like, by perfect mirrors
+    double unseen =
+        0;  // the part of it that no ray from the eye ever finds: of points and the like, by perfect mirrors
 };
 
 /// From some ten thousand photons: a share of a hundredth is known to a tenth of itself.

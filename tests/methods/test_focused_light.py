@@ -8,8 +8,9 @@ import numpy as np
 import pytest
 
 import eclat
+from eclat.errors import EclatWarning
 from eclat.measure.error_estimate import LIGHT_BY_CHANCE, error_text
-from eclat.scene import Material, Mesh, Scene, grey
+from eclat.scene import Material, Mesh, PointLight, Scene, grey
 
 
 def quad(corners: list[tuple[float, float, float]], material: Material) -> Mesh:
@@ -55,3 +56,11 @@ def test_light_of_a_small_lamp_by_a_mirror_is_not_claimed_to_be_right() -> None:
 )
 def test_light_that_gathers_find_is_not_held_against_them(scene: Scene) -> None:
     assert LIGHT_BY_CHANCE not in statistics(scene)
+
+
+def test_path_says_that_light_of_points_by_mirrors_is_missing() -> None:
+    floor, mirror = lamp_beside(MIRROR, 0.01).meshes[1:]
+    scene = Scene(meshes=(floor, mirror), lights=(PointLight((0.8, 1.5, 0.0), (1.0, 1.0, 1.0)),))
+    with pytest.warns(EclatWarning, match="no path finds it"):
+        eclat.irradiance(scene, POINTS, NORMALS, eclat.Path(), samples=1)
+    assert statistics(scene)[LIGHT_BY_CHANCE] > 0.1

@@ -68,15 +68,13 @@ class Points:
 @dataclass(frozen=True, eq=False)
 class Gathered:
     """`values` (N, 3) of texels and the `places` (N, 2) in the map that they are for; `seen` (N,): texels of which a
-    viewer may see anything, the others being 0. `errors` are as `eclat.irradiance` states them."""
+    viewer may see anything, the others being 0. `counts` holds `rays`, and the errors
+    `direct_error` and `estimated_error` as `eclat.irradiance` states them."""
 
     values: FloatArray
     places: FloatArray
     seen: Mask
-    rays: float
-    errors: dict[
-        str, float
-    ]  # relative: `direct_error` of light straight from lights, `estimated_error` of records besides
+    counts: dict[str, float]
 
 
 def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Points:
@@ -154,11 +152,11 @@ def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: S
 
     values: FloatArray = np.zeros((len(free), 3))
     if not from_records:
-        return Gathered(mean_of(source, settings.component), places, seen, rays, errors)
+        return Gathered(mean_of(source, settings.component), places, seen, {"rays": rays, **errors})
     # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
     apart = settings.component == "total" and scene.environment is None
     component: Component = "indirect" if apart else settings.component
     values[seen] = of_points(at, source, **settings.keywords(component))
     if apart:
         values += mean_of(Direct(), "direct")
-    return Gathered(values, places, seen, rays, errors)
+    return Gathered(values, places, seen, {"rays": rays, **errors})

@@ -123,8 +123,7 @@ def bake(
         statistics={
             "texels": float(len(texels)),
             "buried": float((~gathered.seen).sum()),
-            "rays": gathered.rays,
-            **gathered.errors,
+            **gathered.counts,
             "seconds": clock.perf_counter() - started,
             "area": area,
             "charts": float(len(np.unique(corners.charts[corners.charts >= 0]))),
