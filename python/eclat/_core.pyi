@@ -298,7 +298,7 @@ def irradiance(
     estimator: PointEstimator,
     options: PointIrradianceOptions,
     progress: Progress,
-) -> tuple[NDArray[numpy.float32], tuple[int, int] | None]:
+) -> tuple[NDArray[numpy.float32], tuple[int, int] | None, NDArray[numpy.float32]]:
     """
     Irradiance (points, 3), and how many points a cache served and did not, or None where there is none.
     """
@@ -667,6 +667,7 @@ class ErrorEstimate:
     @property
     def places(self) -> NDArray[numpy.float32]: ...
 
+def focused_light(scene: Scene, max_depth: int, seed: int, threads: int, progress: Progress) -> tuple[float, float]: ...
 def estimate_error_for_camera(
     scene: Scene,
     camera: Camera,

@@ -176,5 +176,5 @@ def _errors(statistics: dict[str, float]) -> str:
     """What is known of the error of texels before they are fitted."""
     names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
     return "".join(
-        f", {what} within {100 * statistics[n]:.1g} %" for n, what in names.items() if statistics.get(n, 0) > 0
+        f", {what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0
     )

@@ -113,9 +113,9 @@ def _how(statistics: dict[str, float], photometric: bool) -> str:
     if "paths" in statistics:
         parts.append(f"each by {statistics['paths']:,.0f} paths, which take fewer rays than records would")
     if statistics.get("direct_error", 0) > 0:
-        parts.append(f"light straight from lamps within {100 * statistics['direct_error']:.1g} %")
+        parts.append(f"light straight from lamps within {100 * statistics['direct_error']:.2g} %")
     if "estimated_error" in statistics:
-        parts.append(f"all light within {100 * statistics['estimated_error']:.1g} %")
+        parts.append(f"all light within {100 * statistics['estimated_error']:.2g} %")
     parts.append("RGB in lux" if photometric else f"RGB in W/m², lux by {LUMENS_PER_WATT:g} lm/W")
     return ", ".join(parts)
 

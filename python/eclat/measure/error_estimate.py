@@ -81,9 +81,11 @@ def error_text(statistics: Mapping[str, float]) -> str:
     if "estimated_error" not in statistics:
         return ""
     if share := statistics.get(LIGHT_BY_CHANCE, 0.0):
-        rest = {name: value for name, value in statistics.items() if name != LIGHT_BY_CHANCE}
-        by_chance = f"{100 * share:.1g} % of the light of lamps comes from small ones by mirrors, metals or glass"
-        return f"{error_text(rest)}; {by_chance}, where records and probes find it by chance only"
+        rest = without_light_by_chance(statistics)
+        del rest[LIGHT_BY_CHANCE]
+        least, percent = 100 * statistics["estimated_error"], 100 * share
+        by_chance = f"{percent:.2g} % of the light of lamps comes from small ones by mirrors, metals or glass"
+        return f"error {least:.2g} % or more: {by_chance}, which records and probes find by chance only; else {error_text(rest)}"
     if statistics.get("gloss_estimated") == 0 and statistics.get("radiance_records"):
         return error_text({**statistics, "gloss_estimated": 1.0}) + " of irradiance, gloss not included"
     quoted, low, high = (100 * statistics[f"estimated_error{end}"] for end in ("", "_low", "_high"))

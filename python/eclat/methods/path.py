@@ -46,6 +46,6 @@ def _warn_of_unseen_light(scene: Scene, work: Work) -> None:
     _, unseen = _core.focused_light(compiled(scene).core, work.max_depth, work.seed, work.threads, _core.Progress())
     if unseen > LEAST_BY_CHANCE:
         warn(
-            f"{100 * unseen:.1g} % of the light of lamps is that of points, spots or directions by mirrors or glass: no path "
+            f"{100 * unseen:.2g} % of the light of lamps is that of points, spots or directions by mirrors or glass: no path "
             "finds it, and it is missing here; photon-map has it"
         )
