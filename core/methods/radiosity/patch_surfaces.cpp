@@ -125,7 +125,7 @@ class PatchMeter {
             rays_.push_back(point.ray(point.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
         }
         hits_.resize(rays_.size());
-        world_.geometry.rays().intersect(rays_, hits_);
+        world_.geometry.meet_with_backs(rays_, hits_);
         progress_.count_rays(rays_.size());
         // Each ray starts at a point of its own.
         exposed_.clear();
@@ -172,7 +172,7 @@ class PatchMeter {
             }
         }
         hits_.resize(rays_.size());
-        world_.geometry.rays().intersect(rays_, hits_);
+        world_.geometry.meet_with_backs(rays_, hits_);
         progress_.count_rays(rays_.size());
         size_t kept = 0, ray = 0;
         for (const Exposed& e : exposed_) {
