@@ -28,12 +28,12 @@ SUFFIXES: dict[str, tuple[str, str]] = {
 
 
 def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
-    """A scene from a file, or a built-in one by its name.
+    """Load a scene from a file, or a built-in scene by its name.
 
     Parameters
     ----------
     path : a file with one of `SUFFIXES` (capitals do not matter), or one of `eclat.scenes.NAMES`.
-    parameters : of a built-in scene (`eclat.scenes.build`), or of an XML file: values of its `$name`s.
+    parameters : the parameters of a built-in scene (`eclat.scenes.build`), or the values of `$name` in an XML file.
 
     Returns
     -------
@@ -41,7 +41,7 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
 
     Raises
     ------
-    EclatError : no such file, unknown suffix or name, and whatever is wrong in the file.
+    EclatError : the file does not exist, its suffix or the name is unknown, or the file is wrong.
 
     Examples
     --------
@@ -67,7 +67,7 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
 def load_dict(description: Mapping[str, Any], base_folder: str | os.PathLike[str] | None = None) -> Scene:
     """A scene from a dict as `mitsuba.load_dict` takes it; file names in it begin at `base_folder` (default: here).
 
-    As `load`, keeps warnings in the scene. Raises EclatError with the path of keys.
+    Like `load`, it keeps warnings in the scene. Raises EclatError with the path of keys.
     """
     from eclat.loaders import mitsuba
 

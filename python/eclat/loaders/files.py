@@ -86,7 +86,7 @@ def read_texture(
 
     Parameters
     ----------
-    srgb : what `Texture.srgb` shall be.
+    srgb : the value for `Texture.srgb`.
     where : file and element for warnings.
     neutral : the one texel of the stand-in. Without it, colours (`srgb`) get a mauve and grey checker, so that one
         sees what is missing, and data gets 1, so that the parameter's constant acts alone.

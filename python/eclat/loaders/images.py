@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Encoded images to arrays, with every failure of a decoder turned into an EclatError."""
+"""Decodes images to arrays and turns every failure of a decoder into an EclatError."""
 
 from __future__ import annotations
 
@@ -22,7 +22,7 @@ from PIL.PngImagePlugin import PngImageFile
 from eclat.errors import EclatError
 from eclat.loaders.linear_images import DECODERS, MAX_PIXELS, check_size
 
-# Formats by name: Pillow would otherwise also try those that start other programs (EPS).
+# The formats are named, because Pillow would otherwise also try formats that start other programs (EPS).
 FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "AVIF", "PPM", "DDS", "PCX")
 
 _ALLOWANCE = 1 << 30
@@ -36,7 +36,7 @@ _spent: ContextVar[list[int] | None] = ContextVar("spent", default=None)
 _DEFLATE_LIMIT = 1032
 """No deflate stream grows by more than this (258 bytes for 2 bits), so a PNG that claims more is lying."""
 
-# Pillow's plugins raise nearly every type there is on broken files.
+# Pillow's plugins raise nearly every type of exception on broken files.
 _DECODER_ERRORS = (
     *(OSError, ValueError, TypeError, ArithmeticError, LookupError, EOFError, SyntaxError, AttributeError),
     *(RuntimeError, MemoryError, struct.error, zlib.error, Image.DecompressionBombError),

@@ -64,7 +64,7 @@ class Library:
 
 @dataclass(frozen=True)
 class Map:
-    """A texture statement: file and options."""
+    """A texture statement: its file and its options."""
 
     name: str
     scale: tuple[float, float] = (1.0, 1.0)
@@ -75,7 +75,7 @@ class Map:
 
     @property
     def uv_transform(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """uv · scale + offset, said in our downward v: 1 − ((1 − v) · scale + offset)."""
+        """The map uv · scale + offset for v that grows downwards: 1 − ((1 − v) · scale + offset)."""
         (su, sv), (ou, ov) = self.scale, self.offset
         return ((su, 0.0, ou), (0.0, sv, 1.0 - sv - ov))
 
@@ -161,7 +161,7 @@ def _parse(path: Path) -> dict[str, Entry]:
 
 
 def find_entry(library: Library, name: str) -> Entry | None:
-    """The material called `name`; one of the same name but for capitals will do; else None, with a warning."""
+    """The material called `name`, where case does not matter if no name matches exactly; else None, with a warning."""
     entry = library.entries.get(name)
     if entry is None:
         entry = library.folded.get(name.casefold())
@@ -176,7 +176,7 @@ def find_entry(library: Library, name: str) -> Entry | None:
 
 
 def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) -> float | None:
-    """The first number of a statement, None where it is absent; EclatError unless it is in `least`..`most`."""
+    """The first number of a statement, or None if it is absent. Raises EclatError if it is not in `least`..`most`."""
     if key not in entry.statements:
         return None
     text = entry.statements[key][1].partition("#")[0].removeprefix("-halo")

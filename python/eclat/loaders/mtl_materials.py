@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""MTL materials as Éclat's: what the format's numbers mean physically.
+"""MTL materials as materials of Éclat: what the format's numbers mean physically.
 
 MTL describes the light models of the 1990s; this table is how they are read here. Colours are linear numbers, colour
 images sRGB. Kd is multiplied by map_Kd and so on. All surfaces are two-sided, emission (Ke) is on the normal's side.
@@ -59,7 +59,7 @@ _CHANNELS = {"r": 0, "g": 1, "b": 2, "m": 3}
 
 @dataclass(frozen=True)
 class MtlMaterial:
-    """A material, and what it is instead on sheets that enclose no volume (where that differs)."""
+    """A material, and the one that replaces it on sheets that enclose no volume, if that differs."""
 
     material: Material
     sheet: Material | None = None
@@ -135,7 +135,7 @@ def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
         return replace(common, kind="conductor", parameters=parameters | {"specular_reflectance": specular})
     if ks == 0:
         return replace(common, kind="diffuse", parameters={"reflectance": diffuse})
-    # Their largest components may lie in different channels and so add up to more than 1.
+    # Their largest components may lie in different channels, so they may add up to more than 1.
     total = max(1.0, kd + ks)
     weight = ks / (kd + ks)
     base = Material("diffuse", {"reflectance": _scaled(diffuse, 1 / total / (1 - weight))}, name=common.name)
@@ -145,7 +145,7 @@ def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
 
 
 def _is_glass(entry: Entry, illum: float) -> bool:
-    """Whether anything but the number of the light model says that light passes through."""
+    """Whether anything besides the number of the light model says that light passes through."""
     ior, d, tr = (number(entry, key) for key in ("ni", "d", "tr"))
     if ior is not None and abs(ior - 1) > _SAME_INDEX:
         return True
@@ -273,7 +273,7 @@ def _looks_like_normals(texture: Texture) -> bool:
 
 
 def _color(library: Library, entry: Entry, key: str, default: float) -> Value:
-    """A colour times its map."""
+    """A colour multiplied by its map."""
     constant = color(entry, key) or (default, default, default)
     found = texture_map(entry, f"map_{key}")
     if found is None:
@@ -296,7 +296,7 @@ def _say_hidden(entry: Entry, key: str) -> None:
 
 
 def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: int | None = None) -> Value:
-    """A number times its map."""
+    """A number multiplied by its map."""
     found = texture_map(entry, key)
     if found is None:
         return grey(constant)
@@ -310,6 +310,6 @@ def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: 
 
 
 def _channel(found: Map, texture: Texture) -> int:
-    """The channel that -imfchan wants, where the image has it, else the first."""
+    """The channel that -imfchan names, or the first one if the image does not have it."""
     channel = _CHANNELS.get(found.channel, 0)
     return channel if channel < texture.image.shape[2] else 0

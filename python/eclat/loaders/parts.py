@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""One bad part of a scene does not end the rest: it is left out with a warning."""
+"""A bad part of a scene is left out with a warning, and the rest is loaded."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ class LimitError(EclatError):
 
 
 class Parts:
-    """The parts of a scene, taken one by one.
+    """Reads the parts of a scene one by one and collects their errors.
 
     Examples
     --------
@@ -37,7 +37,8 @@ class Parts:
 
     @contextmanager
     def one(self) -> Iterator[None]:
-        """A part: where it raises EclatError, it is left out. LimitError and all other exceptions go on."""
+        """The context of one part, which is left out if it raises EclatError. All other exceptions and LimitError
+        propagate."""
         try:
             yield
         except LimitError:
@@ -48,7 +49,7 @@ class Parts:
             self._good += 1
 
     def finish(self) -> None:
-        """Warn of the parts that were left out. Raises the first one's EclatError where no part was good."""
+        """Warn of the parts that were left out. Raises the first EclatError if no part was good."""
         if self._errors and not self._good:
             raise self._errors[0]
         for error in self._errors[:MOST_NAMED]:

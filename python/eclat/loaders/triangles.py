@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What loaders of mesh files do to geometry: polygons to triangles, vertex normals, checks of what a file holds."""
+"""Geometry for loaders of mesh files: triangulation of polygons, vertex normals, and checks of a file's data."""
 
 from __future__ import annotations
 
@@ -55,7 +55,8 @@ def triangulate(
 
 
 def check_positions(positions: FloatArray, where: str, *, numbers: list[int] | None = None) -> None:
-    """EclatError for the first of the (V, 3) `positions` that is not finite; `numbers` are the vertices' lines."""
+    """Raise EclatError for the first of the (V, 3) `positions` that is not finite; `numbers` are the vertices'
+    lines."""
     good = (np.abs(positions) <= LARGEST).all(axis=1)
     if good.all():
         return
@@ -66,7 +67,7 @@ def check_positions(positions: FloatArray, where: str, *, numbers: list[int] | N
 
 
 def finite_rows(values: FloatArray, what: str, where: str) -> FloatArray:
-    """`values` as float32, rows that are not finite replaced by zeros with a warning that counts them."""
+    """The `values` as float32. Rows that are not finite become zeros, with a warning that counts them."""
     with np.errstate(over="ignore", invalid="ignore"):
         single = values.astype(np.float32)
     bad = ~np.isfinite(single).all(axis=1)
@@ -108,7 +109,7 @@ def face_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.float
 
 
 def normalized(vectors: FloatArray) -> NDArray[np.float64]:
-    """Rows at unit length, without overflow for long and underflow for short ones; zero rows stay zero."""
+    """The rows normalised, without overflow or underflow. Zero rows stay zero."""
     v = np.asarray(vectors, dtype=np.float64)
     largest = np.abs(v).max(axis=-1, keepdims=True, initial=0)
     v = v / np.where(largest > 0, largest, 1)
@@ -153,7 +154,8 @@ def vertex_normals(
 
 
 def white_of(colors: FloatArray, what: str, where: str, *, linear: bool = False) -> float:
-    """The number that means white in colours which should lie in 0..1: 1, or, with a warning, 255 where they say so.
+    """The number that means white in colours which should lie in 0..1: 1, or, with a warning, 255 if they look like
+    bytes.
 
     Numbers between `_BYTES` and 255 are colours in bytes, and so are whole ones beyond 1, unless colours are
     `linear`, where 2 is more likely twice white. Of other colours beyond 1, which would reflect more than arrives, it is said
@@ -169,6 +171,6 @@ def white_of(colors: FloatArray, what: str, where: str, *, linear: bool = False)
 
 
 def linear_from_srgb(values: FloatArray) -> NDArray[np.float32]:
-    """The sRGB transfer function undone, for values in 0..1. [IEC61966]"""
+    """The inverse of the sRGB transfer function, for values in 0..1. [IEC61966]"""
     v = np.clip(np.asarray(values, dtype=np.float64), 0, 1)
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)

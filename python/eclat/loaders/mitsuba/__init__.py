@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Mitsuba scenes, XML of versions 0.4 to 3 or the dict of Mitsuba 3, read forgivingly.
+"""Loads Mitsuba scenes: XML of versions 0.4 to 3, or the dict of Mitsuba 3.
 
-`parse` and `dicts` make the same neutral tree (`node`), `assemble` makes the scene of it.
+`parse` and `dicts` make the same neutral tree (`node`), from which `assemble` makes the scene.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ def load_dict(d: Mapping[str, Any], base_folder: Path | None = None) -> Scene:
 def load_material(bsdf: Mapping[str, Any], base_folder: Path | None = None) -> Material:
     """The material that a dict describes as `mitsuba.load_dict` takes it, such as `{'type': 'plastic', 'int_ior': 1.4}`.
 
-    Raises EclatError, unlike for scenes also for an unknown type or property: nobody else wrote them.
+    Raises EclatError. Unlike in scenes, this includes unknown types and properties, which are the caller's own.
     """
     kinds = known_kinds()
     kind = bsdf.get("type")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The neutral tree to a `Scene`, and warnings about what nobody read."""
+"""Makes a `Scene` of the neutral tree, and warns about properties and objects that are not used."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ from eclat.scene import Camera, Environment, Mesh, Scene
 def assemble(tree: Node, name: str) -> Scene:
     """The scene that `tree`, of tag scene and with references resolved, describes.
 
-    A shape or emitter that cannot be read is left out with a warning; EclatError where none can.
+    A shape or emitter that cannot be read is left out with a warning. Raises EclatError if none can be read.
     """
     shapes = Shapes(tessellation=Tessellation(tree))
     meshes: list[Mesh] = []
@@ -63,7 +63,7 @@ def _report_object(node: Node) -> None:
 
 
 def _report_unread(tree: Node) -> None:
-    """Warn, once for each kind of object, about properties that were given and that nobody read."""
+    """Warn about given properties that are not used, once for each kind of object."""
     unread: dict[tuple[str, str, str], list[str]] = defaultdict(list)
     seen: set[int] = set()
     stack = [child for _, child in tree.children if child.tag in ("shape", "emitter", "sensor")]

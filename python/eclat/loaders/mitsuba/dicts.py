@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The dict form of a scene, as `mitsuba.load_dict` takes it, to the neutral tree. Mitsuba need not be installed."""
+"""Reads the dict form of a scene, as `mitsuba.load_dict` takes it, into the neutral tree. Mitsuba need not be
+installed."""
 
 from __future__ import annotations
 
@@ -85,9 +86,9 @@ def _add_object(
 
 
 def _refuse_misspelt(kind: str, where: str) -> None:
-    """EclatError for a type that nobody knows and that is nearly one of Mitsuba's: a dict is written by hand.
+    """Raise EclatError for an unknown type that resembles one of Mitsuba's, which is probably a typing error.
 
-    What resembles none may be somebody's plugin; like in a file it is left out with a warning.
+    A type that resembles none may be a custom plugin. As in a file, it is left out with a warning.
     """
     known = [name for names in kinds.PLUGINS.values() for name in names]
     near = "" if kind in known else did_you_mean(kind[:60], known)
@@ -118,7 +119,7 @@ def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:
 
 
 def _value(value: Any, where: str, keep: bool) -> Any:
-    """A property: number, string, three numbers, 4×4 matrix; `keep` lets images through."""
+    """A property: a number, a string, three numbers or a 4×4 matrix. With `keep`, images are allowed too."""
     if isinstance(value, (str, bool, np.bool_)):
         return bool(value) if isinstance(value, np.bool_) else value
     if isinstance(value, (int, float, np.integer, np.floating)):

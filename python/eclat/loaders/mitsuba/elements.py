@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""XML text to a tree of elements that know their lines. Entities and document types are refused."""
+"""Reads XML text into a tree of elements that know their lines. Entities and document types are refused."""
 
 from __future__ import annotations
 

@@ -29,11 +29,11 @@ HALF_TURN = np.diag([-1.0, 1.0, -1.0])
 
 
 def make_emitter(node: Node, textures: Textures) -> Emission:
-    """The lights and the environment that an emitter of the scene makes; unknown ones none, with a warning.
+    """The lights and the environment that an emitter of the scene makes. An unknown emitter is left out with a warning.
 
     Raises
     ------
-    EclatError : numbers that make no sense, directions without a length.
+    EclatError : numbers are out of range, or a direction is the zero vector.
     """
     if node.type == "area" and node.id:
         return [], None  # defined here for shapes to refer to
@@ -87,7 +87,7 @@ def _spot(node: Node, textures: Textures) -> Emission:
 
 
 def _axis(node: Node) -> Vector:
-    """Where the emitter's +z points in the world, of unit length."""
+    """The unit direction of the emitter's +z axis in the world."""
     return _unit(transform_directions(node.transform("to_world"), np.array([[0.0, 0.0, 1.0]]))[0], node)
 
 
@@ -129,7 +129,7 @@ def _envmap(node: Node, textures: Textures) -> Emission:
 
 
 def _rotation(node: Node) -> Matrix:
-    """The rotation in `to_world`, without its scale; a mirror stays."""
+    """The rotation in `to_world` without its scale. A reflection is kept."""
     linear = node.transform("to_world")[:3, :3]
     u, values, vt = np.linalg.svd(linear)
     if values[-1] <= 1e-9 * max(values[0], 1e-300):

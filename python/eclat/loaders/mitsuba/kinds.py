@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which plugins Mitsuba has: what a dict's object is without its XML tag, and what may be ignored in silence."""
+"""The plugins of Mitsuba, which give the XML tag of an object in a dict, and those that may be ignored without a
+warning."""
 
 from __future__ import annotations
 

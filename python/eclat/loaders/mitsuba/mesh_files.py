@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes that are files: obj, ply, serialized, and, as an extension of ours, gltf with its own materials.
+"""Shapes from files: obj, ply, serialized and, as an extension of Éclat, gltf with its own materials.
 
 A shape of type obj without a bsdf takes the materials of its MTL file; bsdfs in it that are named after materials of
 the file replace those.
@@ -103,7 +103,7 @@ def _path(node: Node) -> Path:
 
 
 def _bare(node: Node) -> list[Mesh]:
-    """The meshes without materials; as in Mitsuba normals are computed where the file has none."""
+    """The meshes without materials. As in Mitsuba, normals are computed if the file has none."""
     path = _path(node)
     face_normals = node.boolean("face_normals", default=False)
     if node.type == "obj":

@@ -27,7 +27,7 @@ Vector = tuple[float, float, float]
 
 @dataclass(frozen=True)
 class Rgb:
-    """Linear sRGB."""
+    """A colour in linear sRGB."""
 
     values: Vector
 
@@ -63,8 +63,8 @@ class Node:
     """An object of the scene: a shape, a bsdf, a film. `where` names it in messages, with file and line.
 
     `properties` have snake_case names whatever the file wrote; `children` keep the name they were given (a property's
-    or, for a bsdf inside a shape of type obj, a material's) and their order. `used` are the properties somebody read;
-    `asked` those that somebody wanted to read, there or not.
+    or, for a bsdf inside a shape of type obj, a material's) and their order. `used` holds the properties that were
+    read, and `asked` all that were looked up, whether they exist or not.
     """
 
     tag: str
@@ -80,7 +80,7 @@ class Node:
     asked: set[str] = field(default_factory=set)
 
     def get(self, *names: str) -> Any:
-        """The property, or else the child node, of the first of `names` that there is; None without one."""
+        """The property or child node of the first of `names` that exists; None if none does."""
         self.asked.update(names)
         for name in names:
             if name in self.properties:
@@ -97,7 +97,7 @@ class Node:
         return [(name, child) for name, child in self.children if child.tag in tags]
 
     def number(self, *names: str, default: float) -> float:
-        """A number that is finite; EclatError for anything else."""
+        """A finite number. Raises EclatError for anything else."""
         value = self.get(*names)
         if value is None:
             return default
@@ -112,14 +112,14 @@ class Node:
         return float(value)
 
     def positive(self, *names: str, default: float) -> float:
-        """A number above 0; EclatError for anything else."""
+        """A number above 0. Raises EclatError for anything else."""
         value = self.number(*names, default=default)
         if value <= 0:
             raise self.mismatch(names[0], "a number above 0", value)
         return value
 
     def integer(self, *names: str, default: int) -> int:
-        """A whole number; EclatError for anything else."""
+        """A whole number. Raises EclatError for anything else."""
         value = self.number(*names, default=default)
         if value != int(value):
             raise self.mismatch(names[0], "a whole number", value)
@@ -146,7 +146,7 @@ class Node:
         raise self.mismatch(names[0], "a string", value)
 
     def vector(self, *names: str) -> Vector | None:
-        """Three numbers, or None; EclatError for anything else."""
+        """Three numbers, or None. Raises EclatError for anything else."""
         value = self.get(*names)
         if isinstance(value, Rgb):
             return value.values
@@ -184,7 +184,7 @@ class Node:
 
 
 def snake_case(name: str) -> str:
-    """`toWorld` and `to_world` alike to `to_world`; `intIOR` to `int_ior`."""
+    """The name in snake case: `toWorld` and `to_world` become `to_world`, and `intIOR` becomes `int_ior`."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).replace("-", "_").lower()
 
 
@@ -200,7 +200,7 @@ def parse_number(text: str, where: str) -> float:
 
 
 def check_number(value: float, where: str) -> float:
-    """`value`, or EclatError where it is not finite or absurdly large."""
+    """Return `value`. Raises EclatError if it is not finite or larger than `MAX_MAGNITUDE`."""
     if not math.isfinite(value) or abs(value) > MAX_MAGNITUDE:
         raise EclatError(f"{where}: expected a finite number of at most {MAX_MAGNITUDE:g} in size, got {value:g}")
     return value

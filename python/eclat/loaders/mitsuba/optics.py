@@ -70,7 +70,7 @@ CONDUCTORS: dict[str, tuple[Vector, Vector]] = {
 
 
 def relative_ior(node: Node, interior: str) -> float:
-    """Interior over exterior index of refraction of a bsdf whose interior is `interior` where it says nothing.
+    """The interior index of refraction of a bsdf divided by the exterior one. The default interior is `interior`.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def relative_ior(node: Node, interior: str) -> float:
 
 
 def conductor_constants(node: Node) -> tuple[Vector, Vector]:
-    """η and k of a conductor relative to its outside: from `eta` and `k`, else from `material`.
+    """The η and k of a conductor relative to its outside, from `eta` and `k` or else from `material`.
 
     A `material` of "none" is a perfect mirror: η = 0, k = 1.
     """

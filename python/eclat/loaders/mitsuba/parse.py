@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""XML to the neutral tree: defaults, parameters, includes, aliases and references, of all versions of Mitsuba."""
+"""Reads XML of all versions of Mitsuba into the neutral tree, with defaults, parameters, includes, aliases and
+references."""
 
 from __future__ import annotations
 
@@ -177,7 +178,7 @@ def _is_legacy(root: Element) -> bool:
 
 
 def _needed(element: Element, *names: str) -> str:
-    """The first of these attributes; EclatError where there is none."""
+    """The first of these attributes that exists. Raises EclatError if there is none."""
     for name in names:
         if name in element.attributes:
             return element.attributes[name]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes moved by a matrix, with their winding on the side of their normals."""
+"""Moves meshes by a matrix and makes their winding agree with their normals."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ def placed(mesh: Mesh, matrix: Matrix) -> Mesh:
 
 
 def facing(positions: FloatArray, triangles: NDArray[np.integer], normals: FloatArray) -> NDArray[np.integer]:
-    """`triangles`, those turned round whose winding is against the sum of their vertices' normals."""
+    """The `triangles`; those whose winding opposes the sum of their vertex normals are reversed."""
     corners = np.asarray(positions, dtype=np.float64)[triangles]
     with np.errstate(over="ignore", invalid="ignore"):
         geometric = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

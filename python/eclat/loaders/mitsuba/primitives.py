@@ -38,7 +38,7 @@ class Surface:
 
 
 def rectangle() -> Surface:
-    """The square [−1, 1]² at z = 0 that faces +z."""
+    """The square [−1, 1]² at z = 0, which faces +z."""
     positions = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=np.float64)
     uvs = (positions[:, :2] + 1) / 2
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
@@ -46,7 +46,7 @@ def rectangle() -> Surface:
 
 
 def cube() -> Surface:
-    """The cube [−1, 1]³; each side has the whole image."""
+    """The cube [−1, 1]³. The texture covers each side completely."""
     corners = np.array([[0, 0], [0, 1], [1, 1], [1, 0]], dtype=np.float64)
     positions, normals, tangents, triangles = [], [], [], []
     for index, (normal, across, down) in enumerate(_CUBE_SIDES):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""References: each `ref` in the tree gives way to the object of that id, before or after it in the file."""
+"""References: each `ref` in the tree is replaced by the object with that id, which may come before or after it."""
 
 from __future__ import annotations
 
@@ -25,7 +25,7 @@ class Identifiers:
         self.nodes[name] = node
 
     def alias(self, name: str, other: str, where: str) -> None:
-        """Let the object `name` be called `other` too."""
+        """Add the alias `other` for the object `name`."""
         self.aliases[other] = (name, where)
 
     def find(self, name: str, where: str) -> Node:

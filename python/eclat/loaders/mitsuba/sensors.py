@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sensors of the tree to cameras."""
+"""Makes cameras of the sensors in the tree."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ _MAX_SIZE = 10**6
 
 
 def make_camera(node: Node) -> Camera | None:
-    """The camera of a sensor; None, with a warning, for types that we do not have.
+    """The camera of a sensor; None, with a warning, if its type is not supported.
 
     Raises
     ------
@@ -41,7 +41,7 @@ def make_camera(node: Node) -> Camera | None:
         node.number("principal_point_offset_y", default=0.0),
     )
     if node.type == "orthographic":
-        # The picture is 2 wide in the sensor's own units.
+        # The picture has a width of 2 in the sensor's own units.
         width = 2 * float(np.linalg.norm(node.transform("to_world")[:3, 0]))
         return Camera(projection="orthographic", fov=width, fov_axis="x", **options)
     options |= _field_of_view(node)
@@ -52,7 +52,7 @@ def make_camera(node: Node) -> Camera | None:
 
 
 def up_axis(camera: Camera) -> tuple[float, float, float]:
-    """The axis of the world, up or down, nearest to the camera's up."""
+    """The world axis, in either direction, that is nearest to the camera's up."""
     up = np.asarray(camera.to_world)[:3, 1]
     index = int(np.argmax(np.abs(up)))
     x, y, z = (float(np.copysign(1.0, up[index])) if i == index else 0.0 for i in range(3))
@@ -60,7 +60,8 @@ def up_axis(camera: Camera) -> tuple[float, float, float]:
 
 
 def _frame(node: Node) -> Matrix:
-    """Mitsuba looks along +z with +x to the left of the picture, we along −z with +x to the right."""
+    """Mitsuba's cameras look along +z with +x to the left of the picture. Those of Éclat look along −z with +x to the
+    right."""
     matrix = node.transform("to_world").copy()
     lengths = np.linalg.norm(matrix[:3, :3], axis=0)
     if node.type != "orthographic" and not np.allclose(lengths, 1, rtol=1e-3):

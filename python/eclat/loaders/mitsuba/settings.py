@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a Mitsuba file wants its picture made: what of that changes the converged picture, and is not done here, is named."""
+"""Warnings about settings of a Mitsuba file that would change the converged picture but are not supported."""
 
 from __future__ import annotations
 
@@ -16,9 +16,9 @@ _WRAPPERS = ("adaptive", "irrcache", "aov", "moment", "multichannel")
 
 
 def tell_of_settings(tree: Node) -> None:
-    """Warn, once each, about settings of integrators and films that change a converged picture and that nobody reads.
+    """Warn once about each setting of integrators and films that would change a converged picture but is not used.
 
-    Of how samples are drawn, how many, and where roulette begins (`rr_depth`), no converged picture depends.
+    No converged picture depends on how samples are drawn, on their number, or on where roulette begins (`rr_depth`).
     """
     for _, node in tree.children:
         if node.tag == "integrator":

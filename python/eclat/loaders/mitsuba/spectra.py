@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Colours as scene files write them, and what they are in linear sRGB once their role is known."""
+"""Colours as scene files write them, and their conversion to linear sRGB, which depends on their role."""
 
 from __future__ import annotations
 
@@ -32,8 +32,8 @@ _HEX = re.compile(r"#([0-9a-fA-F]{6}|[0-9a-fA-F]{3})")
 def to_rgb(color: Color, role: Role, where: str, legacy: bool = False) -> Vector:
     """Linear sRGB of `color`.
 
-    Reflectances are seen under D65. Emission, and the eta and k of metals, are taken as they are: as in Mitsuba 3's
-    RGB mode a spectrum of one number is then the reddish equal-energy white; files of version 0.x mean grey by it.
+    Reflectances are seen under D65. Emission, and the eta and k of metals, are taken as they are: as in Mitsuba 3's RGB
+    mode, a spectrum of one number is then the reddish equal-energy white. In files of version 0.x it is grey.
     """
     try:
         if isinstance(color, Rgb):
@@ -52,7 +52,8 @@ def to_rgb(color: Color, role: Role, where: str, legacy: bool = False) -> Vector
 
 
 def parse_rgb(text: str, where: str, encoded: bool = False) -> Rgb:
-    """Three numbers, one for grey, or `#rrggbb` (sRGB, made linear; so are numbers with `encoded`)."""
+    """A colour from three numbers, one number for grey, or `#rrggbb`. Hexadecimal colours, and numbers if `encoded`,
+    are sRGB and become linear."""
     match = _HEX.fullmatch(text.strip())
     if match:
         digits = match[1] if len(match[1]) == 6 else "".join(digit * 2 for digit in match[1])
@@ -70,7 +71,7 @@ def parse_rgb(text: str, where: str, encoded: bool = False) -> Rgb:
 
 
 def parse_spectrum(text: str, where: str) -> Color:
-    """One number, three (taken as linear sRGB), hexadecimal sRGB, or `wavelength:value` pairs."""
+    """A spectrum from one number, three numbers (linear sRGB), hexadecimal sRGB, or `wavelength:value` pairs."""
     if ":" not in text:
         if text.strip().startswith("#"):
             return parse_rgb(text, where)
@@ -89,7 +90,7 @@ def parse_spectrum(text: str, where: str) -> Color:
 
 
 def parse_blackbody(temperature: str, scale: float, where: str) -> Blackbody:
-    """A temperature in kelvin, with or without a K."""
+    """A temperature in kelvin, written with or without a K."""
     return Blackbody(parse_number(temperature.strip().rstrip("kK"), where), scale)
 
 
@@ -107,7 +108,7 @@ def curve(pairs: list[tuple[float, float]], where: str) -> Curve:
 
 
 def read_spd(path: Path, where: str) -> Curve:
-    """A file of lines `wavelength value`, # begins a comment. Raises EclatError with file and line."""
+    """Read a file of lines `wavelength value`, in which # begins a comment. Raises EclatError with file and line."""
     text = read_bytes(path, where=where, limit=_MAX_SPD_BYTES).decode("utf-8", "replace")
     pairs = []
     for number, line in enumerate(text.splitlines(), start=1):

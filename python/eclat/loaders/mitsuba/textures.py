@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Textures and colours of the tree to `Value`s."""
+"""Makes `Value`s of the textures and colours in the tree."""
 
 from __future__ import annotations
 
@@ -54,7 +54,7 @@ class Textures:
         return value
 
     def of(self, given: Any, node: Node, name: str, kind: Kind) -> Value:
-        """The `Value` of what the property `name` of `node` is given as."""
+        """The `Value` for whatever the property `name` of `node` holds."""
         if isinstance(given, Node):
             if (id(given), kind) not in self.made:
                 self.made[id(given), kind] = self._texture(given, kind)
@@ -129,7 +129,7 @@ def uses_vertex_colors(node: Node) -> bool:
 
 
 def peak(value: Value) -> NDArray[Any]:
-    """The largest of each of a value's three channels."""
+    """The largest value that each of the three channels takes."""
     if value.texture is None:
         return np.array(value.constant)
     texels = _linear(value.texture)[..., :3]
@@ -141,7 +141,7 @@ def image_data(node: Node) -> tuple[NDArray[Any], bool] | None:
 
     Raises
     ------
-    EclatError : not an array of that shape with 1 to 4 channels, or not finite.
+    EclatError : the image is not an array of that shape with 1 to 4 channels, or is not finite.
     """
     given = node.get("bitmap", "data")
     if given is None or isinstance(given, (str, Node)):
@@ -182,7 +182,7 @@ def _bitmap(node: Node, kind: Kind) -> Value:
 
 
 def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
-    """White times `texture`. Scalars of coloured images read their luminance."""
+    """A white value multiplied by `texture`. Scalars take the luminance of coloured images."""
     if kind != "scalar":
         return Value((1.0, 1.0, 1.0), texture, uv_transform=transform)
     image = texture.image[..., :3]
@@ -201,7 +201,7 @@ def _linear(texture: Texture) -> NDArray[Any]:
 
 
 def _unit(image: NDArray[Any]) -> NDArray[Any]:
-    """Float32 with the bytes' 255 at 1."""
+    """The texels as float32; a byte of 255 becomes 1."""
     scale = np.float32(1 / 255 if image.dtype == np.uint8 else 1)
     return image.astype(np.float32) * scale
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Transforms: the elements of `<transform>` to a matrix, and matrices applied to points and normals."""
+"""Transforms: makes matrices of `<transform>` elements, and applies matrices to points and normals."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ def read_transform(element: Element) -> Matrix:
 
 
 def check_matrix(matrix: Matrix, where: str) -> Matrix:
-    """`matrix`, or EclatError where an entry is not finite; the last row must be 0 0 0 1."""
+    """Return `matrix`. Raises EclatError if an entry is not finite or the last row is not 0 0 0 1."""
     for entry in matrix.ravel():
         check_number(float(entry), where)
     if not np.allclose(matrix[3], (0, 0, 0, 1), atol=1e-6):
@@ -43,17 +43,17 @@ def check_matrix(matrix: Matrix, where: str) -> Matrix:
 
 
 def transform_points(matrix: Matrix, points: NDArray[Any]) -> Matrix:
-    """(N, 3) points."""
+    """The transformed points, shape (N, 3)."""
     return np.asarray(points, dtype=np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def transform_directions(matrix: Matrix, directions: NDArray[Any]) -> Matrix:
-    """(N, 3) directions, of the length that comes out."""
+    """The transformed directions, shape (N, 3), not normalised."""
     return np.asarray(directions, dtype=np.float64) @ matrix[:3, :3].T
 
 
 def transform_normals(matrix: Matrix, normals: NDArray[Any]) -> Matrix:
-    """(N, 3) normals by the inverse transpose, of unit length (zero where degenerate)."""
+    """Unit normals (N, 3) transformed by the inverse transpose; degenerate ones are zero."""
     # The cofactors are the inverse transpose times the determinant; they exist for singular matrices too.
     a, b, c = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
     cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
@@ -63,7 +63,7 @@ def transform_normals(matrix: Matrix, normals: NDArray[Any]) -> Matrix:
 
 
 def normalize(vectors: Matrix) -> Matrix:
-    """Unit vectors along the last axis; those without a length become 0."""
+    """The vectors along the last axis, normalised; zero vectors stay 0."""
     scaled = vectors / np.maximum(np.abs(vectors).max(axis=-1, keepdims=True, initial=0.0), 1e-300)
     length = np.linalg.norm(scaled, axis=-1, keepdims=True)
     unit: Matrix = np.divide(scaled, length, out=np.zeros_like(scaled), where=length > 0)
@@ -71,7 +71,7 @@ def normalize(vectors: Matrix) -> Matrix:
 
 
 def is_mirrored(matrix: Matrix) -> bool:
-    """Whether the matrix turns right hands into left ones."""
+    """Whether the matrix contains a reflection, so that it changes handedness."""
     return float(np.linalg.det(matrix[:3, :3])) < 0
 
 
@@ -100,7 +100,7 @@ def look_at_mitsuba(origin: NDArray[Any], target: NDArray[Any], up: NDArray[Any]
 
 
 def _components(step: Element, default: float) -> Matrix:
-    """x, y, z of a step: from `value` (three numbers, or one for all) or from x, y, z."""
+    """The x, y and z of a step, from `value` (three numbers, or one for all) or from its attributes x, y, z."""
     if "value" in step.attributes:
         return np.array(parse_vector(step.attributes["value"], step.where))
     found = [step.attributes.get(axis) for axis in "xyz"]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bsdfs that hold others: two-sided, masks, bumps, blends, coatings."""
+"""Bsdfs that contain other bsdfs: two-sided ones, masks, bumps, blends and coatings."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ _TRANSPARENT = ("dielectric", "thin_dielectric")
 
 
 class MaterialReader(Protocol):
-    """What wrappers ask about the bsdfs that they wrap, and about their own values."""
+    """The functions by which wrappers read the bsdfs that they contain and their own values."""
 
     textures: Textures
 
@@ -33,7 +33,7 @@ class MaterialReader(Protocol):
         """A number that a texture may vary."""
 
     def roughness(self, node: Node, default: float) -> dict[str, Value]:
-        """alpha_u and, where it differs, alpha_v."""
+        """The roughness alpha_u, and alpha_v if it differs."""
 
 
 def nested(node: Node) -> list[Node]:
@@ -51,7 +51,7 @@ def _one(node: Node) -> Node:
 
 
 def _texture(node: Node, name: str) -> Node:
-    """The texture of a bump or normal map, whatever name it was given."""
+    """The texture of a bump or normal map, under any property name."""
     given = node.get(name)
     if isinstance(given, Node):
         return given
@@ -121,13 +121,13 @@ def _blend(materials: MaterialReader, node: Node) -> Material:
 
 
 def _blended(first: Material, second: Material, weight: Value) -> Material:
-    """The children keep their own sides; the blend acts on the back where one of them does."""
+    """The children keep their own sides. The blend acts on the back if one of its children does."""
     both = first.two_sided or second.two_sided
     return Material("blend", {"weight": weight}, two_sided=both, children=(first, second))
 
 
 def _mixture(materials: MaterialReader, node: Node) -> Material:
-    """Mixtures of any count, as blends of blends; what the weights leave to 1 is black."""
+    """A mixture of any number of bsdfs, as nested blends. If the weights sum to less than 1, the rest absorbs light."""
     weights = parse_numbers(node.string("weights"), f"{node.where}, weights")
     parts = [materials.of(child) for child in nested(node)]
     if not parts or len(weights) != len(parts) or len(parts) > _MAX_MIXTURE or min(weights) < 0:
@@ -149,7 +149,7 @@ def _mixture(materials: MaterialReader, node: Node) -> Material:
 
 
 def _coating(materials: MaterialReader, node: Node) -> Material:
-    """A coat over a diffuse bsdf is our plastic; over anything else it is left out."""
+    """A coat over a diffuse bsdf becomes plastic. Over any other bsdf it is left out."""
     inner = materials.of(_one(node))
     ior = relative_ior(node, "bk7")
     for name in ("thickness", "sigma_a"):
