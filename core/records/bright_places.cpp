@@ -1,7 +1,18 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to     tests/core/records/test_bright_places.cpp
+// Rays of gathers that met more light than one ray may bring are remembered by the cell of a grid in which they ended. The cells
+// that brought most are places to aim at. From a point each is a cone around the cell's bounding sphere; a cone is chosen
+// with a chance that goes with about the irradiance which its place would bring, and a direction in it uniformly.
+//
+// Symbol     name here          meaning                                                         unit
+//   L        place.luminance    mean luminance beyond the limit of what ended there             W m⁻² sr⁻¹
+//   sin² γ   sine2              of the angle γ that the sphere's radius spans                   1
+//   θ        –                  angle of the cone's uppermost part from the point's normal      rad
+//   c        chance             chance of the cone, L cos θ sin² γ over the sum of all cones'   1
+//   q(ω)     pdf_solid_angle    Σ c / (2π (1 − cos γ)) over the cones that hold ω               sr⁻¹
+//
+// Held to      tests/core/records/test_bright_places.cpp
 
 #include "records/bright_places.h"
 

