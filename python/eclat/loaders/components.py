@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Triangles as a graph: their edges, and which are connected."""
+"""Triangles as a graph: their edges and their connected components."""
 
 from __future__ import annotations
 

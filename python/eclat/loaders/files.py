@@ -108,7 +108,7 @@ def texture_from_bytes(
     neutral: tuple[float, float, float] | None = None,
     **options: Unpack[TextureOptions],
 ) -> Texture:
-    """As `read_texture`, from the bytes of an encoded image (PNG, JPEG, …)."""
+    """The same as `read_texture` for the bytes of an encoded image (PNG, JPEG, …)."""
     try:
         return Texture(decode_image(data), srgb=srgb, **options)
     except EclatError as error:
@@ -156,7 +156,7 @@ def _resolve_anywhere(folder: Path, text: str, where: str) -> Path:
 
 
 def _find(folder: Path, text: str) -> Path | None:
-    """`folder / text` as it exists, else spelled with other capitals, else None."""
+    """The path `folder / text` if it exists, else one that differs only in case, else None."""
     exact = folder / text
     if exact.exists():
         return exact
@@ -184,7 +184,8 @@ def _checker() -> NDArray[np.uint8]:
 
 
 def _finite(image: NDArray[Any], where: str) -> NDArray[Any]:
-    """The image with the largest finite texel for +∞ and 0 for what else is not finite, with a warning."""
+    """The image in which the largest finite value replaces +∞ and 0 replaces other values that are not finite, with a
+    warning."""
     good = np.isfinite(image)
     if good.all():
         return image

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Image formats that are linear by definition: OpenEXR, Radiance HDR, PFM. All failures are EclatErrors."""
+"""Readers of image formats that are linear by definition: OpenEXR, Radiance HDR, PFM. All failures raise EclatError."""
 
 from __future__ import annotations
 
@@ -52,7 +52,7 @@ def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
 
 
 def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
-    """(H, W, 3) of a Radiance picture, run-length encoded or flat."""
+    """The pixels (H, W, 3) of a Radiance picture, run-length encoded or flat."""
     end = data.find(b"\n\n", 0, _HEADER_LIMIT)
     line_end = data.find(b"\n", end + 2, _HEADER_LIMIT)
     if end < 0 or line_end < 0:
@@ -104,7 +104,7 @@ def _rec_709(colors: NDArray[np.float32], header: bytes) -> NDArray[np.float32]:
 
 
 def decode_pfm(path: Path, data: bytes) -> NDArray[np.float32]:
-    """(H, W, 1 or 3) of a portable float map; its rows go upwards."""
+    """The pixels (H, W, 1 or 3) of a portable float map, whose rows are stored from bottom to top."""
     header = _PFM_HEADER.match(data)
     if header is None:
         raise EclatError("expected a PFM header, got none")

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """Wavefront OBJ: triangles and polygons, with the materials of its MTL files.
 
-World space is the file's, lengths count as metres. Corners with `vn` have that normal whatever the smoothing groups say
-(the format has it so); those without are smooth among the faces of their smoothing group, flat where they have none.
-Curves, surfaces, lines and points are left out with a warning. `obj_text` reads the statements, `mtl` and
+The file's space is world space, and lengths are in metres. Corners with `vn` have that normal whatever the smoothing
+groups say (the format has it so); those without are smooth among the faces of their smoothing group, flat where they
+have none. Curves, surfaces, lines and points are left out with a warning. `obj_text` reads the statements, `mtl` and
 `mtl_materials` the materials; this file makes meshes of them.
 """
 
@@ -47,7 +47,8 @@ class _Vertices:
 
 
 def load_obj_scene(path: Path) -> Scene:
-    """The scene in an OBJ file: its meshes with the materials of its MTL files; no camera, no lights but emitters."""
+    """The scene in an OBJ file: its meshes with the materials of its MTL files. It has no camera and no lights except
+    emitters."""
     return Scene(meshes=tuple(load_obj(path)), name=path.stem)
 
 
@@ -58,11 +59,11 @@ def load_obj(
 
     Parameters
     ----------
-    face_normals : ignore `vn`, everything is flat.
-    materials : read MTL files; without, all triangles come as one mesh with a default material.
+    face_normals : ignore `vn` and shade everything flat.
+    materials : read MTL files. Without it all triangles form one mesh with a default material.
     smooth : where the file has no normals at all, compute them for all vertices (as Mitsuba does), which knows no
         smoothing groups; vertices that differ in `vt` stay apart.
-    flip_v : OBJ's v grows upwards, ours downwards; False keeps the file's numbers.
+    flip_v : convert v, which grows upwards in OBJ files, to one that grows downwards. False keeps the file's numbers.
 
     Raises
     ------
@@ -159,7 +160,7 @@ def _complete_normals(
 def _smooth_groups(
     text: ObjText, corners: IntArray, polygons: IntArray, index: IntArray, normals: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """The mean normal of a vertex over the faces of one smoothing group, for corners without; as `_complete_normals`.
+    """For corners without a normal, the mean normal of their vertex over the faces of one smoothing group.
 
     Faces are joined where they name the same vertex, whatever their material and texture coordinates.
     """
@@ -217,7 +218,7 @@ def _find_material(library: Library, name: str, mesh: Mesh) -> MtlMaterial:
 
 
 def _with_surface(mesh: Mesh, material: Material, where: str) -> Mesh:
-    """`mesh` with the material, of which those parts are decided that depend on the geometry."""
+    """The `mesh` with the material, whose parts that depend on the geometry are now determined."""
     if material.normal_map is not None and material.normal_map.kind == "bump":
         scale = material.normal_map.scale * _texture_width(mesh, material.normal_map.value)
         material = replace(material, normal_map=replace(material.normal_map, scale=scale))

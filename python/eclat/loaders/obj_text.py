@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The statements of an OBJ file as arrays, read many lines at a time; odd lines one by one, with their number."""
+"""Reads the statements of an OBJ file as arrays, many lines at a time. Unusual lines are read one by one."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ _KINDS = ("v", "vt", "vn")
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """What an OBJ file says. F faces with C corners in all."""
+    """The contents of an OBJ file with F faces, which have C corners in all."""
 
     positions: NDArray[np.float64]
     """(V, 3), finite."""

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """PLY: one mesh with polygons or triangle strips, vertex normals, colours and texture coordinates.
 
-World space is the file's, lengths count as metres. Colours of integer type are sRGB, of floating type linear.
-Textures are those that comments name (`comment TextureFile skin.png`).
-`ply_header` and `ply_data` read the format, `ply_textures` the textures; this file knows which names mean what.
+The file's space is world space, and lengths are in metres. Colours of integer type are sRGB, of floating type linear.
+Textures are those that comments name (`comment TextureFile skin.png`). `ply_header` and `ply_data` read the format,
+`ply_textures` the textures; this file knows which names mean what.
 """
 
 from __future__ import annotations
@@ -43,8 +43,9 @@ def load_ply(path: Path, *, face_normals: bool = False, flip_v: bool = False) ->
 
     Parameters
     ----------
-    face_normals : flat shading; else the file's normals, or where it has none smooth ones, weighted by angle.
-    flip_v : turn a v that grows upwards (as most programs write it) into ours; else the numbers are kept (as Mitsuba).
+    face_normals : shade flat. Without it the file's normals are used, or smooth ones weighted by angle if it has none.
+    flip_v : convert a v that grows upwards, as most programs write it, to one that grows downwards. Without it the
+        numbers are kept, as in Mitsuba.
 
     Raises
     ------
@@ -114,7 +115,7 @@ def _uvs(vertex: Columns, where: str, *, flip_v: bool) -> NDArray[np.float32] | 
 
 
 def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
-    """(V, 4) linear RGBA."""
+    """The vertex colours in linear RGBA, shape (V, 4)."""
     for names in _COLOR_NAMES:
         rgb = _columns(vertex, names)
         if rgb is None:
@@ -203,7 +204,7 @@ def _checked(lists: Lists, vertices: int, element: str, where: str) -> NDArray[n
 
 
 def _from_strips(indices: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Triangles of strips, each list a strip or several with −1 between; every second one is turned round."""
+    """The triangles of strips. A list is one strip, or several separated by −1. Every second triangle is reversed."""
     if len(indices) < 3:
         return np.zeros((0, 3), dtype=np.int64)
     # Each index's number in its strip, counted from the last separator or beginning of a list.

@@ -39,7 +39,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """`count` rows of the same properties."""
+    """An element of the file: `count` rows of the same properties."""
 
     name: str
     count: int

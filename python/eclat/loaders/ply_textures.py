@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Textures of PLY files: the format has none, so programs name the files in comments and number them by face.
+"""Textures of PLY files. The format has none, so programs name the image files in comments and number them by face.
 
 MeshLab, Metashape, COLMAP and others write `comment TextureFile skin.png`, and texture coordinates of vertices (s, t) or
 of each face's corners (`texcoord`), with `texnumber` where there are several textures.
@@ -23,7 +23,7 @@ from eclat.scene import Material, Mesh, Texture, Value
 
 @dataclass(frozen=True, eq=False)
 class FaceCorners:
-    """Where triangles come from: the first of a mesh's are cut from faces, the others from strips."""
+    """The origin of a mesh's triangles: the first ones are cut from faces, the others from strips."""
 
     places: NDArray[np.int64]
     """(F, 3) places among the corners of all faces, one face after the other."""
@@ -34,7 +34,7 @@ class FaceCorners:
 
 
 def textured(mesh: Mesh, names: tuple[str, ...], corners: FaceCorners, face: Columns, path: Path) -> list[Mesh]:
-    """`mesh` with the textures of those file names, one mesh for each that is used; as it is where there is none.
+    """Split `mesh` into one mesh for each used texture. Without textures it stays as it is.
 
     Parameters
     ----------
@@ -111,7 +111,7 @@ def _split(mesh: Mesh, corners: FaceCorners, uvs: NDArray[np.float32]) -> Mesh:
 def _texture_numbers(
     triangles: int, textures: int, corners: FaceCorners, face: Columns, where: str
 ) -> NDArray[np.int64]:
-    """(T,) which texture each triangle has: the first where the file does not say."""
+    """The number (T,) of each triangle's texture, which is the first one if the file does not say."""
     numbers = np.zeros(triangles, np.int64)
     found = face.get("texnumber")
     if found is None or isinstance(found, Lists):
@@ -129,7 +129,7 @@ def _texture_numbers(
 
 
 def _compact(mesh: Mesh, which: NDArray[np.bool_]) -> Mesh:
-    """The triangles of `which` with their vertices alone."""
+    """A mesh of the triangles `which` and only their vertices."""
     used, inverse = np.unique(mesh.triangles[which], return_inverse=True)
     return replace(
         mesh,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Polygons of one size cut into triangles: fans where these fit, ears where not."""
+"""Cuts polygons with equal numbers of corners into triangles, by fans if these fit and by ear clipping otherwise."""
 
 from __future__ import annotations
 
@@ -42,7 +42,7 @@ def polygon_triangles(
         return result, work
     p = np.asarray(positions, dtype=np.float64)[polygons]
     p -= p[:, :1]
-    # Of all vectors the sum of the fan's cross products is the polygon's area vector, convex or not.
+    # The sum of the fan's cross products is the polygon's area vector, whether it is convex or not.
     crosses = np.cross(p[:, 1:-1], p[:, 2:])
     normal = crosses.sum(axis=1)
     areas = (crosses * normal[:, None]).sum(axis=2)
@@ -58,7 +58,7 @@ def polygon_triangles(
 
 
 def _flattened(points: FloatArray, normal: FloatArray) -> list[Point]:
-    """The (n, 3) `points` seen against `normal`, along its longest axis: counter-clockwise."""
+    """The (n, 3) `points` projected along the longest axis of `normal`, so that they run counter-clockwise."""
     axis = int(np.argmax(np.abs(normal)))
     first, second = (axis + 1) % 3, (axis + 2) % 3
     if normal[axis] < 0:
@@ -98,7 +98,7 @@ def _find_ear(points: list[Point], left: list[int], flat: float) -> int:
 
 
 def _covers_any(a: Point, b: Point, c: Point, obstacles: list[Point]) -> bool:
-    """Whether one of `obstacles`, the triangle's own corners aside, lies in the triangle or on its edges."""
+    """Whether one of the `obstacles`, except the triangle's own corners, lies in the triangle or on its edges."""
     return any(
         q not in (a, b, c) and _cross(a, b, q) >= 0 and _cross(b, c, q) >= 0 and _cross(c, a, q) >= 0 for q in obstacles
     )

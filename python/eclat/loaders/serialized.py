@@ -96,7 +96,7 @@ def _checked(triangles: NDArray[Any], vertices: int, where: str) -> NDArray[np.i
 
 
 def _shape_range(data: bytes, index: int, where: str) -> tuple[int, int]:
-    """Where a shape's bytes begin and end."""
+    """The offsets at which a shape's bytes begin and end."""
     if len(data) < 8:
         raise EclatError(f"{where}: expected a .serialized file, got {len(data)} bytes")
     magic, version = struct.unpack_from("<HH", data)
@@ -122,7 +122,7 @@ def _shape_range(data: bytes, index: int, where: str) -> tuple[int, int]:
 
 
 class _Inflated:
-    """A shape's stream, decompressed no further than is asked for: memory grows with what really arrives."""
+    """A shape's stream, decompressed only as far as it is read, so that memory grows with the real data."""
 
     def __init__(self, compressed: bytes, where: str) -> None:
         self._decompressor = zlib.decompressobj()
@@ -143,12 +143,12 @@ class _Inflated:
         return version, cls(data[begin + 4 : end], f"{where}, shape {index}")
 
     def promise(self, size: int) -> None:
-        """EclatError if so many bytes can not come out of this stream."""
+        """Raise EclatError if this stream cannot contain the given number of bytes."""
         if size > len(self._input) * _DEFLATE_LIMIT:
             raise EclatError(f"{self._where}: expected {size} bytes of mesh, more than the compressed data can hold")
 
     def read(self, size: int) -> bytes:
-        """Exactly `size` bytes."""
+        """Read exactly `size` bytes."""
         parts = [self._ready]
         missing = size - len(self._ready)
         while missing > 0:
@@ -162,7 +162,7 @@ class _Inflated:
         return joined[:size]
 
     def read_name(self) -> bytes:
-        """Bytes up to a zero, which is taken too."""
+        """Read the bytes before the next zero, and skip the zero."""
         name = bytearray()
         while (byte := self.read(1)) != b"\0":
             name += byte
@@ -171,7 +171,7 @@ class _Inflated:
         return bytes(name)
 
     def table(self, rows: int, columns: int, kind: str) -> NDArray[Any]:
-        """(rows, columns) numbers in native byte order."""
+        """Read an array (rows, columns) of numbers in native byte order."""
         size = rows * columns * int(kind[2])
         table: NDArray[Any] = np.frombuffer(self.read(size), kind).reshape(rows, columns)
         return table.astype(kind[1:], copy=False)
@@ -181,7 +181,7 @@ class _Inflated:
         self._more()
 
     def _more(self) -> bytes:
-        """At most a chunk of what comes next; nothing only at the end."""
+        """Read at most one chunk; the result is empty only at the end of the stream."""
         while not self._decompressor.eof:
             piece = self._decompressor.unconsumed_tail
             if not piece:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which triangles of a mesh bound a body, and which are sheets: what glass is made of depends on it.
+"""Tells triangles that bound a body from those of thin sheets, which decides the material of glass.
 
 Light that enters a body of glass is bent until it leaves it. A single sheet of triangles, as windows often are, has no
 inside: it stands for a whole pane. A mesh may hold both, so each connected piece is judged by itself.

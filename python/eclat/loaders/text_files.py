@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Text as programs write it: encodings, lines, and words for numbers that are none."""
+"""Reads text files: their encodings, their lines, and the words for infinity and NaN."""
 
 from __future__ import annotations
 
@@ -31,7 +31,7 @@ def utf8(data: bytes, where: str) -> bytes:
 
     Raises
     ------
-    EclatError : a text that says it is UTF-16 or UTF-32 and is not.
+    EclatError : the text is marked as UTF-16 or UTF-32 but cannot be decoded.
     """
     head = data[:_LOOKED_AT]
     encoding = next((name for mark, name in _BOMS if head.startswith(mark)), None)
@@ -58,7 +58,7 @@ def plain_numbers(data: bytes) -> bytes:
 
 
 def decoded(text: bytes) -> str:
-    """UTF-8, else Latin-1, which never fails."""
+    """The text decoded as UTF-8, or as Latin-1 if that fails."""
     try:
         return text.decode("utf-8")
     except UnicodeDecodeError:

@@ -86,7 +86,7 @@ def pot() -> Solid:
 
 
 def earth() -> Solid:
-    """What fills the pot."""
+    """The earth that fills the pot."""
     return revolve([(0.27, 0.45), (0.29, 0.55), (0.2, 0.57)], 20)
 
 

@@ -31,7 +31,7 @@ class Solid:
     normals: FloatArray | None = None
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Solid:
-        """The same solid elsewhere."""
+        """The solid moved by an offset."""
         return Solid(self.positions + np.array([x, y, z]), self.triangles, self.normals)
 
     def turned(self, degrees: float, axis: int = 1) -> Solid:
@@ -44,7 +44,7 @@ class Solid:
         return Solid(self.positions @ matrix.T, self.triangles, normals)
 
     def scaled(self, x: float, y: float, z: float) -> Solid:
-        """Stretched along the axes by positive factors."""
+        """The solid stretched along the axes by positive factors."""
         factors = np.array([x, y, z])
         normals = None
         if self.normals is not None:
@@ -53,7 +53,7 @@ class Solid:
         return Solid(self.positions * factors, self.triangles, normals)
 
     def inside_out(self) -> Solid:
-        """Facing inwards: a room."""
+        """The solid turned inside out, which makes it a room."""
         return Solid(self.positions, self.triangles[:, ::-1], None if self.normals is None else -self.normals)
 
     def smooth(self, crease: float = 35.0) -> Solid:
@@ -77,7 +77,7 @@ class Solid:
 
 
 def join(solids: Iterable[Solid]) -> Solid:
-    """All of them as one; they keep their own faces and normals."""
+    """One solid that consists of all the given ones, with their faces and normals."""
     parts = list(solids)
     if any(p.normals is not None for p in parts):
         parts = [p if p.normals is not None else p.smooth(1.0) for p in parts]

@@ -172,7 +172,7 @@ class _Builder:
 
 
 def _weights(node: Element, mesh: Element) -> tuple[float, ...]:
-    """The default weights of morph targets: the node's, else the mesh's."""
+    """The weights of morph targets: those of the node, or else of the mesh."""
     owner = node if node.data.get("weights") is not None else mesh
     values = owner.data.get("weights")
     return owner.numbers("weights", len(values) if isinstance(values, list) else 0, ())

@@ -57,12 +57,12 @@ class Accessors:
         decoded = values.astype(np.float32)
         if not accessor.flag("normalized"):
             return decoded
-        # Symmetric: the most negative integer means −1 as its neighbour does.
+        # The decoding is symmetric: the most negative integer means −1, and so does its neighbour.
         scaled: NDArray[np.float32] = decoded / np.float32(np.iinfo(values.dtype).max)
         return np.maximum(scaled, np.float32(-1))
 
     def integers(self, owner: Element, member: str) -> NDArray[np.unsignedinteger] | None:
-        """(N,) unsigned integers. None where absent."""
+        """Unsigned integers (N,), or None if they are absent."""
         found = self._read(owner, member, ("SCALAR",))
         if found is None:
             return None
@@ -128,7 +128,7 @@ def _elements(view: tuple[memoryview, int | None], owner: Element, dtype: np.dty
 
 
 def _substitute(document: Document, sparse: Element, values: Numbers) -> Numbers:
-    """`values` with the elements of a sparse accessor in place."""
+    """The `values` with the elements of a sparse accessor written into them."""
     count = sparse.integer("count")
     where, new = sparse.child("indices"), sparse.child("values")
     if where is None or new is None:

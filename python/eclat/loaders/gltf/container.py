@@ -27,7 +27,7 @@ class Document:
     """A glTF file: its JSON, and its buffers as they are asked for."""
 
     def __init__(self, path: Path) -> None:
-        """Read `path`, told apart by content, not suffix. Raises EclatError."""
+        """Read `path`; its content decides whether it is .gltf or .glb. Raises EclatError."""
         self.folder = path.parent
         self.name = path.name
         data = read_bytes(path, where=self.name)
@@ -77,7 +77,7 @@ class Document:
         return data[start : start + length], stride or None
 
     def uri_bytes(self, uri: str, where: str) -> bytes:
-        """What a URI stands for: a data URI's content, or a file in the document's folder. Raises EclatError."""
+        """The content of a URI: that of a data URI, or of a file in the document's folder. Raises EclatError."""
         if uri[:5].lower() == "data:":
             return _data_uri(uri, where)
         return read_bytes(self.uri_path(uri, where), where=where)
@@ -155,7 +155,7 @@ def _glb_chunks(data: bytes, name: str) -> tuple[memoryview, memoryview | None]:
 def _chunks(data: memoryview, name: str) -> list[tuple[int, memoryview]]:
     chunks: list[tuple[int, memoryview]] = []
     offset = 12
-    # Only the first two have a meaning; more are lawful and ignored.
+    # Only the first two chunks have a meaning. More are allowed, and ignored.
     while offset + 8 <= len(data) and len(chunks) < 2:
         length, kind = struct.unpack_from("<II", data, offset)
         if offset + 8 + length > len(data):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A JSON object that knows its place in the file, read through typed questions whose errors say where."""
+"""A JSON object that knows its place in the file, with typed methods whose errors name that place."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from eclat.errors import EclatError, warn
 
 
 def printable(text: str) -> str:
-    """`text` with lone surrogates, which JSON may spell but no file and no terminal takes, as question marks."""
+    """The `text` with question marks for lone surrogates, which JSON allows but files and terminals do not."""
     return text.encode("utf-8", "replace").decode("utf-8")
 
 
@@ -29,7 +29,7 @@ class Element:
         return f"{self.where}.{name}" if "[" in self.where else f"{self.where}, {name}"
 
     def child(self, name: str) -> Element | None:
-        """The object `name`, None where absent."""
+        """The object `name`, or None if it is absent."""
         value = self.data.get(name)
         if value is None:
             return None
@@ -38,7 +38,7 @@ class Element:
         return Element(value, self.at(name))
 
     def children(self, name: str) -> list[Element]:
-        """The list of objects `name`, empty where absent."""
+        """The list of objects `name`, which is empty if it is absent."""
         values = self._list(name)
         for i, value in enumerate(values):
             if not isinstance(value, dict):
@@ -46,12 +46,12 @@ class Element:
         return [Element(value, self.at(f"{name}[{i}]")) for i, value in enumerate(values)]
 
     def extension(self, name: str) -> Element | None:
-        """The object of the extension `name`, None where absent."""
+        """The object of the extension `name`, or None if it is absent."""
         extensions = self.child("extensions")
         return extensions.child(name) if extensions else None
 
     def own_note(self) -> Element | None:
-        """What `eclat.gltf_export` noted here, under extras.eclat; None where it did not write this."""
+        """The object extras.eclat that `eclat.gltf_export` wrote; None if it did not write this file."""
         extras = self.data.get("extras")
         note = extras.get("eclat") if isinstance(extras, dict) else None
         return Element(note, self.at("extras.eclat")) if isinstance(note, dict) else None
@@ -66,7 +66,7 @@ class Element:
         return self._finite(value, name)
 
     def clamped(self, name: str, default: float, low: float = 0.0, high: float = 1.0) -> float:
-        """A number that is moved into [low, high], with a warning, where it lies outside."""
+        """A number. If it lies outside [low, high], it is clamped with a warning."""
         return self._clamp(self.number(name, default), name, low, high)
 
     def numbers(self, name: str, size: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
@@ -79,7 +79,7 @@ class Element:
         return tuple(self._finite(value, f"{name}[{i}]") for i, value in enumerate(values))
 
     def levels(self, name: str, default: Sequence[float], high: float = math.inf) -> tuple[float, ...]:
-        """As many numbers as `default` has, moved into [0, high], with a warning, where they lie outside."""
+        """As many numbers as `default` has. Numbers outside [0, high] are clamped with a warning."""
         values = self.numbers(name, len(default), default)
         return tuple(self._clamp(value, f"{name}[{i}]", 0.0, high) for i, value in enumerate(values))
 
@@ -110,21 +110,21 @@ class Element:
         ]
 
     def text(self, name: str, default: str = "") -> str:
-        """A string, `default` where absent."""
+        """A string, or `default` if it is absent."""
         value = self.data.get(name, default)
         if not isinstance(value, str):
             raise self._expected("a string", name, value)
         return printable(value)
 
     def texts(self, name: str) -> list[str]:
-        """A list of strings, empty where absent."""
+        """A list of strings, which is empty if it is absent."""
         for i, value in enumerate(self._list(name)):
             if not isinstance(value, str):
                 raise self._expected("a string", f"{name}[{i}]", value)
         return [printable(value) for value in self._list(name)]
 
     def flag(self, name: str, default: bool = False) -> bool:
-        """True or false, `default` where absent."""
+        """True or false, or `default` if it is absent."""
         value = self.data.get(name, default)
         if not isinstance(value, bool):
             raise self._expected("true or false", name, value)
@@ -141,7 +141,7 @@ class Element:
     def _finite(self, value: Any, name: str) -> float:
         if isinstance(value, bool) or not isinstance(value, int | float):
             raise self._expected("a number", name, value)
-        if not abs(value) <= 3.4e38:  # what a float of 32 bits holds
+        if not abs(value) <= 3.4e38:  # the largest value of a 32-bit float
             raise self._expected("a finite number", name, value)
         return float(value)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which extensions we know, and the warning that names the others."""
+"""The supported extensions, and the warning that names the others."""
 
 from __future__ import annotations
 
@@ -46,7 +46,7 @@ HARMLESS = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
 
 
 def warn_of_unsupported(document: Document) -> None:
-    """Warn, once for each kind, of what the file has and we ignore: extensions, animations."""
+    """Warn, once for each kind, of extensions and animations in the file that are ignored."""
     used, required = (set(document.root.texts(name)) for name in ("extensionsUsed", "extensionsRequired"))
     known = SUPPORTED | WITH_OWN_ERROR | HARMLESS
     essential = sorted(required - known)
@@ -76,6 +76,6 @@ def _found(root: dict[str, Any]) -> set[str]:
 
 
 def _shown(names: list[str]) -> str:
-    """At most ten names, each of a bearable length."""
+    """A list of at most ten names, each shortened if it is long."""
     more = f" and {len(names) - 10} more" if len(names) > 10 else ""
     return ", ".join(printable(name[:60]) for name in names[:10]) + more

@@ -118,7 +118,8 @@ class Materials:
         return parameters
 
     def _glossy(self, glossy: Element | None) -> dict[str, Value]:
-        """Specular-glossiness: no metal, and an index so high that the specular colour is the reflectance head-on."""
+        """Specular-glossiness: not metallic, with an index so high that the specular colour is the reflectance at
+        normal incidence."""
         if glossy is None:
             return {}
         warn(f"{glossy.where}: is approximated by metallic-roughness")
@@ -174,7 +175,8 @@ def used_uv_sets(material: Material) -> set[int]:
 
 
 def _metallic_roughness(element: Element, glossy: Element | None) -> Element:
-    """The object with base colour, metal and roughness; of `glossy` the diffuse colour, under the other's names."""
+    """The object with base colour, metalness and roughness. For `glossy` it holds the diffuse colour under these
+    names."""
     if glossy is None:
         return element.child("pbrMetallicRoughness") or Element({}, element.where)
     names = {"baseColorFactor": "diffuseFactor", "baseColorTexture": "diffuseTexture"}
@@ -187,7 +189,7 @@ def _base_factor(pbr: Element) -> Rgba:
 
 
 def _is_thin(element: Element) -> bool:
-    """Whether transmission does not refract: no KHR_materials_volume, or one without thickness."""
+    """Whether light is transmitted without refraction: KHR_materials_volume is absent or has no thickness."""
     volume = element.extension("KHR_materials_volume")
     if volume is None:
         return True

@@ -61,7 +61,7 @@ def local_matrix(node: Element) -> Matrix:
 
 
 def instances(node: Element, accessors: Accessors) -> Matrix:
-    """(N, 4, 4): where a node's mesh stands in the node's space; more than once with EXT_mesh_gpu_instancing."""
+    """The transforms (N, 4, 4) of a node's mesh in the node's space; there are several with EXT_mesh_gpu_instancing."""
     extension = node.extension(_INSTANCING)
     attributes = extension.child("attributes") if extension is not None else None
     if attributes is None:
@@ -85,7 +85,7 @@ def instances(node: Element, accessors: Accessors) -> Matrix:
 
 
 def _trs(translation: Matrix, rotation: Matrix, scale: Matrix, owner: Element) -> Matrix:
-    """(N, 4, 4) from N translations, quaternions (x, y, z, w) and scales."""
+    """The matrices (N, 4, 4) of N translations, quaternions (x, y, z, w) and scales."""
     lengths = np.linalg.norm(rotation, axis=1, keepdims=True)
     finite = all(np.isfinite(values).all() for values in (translation, rotation, scale))
     if not finite or not (lengths > 0).all():

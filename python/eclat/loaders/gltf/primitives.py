@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Mesh primitives as triangles in their own space, and put into the world [glTF 2.0, 3.7.2]."""
+"""Mesh primitives as triangles, in their own space and in the world [glTF 2.0, 3.7.2]."""
 
 from __future__ import annotations
 
@@ -136,7 +136,7 @@ class _Attributes:
         _check_finite(self.positions, element.where)
 
     def read(self, name: str, types: tuple[str, ...]) -> Floats | None:
-        """An attribute as (V, width), finite; None where absent."""
+        """A finite attribute, shape (V, width); None if it is absent."""
         values = self._accessors.floats(self._attributes, name, types)
         if values is None:
             return None
@@ -152,7 +152,7 @@ class _Attributes:
         return values
 
     def tangents(self) -> Floats | None:
-        """(V, 4) with unit xyz and w = ±1; None where absent or unusable."""
+        """The tangents (V, 4) with unit xyz and w = ±1; None if they are absent or unusable."""
         values = self.read("TANGENT", ("VEC4",))
         if values is None:
             return None
@@ -205,7 +205,7 @@ def _check_finite(positions: NDArray[np.float64], where: str) -> None:
 
 
 def _compact(primitive: Primitive) -> Primitive:
-    """Without its unused vertices where those are the most: many primitives may share one pool of vertices."""
+    """The primitive without unused vertices if most are unused, since many primitives may share one set of vertices."""
     used = np.zeros(len(primitive.positions), bool)
     used[primitive.triangles] = True
     count = int(used.sum())
@@ -229,7 +229,7 @@ def _compact(primitive: Primitive) -> Primitive:
 
 
 def _unit_normals(normals: Floats, positions: NDArray[np.float64], triangles: NDArray[np.int32], where: str) -> Floats:
-    """Unit normals; those of length 0 become the average of their triangles'."""
+    """The normals normalised. Those of length 0 become the average of their triangles' normals."""
     bad = ~(_lengths(normals) > 1e-12)
     if not bad.any():
         return _normalized(normals)
@@ -251,7 +251,7 @@ def _lengths(vectors: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 def _normalized(vectors: NDArray[np.floating]) -> Floats:
-    """Unit vectors in float32; those of length 0 become +z, so that all are unit."""
+    """The vectors normalised, in float32. Those of length 0 become +z."""
     lengths = _lengths(vectors)
     with np.errstate(all="ignore"):
         result = vectors / lengths[:, None]

@@ -62,7 +62,7 @@ class Textures:
         return Value(constant, found, channel, uv_set, matrix, square=square)
 
     def _find(self, info: Element | None, srgb: bool, neutral: tuple[float, float, float] | None) -> Texture | None:
-        """The texture that a textureInfo names, None where it names none."""
+        """The texture that a textureInfo names, or None."""
         if info is None:
             return None
         element = self._document.element(info, "index", "textures")
@@ -90,7 +90,7 @@ class Textures:
         return Texture(pixels, srgb=srgb, **options)
 
     def _pixels(self, index: int) -> Pixels | str:
-        """The decoded image, or why there is none."""
+        """The decoded image, or the reason why there is none."""
         if index not in self._images:
             data = self._encoded(self._document.elements("images")[index])
             try:
