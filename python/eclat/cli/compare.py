@@ -63,8 +63,12 @@ EXAMPLES = {
 @max_error_option("Of caches at the last level")
 @time_option("Seconds at the last level instead.")
 @max_depth_option()
-@samples_option("Paths per pixel of each of two", default=256, name="--reference-samples", section="Reference")
-@option("--reference", metavar="FILE", multiple=True, section="Reference", help="An .exr instead; better two.")
+@samples_option(
+    "Paths per pixel in each of two references", default=256, name="--reference-samples", section="Reference"
+)
+@option(
+    "--reference", metavar="FILE", multiple=True, section="Reference", help="Use this .exr instead; better use two."
+)
 @camera_options
 @light_options
 @material_option

@@ -84,13 +84,13 @@ _output_options = together(
     output_option(
         "A file ending in .png, .exr (layers, metadata), .pfm or .npy; repeatable [SCENE.png].", multiple=True
     ),
-    exposure_option("Of .png, in stops (1 = twice) [0].", default=0.0),
+    exposure_option("Exposure of a .png in stops; 1 doubles the light [0].", default=0.0),
     option(
         "--tone-mapping",
         type=Name("NAME", "none", "filmic"),
         default="none",
         section="Output",
-        help="Of .png: none clips at white, filmic rolls off [none].",
+        help="Tone mapping of a .png: none clips at white, filmic rolls off [none].",
     ),
     keep_partial_option("On Ctrl-C, write the picture of the samples taken so far."),
     option(
@@ -101,7 +101,7 @@ _output_options = together(
 _quality_options = together(
     cache_option(),
     max_error_option("Relative error at which to stop"),
-    samples_option("So many paths per pixel instead"),
+    samples_option("Take this many paths per pixel instead"),
     time_option("Stop after about this many seconds instead."),
     option(
         "--adaptive/--no-adaptive",

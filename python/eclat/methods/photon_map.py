@@ -66,7 +66,7 @@ class Photons(Solved):
     max_depth: int = -1
 
     def __len__(self) -> int:
-        """Photons of both maps."""
+        """The number of photons in both maps."""
         return len(self.stored) + len(self.caustic)
 
     def _both(self, columns: slice) -> np.ndarray:
@@ -106,7 +106,7 @@ class Photons(Solved):
 
     @property
     def is_caustic(self) -> np.ndarray:
-        """(N,) whether a photon is one of the caustic map."""
+        """(N,) whether a photon belongs to the caustic map."""
         return np.arange(len(self)) >= len(self.stored)
 
     def maps(
@@ -250,7 +250,7 @@ def _glossy_somewhere(scene: Scene) -> bool:
 
 
 def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
-    """Photons of the whole scene. Warns where fewer than wanted were found in many more paths.
+    """Trace the photons of the whole scene. Warns if fewer photons than wanted were stored after many more paths.
 
     Raises EclatError for progressive photon mapping, which keeps no map.
     """

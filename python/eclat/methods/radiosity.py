@@ -56,7 +56,7 @@ class RadiositySolution(Solved):
 
     @property
     def is_back(self) -> np.ndarray:
-        """(N,) whether a patch is of the side that the triangle's normal looks away from."""
+        """(N,) whether a patch lies on the back of its triangle."""
         back: np.ndarray = (self.patches[:, 1] & _core.PATCH_IS_BACK) != 0
         return back
 
@@ -98,7 +98,7 @@ class RadiositySolution(Solved):
 
     @property
     def albedo(self) -> np.ndarray:
-        """(N, 3) mean albedo, of gloss as if it were diffuse."""
+        """(N, 3) mean albedo; glossy reflection counts as diffuse."""
         return self.values[:, 6:9]
 
     @property
@@ -113,7 +113,7 @@ class RadiositySolution(Solved):
         return leaving
 
     def field(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
-        """The solution as the core reads it. Raises EclatError where its patches are not those of the scene."""
+        """The solution as the core reads it. Raises EclatError if its patches are not those of the scene."""
         patches, values = np.ascontiguousarray(self.patches), np.ascontiguousarray(self.values)
         try:
             return _core.RadiosityField(compiled(scene).core, patches, values, threads)
@@ -181,7 +181,7 @@ def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySo
 
 
 def _tell_of_gloss(scene: Scene) -> None:
-    """Warn of what radiosity knows only as diffuse, or not at all."""
+    """Warn of materials that radiosity treats as diffuse or ignores."""
     reflecting, transmitting = set(), set()
     for mesh in scene.meshes:
         for material in _parts(mesh.material):
