@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""glTF 2.0, the other way round: `encode_glb` makes a binary file of a `Scene`.
+"""Export to glTF 2.0: `encode_glb` makes a binary file of a `Scene`.
 
 The parts: `document` (lists, buffer, chunks), `textures`, `metallic_roughness` (other materials as glTF's), `materials`,
 `geometry` (primitives), `nodes` (cameras and lights).
@@ -92,12 +92,12 @@ def parts_of(scene: Scene) -> list[Part]:
 
 
 def sides_of(mesh: Mesh) -> list[Part]:
-    """Front and back of a two-sided mesh as parts of their own."""
+    """The front and the back of a two-sided mesh as separate parts."""
     return [Part(mesh, one_of_two=True), Part(back_of(mesh), one_of_two=True, back=True)]
 
 
 def back_of(mesh: Mesh) -> Mesh:
-    """A two-sided mesh as its back is: turned over, with what the material says of that side."""
+    """The back of a two-sided mesh: the mesh turned over, with the material of that side."""
     material = mesh.material.back or mesh.material
     if mesh.material.back is None and not mesh.material.emission_two_sided:
         material = replace(material, emission=None)
@@ -105,7 +105,7 @@ def back_of(mesh: Mesh) -> Mesh:
 
 
 def sides_differ(material: Material) -> bool:
-    """Whether a two-sided material is another one behind, which glTF's `doubleSided` cannot say."""
+    """Whether a two-sided material differs on its back, which glTF's `doubleSided` cannot express."""
     if not material.two_sided:
         return False
     return material.back is not None or (material.emission is not None and not material.emission_two_sided)

@@ -24,7 +24,7 @@ _MAX_BYTES = 2**32 - 1
 
 
 class Document:
-    """Top-level lists that grow, each element by its index, and the bytes that they refer to."""
+    """The top-level lists of a file, to which elements are added, and the bytes that they refer to."""
 
     def __init__(self, generator: str) -> None:
         self.root: Json = {"asset": {"version": "2.0", "generator": generator}}
@@ -38,7 +38,7 @@ class Document:
         return len(values) - 1
 
     def use(self, extension: str) -> str:
-        """Declare an extension as used, never as required; its name."""
+        """Declare an extension as used, never as required, and return its name."""
         self._extensions.add(extension)
         return extension
 
@@ -66,7 +66,7 @@ class Document:
         return self.add("accessors", accessor)
 
     def encode(self) -> bytes:
-        """The file. Raises EclatError where it would pass 4 GiB, the format's limit."""
+        """The bytes of the file. Raises EclatError if they exceed 4 GiB, the format's limit."""
         root = dict(self.root)
         if self._extensions:
             root["extensionsUsed"] = sorted(self._extensions)

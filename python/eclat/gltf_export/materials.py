@@ -15,7 +15,7 @@ THICKNESS = 1e-3
 
 
 class Materials:
-    """Writes materials into a document, equal ones once."""
+    """Writes materials into a document. Equal ones are written once."""
 
     def __init__(self, document: Document, textures: Textures, lightmap: Json | None) -> None:
         """`lightmap`: what MOZ_lightmap says of every material, None without a light map."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Any material as glTF's one: metal and roughness. What that cannot say is approximated, with a warning."""
+"""Converts any material to glTF's metallic-roughness, and warns of what that only approximates."""
 
 from __future__ import annotations
 

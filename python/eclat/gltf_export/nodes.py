@@ -38,7 +38,7 @@ def camera_node(document: Document, camera: Camera, bounds: FloatArray) -> int:
 
 
 def _farthest(place: FloatArray, bounds: FloatArray) -> float:
-    """From there to the farthest corner of the bounds; 1 where there is none."""
+    """The distance to the farthest corner of the bounds, or 1 if there are no bounds."""
     distance = float(np.linalg.norm(np.abs(bounds - place).max(axis=0)))
     return distance if 0 < distance < math.inf else 1.0
 
@@ -71,7 +71,7 @@ def light_node(document: Document, light: PointLight | SpotLight | DirectionalLi
 
 
 def _colored(power: tuple[float, float, float]) -> Json:
-    """A colour of at most 1 and what scales it."""
+    """A colour whose components are at most 1, and the factor that scales it."""
     largest = max(power)
     if largest <= 0:
         return {"intensity": 0.0}
@@ -79,7 +79,7 @@ def _colored(power: tuple[float, float, float]) -> Json:
 
 
 def _towards(position: tuple[float, float, float], direction: tuple[float, float, float]) -> FloatArray:
-    """A 4×4 `to_world` whose −z is `direction`."""
+    """A 4×4 `to_world` matrix whose −z axis is `direction`."""
     d = np.asarray(direction, np.float64)
     d /= np.linalg.norm(d)
     matrix = look_at((0.0, 0.0, 0.0), (float(d[0]), float(d[1]), float(d[2])))

@@ -49,7 +49,7 @@ def texels(value: Value) -> Floats:
 
 
 def constant_of(value: Value) -> tuple[float, float, float]:
-    """What multiplies the texture."""
+    """The factor that multiplies the texture."""
     r, g, b = value.constant
     return (r * r, g * g, b * b) if value.square else (r, g, b)
 
@@ -64,7 +64,7 @@ def average(value: Value) -> Value:
 
 
 class Textures:
-    """Writes images, samplers and textures into a document, equal ones once."""
+    """Writes images, samplers and textures into a document. Equal ones are written once."""
 
     def __init__(self, document: Document, uv_sets: Mapping[int, int]) -> None:
         """`uv_sets`: which TEXCOORD of the file holds each set of the scene."""
@@ -133,7 +133,7 @@ class Textures:
         return info
 
     def _name(self, value: Value | None) -> object:
-        """What tells the texels of a value from those of others."""
+        """A key that is equal for values with the same texels."""
         if value is None or value.texture is None:
             return None
         self._kept.append(value.texture)
@@ -202,7 +202,7 @@ def _without_alpha(image: NDArray[Any]) -> Bytes:
 
 
 def _resized(planes: Floats, height: int, width: int) -> Floats:
-    """Bilinearly, each plane on its own."""
+    """Resize bilinearly, each plane separately."""
     if planes.shape[:2] == (height, width):
         return planes
     scaled = [
