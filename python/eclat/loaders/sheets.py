@@ -77,7 +77,7 @@ def _encloses(corners: Ints, places: Floats) -> bool:
             return False
     origin = places[corners[0, 0]]
     volume = abs(float((np.cross(a - origin, b - origin) * (c - origin)).sum())) / 6
-    return volume > _FLAT * area**1.5
+    return bool(volume > _FLAT * area**1.5)
 
 
 def _open_ends(corners: Ints) -> tuple[Ints, Ints]:
