@@ -72,7 +72,7 @@ class Tracer {
             if (photon.triangle != no_triangle) {
                 state.lamp_area = lamp_areas_[photon.triangle];
                 const Vec3 n = world_.geometry.geometric_normal(photon.triangle);
-                const float offset = coordinate_resolution * (world_.geometry.radius() + length(origin));
+                const float offset = coordinate_resolution * (world_.geometry.longest_edge() + length(origin));
                 origin = origin + n * (dot(n, photon.direction) >= 0 ? offset : -offset);
             } else {
                 state.solid_angle = behind_everything(photon.direction);

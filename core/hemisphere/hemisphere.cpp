@@ -25,6 +25,9 @@
 
 #include "hemisphere/hemisphere.h"
 
+#include <algorithm>
+#include <vector>
+
 namespace eclat {
 
 namespace {
@@ -196,6 +199,27 @@ float harmonic_mean_distance(const HemisphereSamples& samples) {
     float sum = 0;
     for (float r : samples.distance) sum += 1 / r;
     return static_cast<float>(samples.distance.size()) / sum;
+}
+
+float reach(const HemisphereSamples& samples) {
+    std::vector<float> met;
+    for (float r : samples.distance)
+        if (r < infinity) met.push_back(r);
+    if (met.empty()) return infinity;
+    const auto half = met.begin() + static_cast<std::ptrdiff_t>(met.size() / 2);
+    std::nth_element(met.begin(), half, met.end());
+    // The order in which a library leaves the rest is its own; sums must not depend on it.
+    std::sort(half, met.end());
+    float sum = 0;
+    for (auto r = half; r != met.end(); ++r) sum += 1 / *r;
+    return static_cast<float>(met.end() - half) / sum;
+}
+
+float farthest_distance(const HemisphereSamples& samples) {
+    float farthest = 0;
+    for (float r : samples.distance)
+        if (r < infinity) farthest = std::max(farthest, r);
+    return farthest;
 }
 
 bool stands_apart(Vec3 here, Vec3 direction, Vec3 there) {

@@ -67,6 +67,11 @@ TranslationGradient translation_gradient(const HemisphereSamples& samples);
 void keep_off(HemisphereSamples& samples, float least);
 /// Harmonic mean of the distances; a miss is infinitely far.
 float harmonic_mean_distance(const HemisphereSamples& samples);
+/// How far one sees: the harmonic mean over the farther half of what is met; infinite where nothing is. In a corner half of
+/// the rays end close by, and through a window some go very far: neither moves it much.
+float reach(const HemisphereSamples& samples);
+/// The largest distance to anything that is met; 0 where nothing is.
+float farthest_distance(const HemisphereSamples& samples);
 /// Whether a hit with normal `there` belongs to something else than the surface of normal `here`, gone on in a curve:
 /// at both ends of a chord of a circle, normals differ by twice its elevation.
 bool stands_apart(Vec3 here, Vec3 direction, Vec3 there);

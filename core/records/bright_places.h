@@ -19,6 +19,7 @@ namespace eclat {
 struct Sighting {
     Vec3 position;
     float luminance;  // of that part
+    float distance;   // from which it was met, m
 };
 
 /// The bright places as seen from one point: cones, each with its chance. Empty where none is above the horizon.
@@ -44,8 +45,9 @@ class AimedCones {
 
 class BrightPlaces {
   public:
-    /// `cell`: how far apart sightings may lie that become one place, m.
-    void add(std::span<const Sighting> sightings, float cell);
+    /// Sightings in one cell of a grid become one place. Cells are as wide as a fiftieth of the distance from which they were
+    /// met, down to the next power of two, so that each part of a scene has its own, however far away another lies.
+    void add(std::span<const Sighting> sightings);
     bool empty() const { return places_.empty(); }
     size_t size() const { return places_.size(); }
     /// Chances in proportion to the irradiance at a point with normal `n` from a sphere around each place.
@@ -60,10 +62,12 @@ class BrightPlaces {
     struct Place {
         Vec3 position;
         float luminance;
+        float cell;  // its width, m
     };
-    float cell_ = 0;
-    std::map<std::array<int32_t, 3>, Cell> cells_;  // ordered, so that sums and ties are
-    std::vector<Place> places_;                     // the brightest of them
+    /// The exponent of a cell's width, and where it lies in the grid of such cells.
+    using Key = std::array<int64_t, 4>;
+    std::map<Key, Cell> cells_;  // ordered, so that sums and ties are
+    std::vector<Place> places_;  // the brightest of them
 };
 
 }  // namespace eclat

@@ -17,7 +17,7 @@ struct Candidate {
     Vec3 normal;  // geometric, on the side that is shaded
     Vec3 shading_normal;
     float offset = 0;     // how far rays must start from the surface
-    float footprint = 0;  // width of a pixel there
+    float footprint = 0;  // width of a pixel there; 0 without a camera, where the gather finds what stands for it
     uint32_t key = 0;     // of its random numbers: what was traced to find it, never coordinates
     bool seen = false;    // by a camera, or in its mirrors
     uint32_t region = 0;  // of the picture, in which records are weighed against pixels; 0: none

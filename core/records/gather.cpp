@@ -145,7 +145,7 @@ Excess gather_excess(const GatherTask& task, const Candidate& candidate, const H
         const Color share = L * (cosine / density);
         out.irradiance += share;
         squares += sqr(luminance(share));
-        if (distance < infinity) sightings.push_back({candidate.position + w * distance, luminance(L)});
+        if (distance < infinity) sightings.push_back({candidate.position + w * distance, luminance(L), distance});
     };
     for (size_t i = 0; i < count; ++i)
         add(samples.frame.to_world(samples.direction[i]), samples.distance[i], samples.radiance[i]);
@@ -207,16 +207,19 @@ Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Ro
     record.irradiance = irradiance(samples);
     out.obstacle = bounding_distance(samples, options);
     record.clearance = sector_clearance(samples);
-    record.least_radius = options.least_pixels * candidate.footprint;
-    record.largest_radius = options.largest_pixels * candidate.footprint;
+    out.reach = reach(samples);
+    out.footprint = candidate.footprint > 0 ? candidate.footprint : pixel_share * out.reach;
+    record.least_radius = options.least_pixels * out.footprint;
+    record.largest_radius = options.largest_pixels * out.footprint;
     // What touches the point, like the surface itself by rounding, would move infinitely fast.
-    keep_off(samples, std::max(record.least_radius, 1e-5f * world.geometry.radius()));
+    keep_off(samples, std::max(record.least_radius, 10 * candidate.offset));
     if (keep) keep(samples);
     record.rotation = rotation_gradient(samples);
     record.translation = translation_gradient(samples);
-    // Beyond twenty scene radii nothing has parallax.
-    if (const auto curvature = curvature_of(options.metric))
-        bend(samples, *curvature, 20 * world.geometry.radius(), record);
+    // Twenty times as far as all that is met, nothing has parallax; where nothing is met, nothing bends.
+    const float farthest = farthest_distance(samples);
+    if (const auto curvature = curvature_of(options.metric); curvature && farthest > 0)
+        bend(samples, *curvature, 20 * farthest, record);
     const bool limits = options.metric == Metric::minimum || (curvature_of(options.metric) && options.obstacle_limit);
     const float along_horizon = look_along_horizon(world, candidate, task.progress, record);
     if (limits) out.obstacle = std::min(out.obstacle, along_horizon);

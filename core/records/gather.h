@@ -17,7 +17,13 @@ struct Gathered {
     IrradianceRecord record;          // the length and the radius not yet set: that is for `space`
     float obstacle = infinity;        // distance that bounds the record's radius before curvature and gradient do, m
     std::vector<Sighting> sightings;  // of what was too bright for single rays
+    float reach = 0;                  // how far the point sees, m; infinite where it meets nothing
+    float footprint = 0;              // width of a pixel there, m; without a camera `pixel_share` of the reach
 };
+
+/// Without a camera a point is seen from what it sees. Of that distance this share stands for the width of a pixel: in a room
+/// about a thousandth of its diagonal, as if it filled a picture of that width.
+constexpr float pixel_share = 0.0016f;
 
 /// What all gathers of a pass share.
 struct GatherTask {

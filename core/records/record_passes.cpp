@@ -20,7 +20,7 @@
 #include "records/record_passes.h"
 
 #include <algorithm>
-#include <unordered_map>
+#include <cstddef>
 
 #include "base/parallel.h"
 #include "records/gather.h"
@@ -29,7 +29,9 @@ namespace eclat {
 
 namespace {
 
-constexpr float bright_cell = 0.02f;     // of the scene's radius: what is aimed at
+// Bounds of a far record's radius in units of its reach, at the usual spacing: in a cube, a hundredth and a fifth of half its
+// diagonal.
+constexpr float least_share = 0.008f, largest_share = 0.16f;
 constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
 constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
 
@@ -37,17 +39,43 @@ SpacingRule spacing_rule(const IrradianceCacheOptions& options) {
     return {options.metric, options.spacing, options.gradient_limit, options.balanced};
 }
 
-/// `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
+/// Sets lengths and radii of what a pass gathered. `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
+///
+/// Without a camera, points that meet nothing have no length of their own: they take the pass's usual one, and where none
+/// meets anything, a part of what the points span. In such scenes no light depends on it.
+void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOptions& options) {
+    std::vector<float> known;
+    Vec3 low{infinity, infinity, infinity}, high = -low;
+    for (const Gathered& g : gathered) {
+        if (g.footprint < infinity) known.push_back(g.footprint);
+        low = min(low, g.record.position);
+        high = max(high, g.record.position);
+    }
+    float usual = pixel_share * std::max(length(high - low), 1e-3f * length(high));
+    if (!known.empty()) {
+        const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
+        std::nth_element(known.begin(), middle, known.end());
+        usual = *middle;
+    }
+    for (Gathered& g : gathered) {
+        if (!(g.footprint < infinity)) {
+            g.footprint = usual;
+            g.record.least_radius = options.least_pixels * usual;
+            g.record.largest_radius = options.largest_pixels * usual;
+        }
+        space(g.record, g.obstacle, g.footprint, mean, spacing_rule(options));
+    }
+}
+
 template <class Rows>
 std::vector<Gathered> gather_each(const GatherTask& task, std::span<const Candidate> candidates, const Rows& rows,
                                   float mean) {
-    return parallel_map<Gathered>(candidates.size(), task.options.threads, [&](size_t i) {
+    auto out = parallel_map<Gathered>(candidates.size(), task.options.threads, [&](size_t i) {
         task.progress.check();
-        const Candidate& c = candidates[i];
-        Gathered out = gather(task, c, rows(c));
-        space(out.record, out.obstacle, c.footprint, mean, spacing_rule(task.options));
-        return out;
+        return gather(task, candidates[i], rows(candidates[i]));
     });
+    space_all(out, mean, task.options);
+    return out;
 }
 
 std::vector<IrradianceRecord> records_of(std::span<const Gathered> gathered) {
@@ -57,42 +85,24 @@ std::vector<IrradianceRecord> records_of(std::span<const Gathered> gathered) {
 }
 
 /// The records of a pass; what they met is known to the next.
-std::vector<IrradianceRecord> remembered(const World& world, std::span<const Gathered> gathered, BrightPlaces& bright) {
+std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, BrightPlaces& bright) {
     std::vector<Sighting> sightings;
     for (const Gathered& g : gathered) sightings.insert(sightings.end(), g.sightings.begin(), g.sightings.end());
-    bright.add(sightings, bright_cell * world.geometry.radius());
+    bright.add(sightings);
     return records_of(gathered);
 }
 
-/// Those that no earlier one lies within `distance` of, on the same side. Cells of that width hold the kept ones, so that only
-/// those of neighbouring cells are asked.
-std::vector<Candidate> thinned(std::span<const Candidate> candidates, float distance) {
+/// In order, those that lie apart from all before, on the same side, by the sum of what both serve at least. A round of far
+/// candidates is so few that each may be held to each.
+std::vector<IrradianceRecord> thinned(std::span<const IrradianceRecord> records) {
     constexpr float same_side = 0.9f;  // cosine of 26°, by judgement: a record serves 10°, but far ones may be coarser
-    std::vector<Candidate> out;
-    std::unordered_multimap<uint32_t, uint32_t> cells;
-    const auto cell = [&](Vec3 p, int axis) { return static_cast<int64_t>(std::floor(p[axis] / distance)); };
-    const auto key = [](int64_t x, int64_t y, int64_t z) {  // of unlike cells it may be the same: then more are asked
-        return hash(static_cast<uint32_t>(x), static_cast<uint32_t>(y), static_cast<uint32_t>(z));
-    };
-    const auto near_kept = [&](const Candidate& c) {
-        for (int64_t neighbour = 0; neighbour < 27; ++neighbour) {
-            const auto [first, last] = cells.equal_range(key(cell(c.position, 0) + neighbour % 3 - 1,
-                                                             cell(c.position, 1) + neighbour / 3 % 3 - 1,
-                                                             cell(c.position, 2) + neighbour / 9 - 1));
-            for (auto i = first; i != last; ++i) {
-                const Candidate& o = out[i->second];
-                if (length_squared(o.position - c.position) < sqr(distance) && dot(o.normal, c.normal) > same_side)
-                    return true;
-            }
-        }
-        return false;
-    };
-    for (const Candidate& c : candidates) {
-        if (near_kept(c)) continue;
-        cells.emplace(key(cell(c.position, 0), cell(c.position, 1), cell(c.position, 2)),
-                      static_cast<uint32_t>(out.size()));
-        out.push_back(c);
-    }
+    std::vector<IrradianceRecord> out;
+    for (const IrradianceRecord& r : records)
+        if (std::none_of(out.begin(), out.end(), [&](const IrradianceRecord& o) {
+                return length_squared(o.position - r.position) < sqr(o.least_radius + r.least_radius) &&
+                       dot(o.normal, r.normal) > same_side;
+            }))
+            out.push_back(r);
     return out;
 }
 
@@ -135,36 +145,38 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
                                              const GatherPlan& plan, Progress& progress) {
     const BrightPlaces none;
     const GatherTask task{world, far, none, options, Stream::radiance_records, progress};
-    return parallel_map<IrradianceRecord>(candidates.size(), options.threads, [&](size_t i) {
+    auto gathered = parallel_map<Gathered>(candidates.size(), options.threads, [&](size_t i) {
         progress.check();
-        Gathered out = gather(task, candidates[i], plan.count, plan.kind,
-                              [&](const HemisphereSamples& samples) { plan.keep(i, samples); });
-        space(out.record, out.obstacle, candidates[i].footprint, plan.mean, spacing_rule(options));
-        return out.record;
+        return gather(task, candidates[i], plan.count, plan.kind,
+                      [&](const HemisphereSamples& samples) { plan.keep(i, samples); });
     });
+    space_all(gathered, plan.mean, options);
+    return records_of(gathered);
 }
 
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
              RecordSolve& solve, Progress& progress) {
-    // Far records only feed averages over whole hemispheres, so they may be coarse: never finer than a hundredth of the
-    // scene, unless finer spacing is asked for.
-    const float unit = options.far_spacing / usual_far_spacing * world.geometry.radius();
-    const float least = 0.01f * unit, largest = 0.2f * unit;
     IrradianceCacheOptions coarse = options;
     if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // they are no wider than that anyway
-    const auto wanted = thinned(unserved(solve.caches.far, candidates, options.threads), 2 * least);
+    const auto wanted = unserved(solve.caches.far, candidates, options.threads);
     const FarEnd none;
-    auto records = remembered(world,
-                              gather_each(
-                                  {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
-                                  [&](const Candidate&) { return options.far_rows; }, 0),
-                              solve.bright);
-    for (IrradianceRecord& r : records) {
-        r.least_radius = least;
-        r.largest_radius = largest;
-        r.radius = clamp(options.far_spacing * r.distance, least, largest);
+    const auto gathered = gather_each(
+        {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
+        [&](const Candidate&) { return options.far_rows; }, 0);
+    const auto records = remembered(gathered, solve.bright);
+    // They only feed averages over whole hemispheres, so they may be coarse: never finer than about a hundredth of the
+    // distance from which they are seen, unless finer spacing is asked for. A record is seen from where it sees.
+    const float unit = options.far_spacing / usual_far_spacing;
+    std::vector<IrradianceRecord> seen;
+    for (size_t i = 0; i < records.size(); ++i) {
+        IrradianceRecord r = records[i];
+        if (!(gathered[i].reach < infinity)) continue;  // by nothing
+        r.least_radius = least_share * unit * gathered[i].reach;
+        r.largest_radius = largest_share * unit * gathered[i].reach;
+        r.radius = clamp(options.far_spacing * r.distance, r.least_radius, r.largest_radius);
+        seen.push_back(r);
     }
-    solve.caches.far.insert(records, options.far_spacing, options.threads);
+    solve.caches.far.insert(thinned(seen), options.far_spacing, options.threads);
     progress.advance();
 }
 
@@ -212,7 +224,6 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     caches.left_to_paths = solve.direct.left_to_paths();
     const FarEnd far = far_end(world, caches, options, progress, solve.tables);
     const auto records = remembered(
-        world,
         gather_each(
             {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
             [&](const Candidate& c) { return rows_for(c, caches.near, options); }, caches.near.mean_luminance()),

@@ -38,7 +38,7 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
                                              const GatherPlan& plan, Progress& progress);
 
 /// A pass of the far cache: coarse records at the candidates that are not served. Rays find candidates by chance, so
-/// those that lie close to each other are thinned, in order.
+/// records that lie close to each other are thinned, in order.
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
              RecordSolve& solve, Progress& progress);
 

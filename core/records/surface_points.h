@@ -43,9 +43,6 @@ class SurfacePoints {
     std::vector<double> cumulative_;  // area up to and with each triangle
 };
 
-/// What stands for the width of a pixel where there is none: a thousandth of the scene's diameter.
-inline float pixel_without_camera(const World& world) { return 2 * world.geometry.radius() / 1000; }
-
 /// Calls of `double_places`, at most: up to half a million places in all.
 constexpr uint32_t most_place_passes = 13;
 /// What a pass tried, and how much of it no record served.

@@ -3,6 +3,8 @@
 
 #include "scene/scene.h"
 
+#include <algorithm>
+
 #include "base/error.h"
 #include "base/precision.h"
 
@@ -74,6 +76,7 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
             for (int k = 0; k < 3; ++k) {
                 low_ = min(low_, m.positions[t.v[k]]);
                 high_ = max(high_, m.positions[t.v[k]]);
+                longest_edge_ = std::max(longest_edge_, length(m.positions[t.v[k]] - m.positions[t.v[(k + 1) % 3]]));
             }
         }
         m.positions = {};

@@ -36,7 +36,12 @@ class Geometry {
     size_t triangle_count() const { return faces_.size(); }
     Vec3 low() const { return low_; }
     Vec3 high() const { return high_; }
+    /// Half the diagonal of the bounds. For what must reach all of the scene, as a sun's photons; a stray part makes it huge, so
+    /// that no length of a method may come from it.
     float radius() const { return 0.5f * length(high_ - low_); }
+    /// Of any triangle. The corners of the triangle that holds a point x, whose digits its hits have, lie no farther from the
+    /// origin than |x| and this.
+    float longest_edge() const { return longest_edge_; }
 
     const Material& material_of(uint32_t triangle) const { return materials_[mesh_[faces_[triangle].mesh].material]; }
     /// Whether nothing is seen of it from behind.
@@ -83,6 +88,7 @@ class Geometry {
     std::vector<std::unique_ptr<Texture>> textures_;
     std::unique_ptr<Intersector> intersector_;
     Vec3 low_, high_;
+    float longest_edge_ = 0;
 };
 
 }  // namespace eclat

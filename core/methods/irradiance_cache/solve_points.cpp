@@ -3,8 +3,9 @@
 
 // Irradiance caches without a camera: for points that are given, or for all diffuse surfaces.
 //
-// Departures   Without a camera there are no pixels to bound a record's radius. A thousandth of the scene's diameter
-//              stands for one, as if the scene filled a picture of that width; the bounds in pixels keep their meaning.
+// Departures   Without a camera there are no pixels to bound a record's radius. A share of the distance that the record
+//              sees stands for one (`pixel_share`), as if it was looked at from there; the bounds in pixels keep their
+//              meaning.
 // Held to      tests/methods/test_solve_points.py
 
 #include "methods/irradiance_cache/solve_points.h"
@@ -31,13 +32,12 @@ uint32_t far_rounds(const IrradianceCacheOptions& options) {
 }
 
 /// Diffuse points, on each side that reflects.
-Candidates diffuse_candidates(const World& world, const SurfacePoints& surface, size_t count, uint32_t pass,
-                              uint32_t seed) {
+Candidates diffuse_candidates(const SurfacePoints& surface, size_t count, uint32_t pass, uint32_t seed) {
     Candidates out;
     for (const auto& [hit, key] : surface.spread(count, pass, seed))
         surface.for_each_side(hit, [&, key = key](const SurfacePoint& point, Vec3 wo) {
             if (is_black(point.bsdf.diffuse_albedo(wo))) return;
-            out.emplace_back(point, pixel_without_camera(world), hash(key, static_cast<uint32_t>(out.size() & 1)));
+            out.emplace_back(point, 0.0f, hash(key, static_cast<uint32_t>(out.size() & 1)));
         });
     return out;
 }
@@ -57,7 +57,7 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
     const auto every = [&](size_t step, size_t first) {
         Candidates out;
         for (size_t i = first; i < points.size(); i += step)
-            out.emplace_back(bare_point(world, points[i]), pixel_without_camera(world), static_cast<uint32_t>(i));
+            out.emplace_back(bare_point(world, points[i]), 0.0f, static_cast<uint32_t>(i));
         return out;
     };
     solve_far(world, every(1, 0), options, solve, progress);
@@ -74,14 +74,14 @@ uint64_t surface_passes(const IrradianceCacheOptions& options, int sweeps) {
 void solve_far_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                           RecordSolve& solve, Progress& progress) {
     for (uint32_t round = 0; round < far_rounds(options); ++round)
-        add_far(world, diffuse_candidates(world, surface, far_round, most_place_passes + round, options.seed), options,
-                solve, progress);
+        add_far(world, diffuse_candidates(surface, far_round, most_place_passes + round, options.seed), options, solve,
+                progress);
 }
 
 void solve_near_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                            RecordSolve& solve, Progress& progress) {
     double_places([&](uint32_t pass, size_t count) {
-        const auto candidates = diffuse_candidates(world, surface, count, pass, options.seed);
+        const auto candidates = diffuse_candidates(surface, count, pass, options.seed);
         return PassCounts{candidates.size(), add_near(world, candidates, options, solve, progress)};
     });
 }
@@ -102,8 +102,7 @@ std::vector<PointNormal> points_everywhere(const World& world, size_t count, uin
     const SurfacePoints surface(world);
     std::vector<PointNormal> out;
     if (surface.empty()) return out;
-    for (const Candidate& c : diffuse_candidates(world, surface, count, no_pass, seed))
-        out.push_back({c.position, c.normal});
+    for (const Candidate& c : diffuse_candidates(surface, count, no_pass, seed)) out.push_back({c.position, c.normal});
     return out;
 }
 

@@ -161,7 +161,7 @@ class Estimate {
 
 DensityPoint DensityPoint::of_photon(const World& world, const Photon& photon, Vec3 wo) {
     DensityPoint at{photon.position, photon.normal,
-                    coordinate_resolution * (world.geometry.radius() + length(photon.position))};
+                    coordinate_resolution * (world.geometry.longest_edge() + length(photon.position))};
     // Photons do not know their surface: a short ray finds it, to learn the shading normal.
     const Ray down{photon.position + photon.normal * (4 * at.offset), 0, -photon.normal, 8 * at.offset};
     Hit hit;

@@ -91,8 +91,8 @@ bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFac
 }
 
 /// The same on all surfaces.
-std::vector<GlossyCandidate> glossy_candidates(const World& world, const SurfacePoints& surface, size_t count,
-                                               uint32_t pass, const RadianceTables& tables, const RadianceCache& cache,
+std::vector<GlossyCandidate> glossy_candidates(const SurfacePoints& surface, size_t count, uint32_t pass,
+                                               const RadianceTables& tables, const RadianceCache& cache,
                                                const RadianceCacheOptions& options) {
     const auto places = surface.spread(count, glossy_pass | pass, options.irradiance.seed);
     using Sides = std::vector<GlossyCandidate>;
@@ -101,7 +101,7 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Surface
         uint32_t side = 0;
         surface.for_each_side(places[i].hit, [&](const SurfacePoint& point, Vec3 wo) {
             ReflectedFactors factors;
-            const Candidate at(point, pixel_without_camera(world), hash(places[i].key, side++));
+            const Candidate at(point, 0.0f, hash(places[i].key, side++));
             if (point.bsdf.has(LobeSet::glossy) && within_tilt(point) && narrowest_lobe(tables, point.bsdf, factors))
                 sides.push_back(candidate_for(at, point, wo, factors, cache));
         });
@@ -197,7 +197,7 @@ void solve_radiance_everywhere(const World& world, const RadianceTables& tables,
     caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
     double_places([&](uint32_t pass, size_t count) {
-        const auto found = glossy_candidates(world, surface, count, pass, tables, caches.radiance, options);
+        const auto found = glossy_candidates(surface, count, pass, tables, caches.radiance, options);
         return PassCounts{found.size(), add_radiance(world, found, projection, options, solve, progress)};
     });
 

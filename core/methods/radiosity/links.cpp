@@ -183,7 +183,7 @@ class Refiner {
 
     Ray ray_between(const PointPair& p) const {
         const auto off = [&](Vec3 x, Vec3 n) {
-            return x + n * (coordinate_resolution * (world_.geometry.radius() + length(x)));
+            return x + n * (coordinate_resolution * (world_.geometry.longest_edge() + length(x)));
         };
         const Vec3 from = off(p.x, p.normal_x), to = off(p.y, p.normal_y) - from;
         const float distance = length(to);

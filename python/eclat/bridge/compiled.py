@@ -11,6 +11,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from eclat import _core
+from eclat.bridge.frame import center_of, warn_of_rounding
 from eclat.bridge.reach import check_areas, check_length, check_reach
 from eclat.errors import EclatError
 from eclat.scene import (
@@ -90,7 +91,7 @@ class _Compiler:
         self.materials: dict[int, int] = {}
 
     def compile(self) -> Compiled:
-        center = _center(self.scene)
+        center = center_of(self.scene)
         for number, mesh in enumerate(self.scene.meshes):
             local = np.asarray(mesh.positions, np.float64) - center
             what = f"mesh {number}" + (f" {mesh.name!r}" if mesh.name else "")
@@ -106,6 +107,7 @@ class _Compiler:
                 colors=_floats(mesh.colors, 4),
                 tangents=_floats(mesh.tangents if _reads_tangents(mesh.material) else None, 4),
             )
+        warn_of_rounding(self.scene, center)
         for number, light in enumerate(self.scene.lights):
             if not isinstance(light, DirectionalLight):
                 check_reach(np.asarray(light.position, np.float64) - center, f"light {number}")
@@ -194,20 +196,6 @@ def _floats(array: FloatArray | None, width: int) -> np.ndarray:
 
 def _reads_tangents(material: Material) -> bool:
     return material.normal_map is not None and material.normal_map.kind == "normal"
-
-
-def _center(scene: Scene) -> FloatArray:
-    """(3,) centre of the bounds in double precision: the origin of the frame in which the core works."""
-    used = [np.asarray(m.positions, np.float64) for m in scene.meshes if len(m.positions)]
-    if not used:
-        return np.zeros(3)
-    low = np.min([p.min(axis=0) for p in used], axis=0)
-    high = np.max([p.max(axis=0) for p in used], axis=0)
-    if not (np.isfinite(low).all() and np.isfinite(high).all()):
-        return np.zeros(3)  # the core names the mesh and the vertex
-    # A shift pays only where the scene lies far from the origin; elsewhere positions keep their own digits.
-    middle = (low + high) / 2
-    return middle if np.abs(middle).max() > 4 * np.linalg.norm(high - low) else np.zeros(3)
 
 
 def fingerprint(scene: Scene) -> str:

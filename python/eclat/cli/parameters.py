@@ -50,6 +50,17 @@ class Number(_Type):
         return number
 
 
+class Exposure(Number):
+    """Stops, or the word "auto"."""
+
+    def __init__(self) -> None:
+        super().__init__(float, -64, 64)
+        self.expected += " or auto"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        return value if value == "auto" else super().convert(value, param, ctx)
+
+
 class Depth(Number):
     """Edges of a path: at least 1, or −1 for no limit."""
 

@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.cli.command import F, option
-from eclat.cli.parameters import Depth, Number
+from eclat.cli.parameters import Depth, Exposure, Number
 from eclat.errors import EclatError
 
 QUALITY = "Quality"
@@ -49,9 +49,10 @@ def refine_option(help: str) -> Callable[[F], F]:
     return option("--refine", is_flag=True, section=QUALITY, help=help)
 
 
-def exposure_option(help: str, default: float | None) -> Callable[[F], F]:
-    """`--exposure`."""
-    return option("--exposure", type=Number(float, -64, 64), default=default, section="Output", help=help)
+def exposure_option(help: str, default: float | None, *, auto: bool = False) -> Callable[[F], F]:
+    """`--exposure`. `auto`: whether the word is a value as well."""
+    number = Exposure() if auto else Number(float, -64, 64)
+    return option("--exposure", type=number, default=default, section="Output", help=help)
 
 
 def output_option(help: str, *, default: str | None = None, multiple: bool = False) -> Callable[[F], F]:

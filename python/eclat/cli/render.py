@@ -41,7 +41,7 @@ from eclat.cli.scene_options import (
     camera_index,
     camera_options,
     light_options,
-    load_scene,
+    load_scene_to_show,
     material_option,
     scene_argument,
     scene_stem,
@@ -84,7 +84,12 @@ _output_options = together(
     output_option(
         "A file ending in .png, .exr (layers, metadata), .pfm or .npy; repeatable [SCENE.png].", multiple=True
     ),
-    exposure_option("Exposure of a .png in stops; 1 doubles the light [0].", default=0.0),
+    exposure_option(
+        "Exposure of a .png in stops (1 doubles the light), or auto: mid grey on average "
+        "[auto where only --sun or a default gives light, else 0].",
+        default=None,
+        auto=True,
+    ),
     option(
         "--tone-mapping",
         type=Name("NAME", "none", "filmic"),
@@ -149,25 +154,31 @@ _quality_options = together(
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
     """Collect, render, write."""
+    from eclat.images.tone import stops_of
+
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         if flags["replay_settings"]:
             flags.update(replayed_flags(flags["replay_settings"], context))
         outputs = _outputs(flags)
         options = _options(flags, context)
-        scene = load_scene(flags)
+        scene, exposure = load_scene_to_show(flags)
         index = camera_index(scene, flags["camera"])
         _check_pixels(flags, scene.cameras[index].size)
         common = {name: flags[name] for name in REACHING_RENDER} | {"camera": index, "progress": reporter.progress}
         what = eclat.load_solved(flags["cache"], scene) if options is None else options
 
         def keep(image: Image) -> None:
-            image = _finished(image, flags)
+            stops = stops_of(exposure, image.pixels)
+            chosen = stops if exposure == "auto" and any(o.lower().endswith(".png") for o in outputs) else None
+            if chosen is not None:
+                image.metadata["exposure"] = chosen
+            image = _finished(image, flags, stops)
             for output in outputs:
-                image.save(output, exposure=flags["exposure"], tone_mapping=flags["tone_mapping"])
+                image.save(output, exposure=stops, tone_mapping=flags["tone_mapping"])
             if flags["replay"]:
                 say_replayed_sample(reporter, image, flags["replay"])
             else:
-                _say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata))
+                _say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata), chosen)
                 say_replay_of_bad_samples(reporter, image, flags["scene"], outputs)
 
         with keeping_partial(flags["keep_partial"], keep, reporter):
@@ -221,13 +232,16 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
             raise EclatError(f"--{flag}: expected pixels inside the picture of {size[0]}x{size[1]}, got {got}")
 
 
-def _finished(image: Image, flags: dict[str, Any]) -> Image:
+def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:
     """With what else goes into the files."""
     image.metadata["settings"] = settings_of(flags, image.metadata)
-    return image.show_records(flags["exposure"]) if flags["show_records"] else image
+    return image.show_records(stops) if flags["show_records"] else image
 
 
-def _say_result(reporter: Reporter, image: Image, outputs: list[str], chosen: list[str]) -> None:
+def _say_result(
+    reporter: Reporter, image: Image, outputs: list[str], chosen: list[str], exposure: float | None
+) -> None:
+    """One line. `chosen`: options that the clock chose; `exposure`: the stops that were chosen, if any were."""
     statistics = image.metadata.get("statistics", {})
     parts = [f"{image.width}x{image.height}", str(image.metadata.get("method", ""))]
     if "seconds" in statistics:
@@ -238,6 +252,8 @@ def _say_result(reporter: Reporter, image: Image, outputs: list[str], chosen: li
     if "samples_done" in image.metadata:
         parts.append("interrupted")
     parts.append(error_text(statistics))
+    if exposure is not None:
+        parts.append(f"exposure {exposure:+g} stops")
     if chosen:
         parts.append("records by --set " + " --set ".join(chosen))
     text = f"{', '.join(map(str, outputs))}: {', '.join(filter(None, parts))}"

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal
 
 import click
 
@@ -91,13 +91,22 @@ def scene_stem(name: str) -> str:
 
 def load_scene(flags: Mapping[str, Any]) -> Scene:
     """The scene that the flags ask for, with a camera and light in any case. Raises EclatError."""
-    from eclat.stage.defaults import complete
+    return load_scene_to_show(flags)[0]
+
+
+def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal["auto"]]:
+    """The same, and the exposure of its pictures: that of the flags, else "auto" under light that no file chose, else 0."""
+    from eclat.stage.defaults import complete, wants_exposure
 
     scene = eclat.load(flags["scene"])
     if flags["materials"]:
         scene = eclat.override_materials(scene, _overrides(flags["materials"]))
+    exposure: float | Literal["auto"] | None = flags.get("exposure")
+    if exposure is None:
+        made_up = wants_exposure(scene, sun=flags.get("sun"), environment=flags.get("environment"))
+        exposure = "auto" if made_up else 0.0
     names = ("camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "size")
-    return complete(scene, **{name: flags[name] for name in names if flags.get(name) is not None})
+    return complete(scene, **{name: flags[name] for name in names if flags.get(name) is not None}), exposure
 
 
 def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:

@@ -144,10 +144,10 @@ def sun_sky(
     to_world = upright_frame(up)
     to_sun = to_world.T @ _unit(sun_direction, "sun_direction")
     elevation = math.degrees(math.asin(min(1.0, max(-1.0, to_sun[1]))))
-    dusk = 1.0
+    fade = 1.0
     if elevation <= 0:
         warn(f"the sun is {-elevation:.1f}° below the horizon: no direct sun, and a dusk sky that is only a guess")
-        dusk = _dusk(elevation)
+        fade = dusk(elevation)
         to_sun = np.array([to_sun[0], 0.0, to_sun[2]])
         length = float(np.linalg.norm(to_sun))
         to_sun = to_sun / length if length > 1e-9 else np.array([0.0, 0.0, -1.0])
@@ -160,7 +160,7 @@ def sun_sky(
         x, y, z = (float(c) for c in -(to_world @ to_sun))
         light = DirectionalLight((x, y, z), (r, g, b), SUN_ANGULAR_RADIUS)
     if parts != "sun":
-        image = _sky_image(to_sun, turbidity, size, dusk * sky_scale, albedo, irradiance * to_sun[1])
+        image = _sky_image(to_sun, turbidity, size, fade * sky_scale, albedo, irradiance * to_sun[1])
         environment = Environment(image, to_world)
     return light, environment
 
@@ -250,7 +250,7 @@ def _sky_image(
     return np.where(above[..., None], sky, ground).astype(np.float32)
 
 
-def _dusk(elevation: float) -> float:
+def dusk(elevation: float) -> float:
     """Brightness relative to sunset: civil twilight ends (−6°) at about 1/200, astronomical (−18°) is the floor."""
     return float(200.0 ** (max(elevation, -18.0) / 6))
 

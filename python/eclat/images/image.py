@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from dataclasses import dataclass, field, replace
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import DTypeLike, NDArray
@@ -14,7 +14,7 @@ from numpy.typing import DTypeLike, NDArray
 from eclat.errors import EclatError, warn
 from eclat.files.atomic_file import check_writable, write_file
 from eclat.images import image_files
-from eclat.images.tone import check_display
+from eclat.images.tone import check_display, stops_of
 
 LAYERS: dict[str, str] = {
     "direct": "RGB",
@@ -102,7 +102,9 @@ class Image:
         """Number of rows."""
         return int(self.pixels.shape[0])
 
-    def save(self, path: str | os.PathLike[str], exposure: float = 0.0, tone_mapping: str = "none") -> None:
+    def save(
+        self, path: str | os.PathLike[str], exposure: float | Literal["auto"] = 0.0, tone_mapping: str = "none"
+    ) -> None:
         """Write the picture in the format that `path` ends in.
 
         ======  ===========================================================================================
@@ -117,7 +119,8 @@ class Image:
 
         Parameters
         ----------
-        exposure : stops, of PNG only: radiance times 2^exposure.
+        exposure : stops, of PNG only: radiance times 2^exposure. "auto" takes the log-average luminance to mid grey, to
+            the nearest half stop (`auto_exposure`), and the file's metadata say so as `exposure`.
         tone_mapping : "none" or "filmic", of PNG only.
 
         Raises
@@ -125,10 +128,12 @@ class Image:
         EclatError : unknown suffix, bad exposure or tone mapping, or the file cannot be written.
         """
         file_format = check_output(path)
-        check_display(exposure, tone_mapping)
+        stops = stops_of(exposure, self.pixels)
+        check_display(stops, tone_mapping)
         self._warn_if_not_finite(os.fspath(path), file_format.not_finite)
-        content = image_files.Content(self.pixels, self.layers, self.metadata)
-        write_file(path, file_format.encode(content, LAYERS, exposure, tone_mapping))
+        chosen = {"exposure": stops} if exposure == "auto" and file_format is image_files.FORMATS[".png"] else {}
+        content = image_files.Content(self.pixels, self.layers, {**self.metadata, **chosen})
+        write_file(path, file_format.encode(content, LAYERS, stops, tone_mapping))
 
     def show_records(self, exposure: float = 0.0) -> Image:
         """The picture with a mark over each pixel in which records lie, bright at that `exposure` (stops).

@@ -6,12 +6,13 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, did_you_mean
+from eclat.measure.photometry import luminance
 
 FloatArray = NDArray[np.floating[Any]]
 
@@ -57,6 +58,29 @@ def _clip(linear: FloatArray) -> FloatArray:
 
 TONE_MAPPINGS: dict[str, Callable[[FloatArray], FloatArray]] = {"none": _clip, "filmic": filmic}
 """Curves from exposed radiance to linear display light; what they leave outside 0..1 is clipped."""
+
+
+def auto_exposure(pixels: FloatArray) -> float:
+    """Stops that take the log-average luminance of (H, W, 3) radiance to mid grey (0.18), to the nearest half stop.
+
+    Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2; black pixels, which
+    have no logarithm, are left out, as are those that are not finite. Within ±`MAX_EXPOSURE`.
+    """
+    brightness = luminance(pixels)
+    lit = brightness[np.isfinite(brightness) & (brightness > 0)]
+    if lit.size == 0:
+        return 0.0
+    stops = math.log2(0.18) - float(np.log2(lit).mean())
+    return min(max(round(2 * stops) / 2, -MAX_EXPOSURE), MAX_EXPOSURE)
+
+
+def stops_of(exposure: float | Literal["auto"], pixels: FloatArray) -> float:
+    """The number of stops that `exposure` means for `pixels`. Raises EclatError for another word than "auto"."""
+    if isinstance(exposure, str):
+        if exposure != "auto":
+            raise EclatError(f"exposure: expected a number of stops or 'auto', got {exposure!r}")
+        return auto_exposure(pixels)
+    return exposure
 
 
 def check_display(exposure: float, tone_mapping: str) -> None:

@@ -34,8 +34,6 @@ from eclat.stage.framing import framed_camera, sky_above, sphere_directions, sur
 
 Point = tuple[float, float, float]
 
-DAYLIGHT_SCALE = (0.01, 0.04)
-"""Shares of true daylight, in the open and in a room where the sun is the only light, that need no exposure."""
 GROUND_ALBEDO = 0.2
 SUN_ELEVATION = 48.0
 SUN_ASIDE = 50.0
@@ -90,6 +88,16 @@ def complete(
     if not has_light(scene):
         scene = _with_light(scene, rays_escape or _rays_escape)
     return scene
+
+
+def wants_exposure(
+    scene: Scene, *, sun: tuple[float, float] | None = None, environment: Path | Point | None = None
+) -> bool:
+    """Whether `complete`, with these overrides, lights the scene by true daylight or by a lamp of its own making.
+
+    Who chose no light chose no exposure either: pictures are then shown by `auto_exposure`.
+    """
+    return sun is not None or (environment is None and not has_light(scene))
 
 
 def has_light(scene: Scene) -> bool:
@@ -173,11 +181,8 @@ def _with_sun(scene: Scene, sun: tuple[float, float], keep_environment: bool) ->
 
 
 def _with_daylight(scene: Scene, sun: tuple[float, float], parts: Literal["sun", "sunsky"]) -> Scene:
-    """True daylight beside other lights, else scaled to suit a picture."""
+    """True daylight, in the scene's units: pictures of it want an exposure."""
     scale = LUMENS_PER_WATT if scene.photometric else 1.0
-    if not has_light(scene):
-        outdoors, indoors = DAYLIGHT_SCALE
-        scale *= indoors + (outdoors - indoors) * _openness(scene, scene.cameras[0])
     to_sun = sun_direction(*sun, scene.up)
     light, sky = sun_sky(to_sun, up=scene.up, albedo=GROUND_ALBEDO, sun_scale=scale, sky_scale=scale, parts=parts)
     lights = scene.lights if light is None else (*scene.lights, light)

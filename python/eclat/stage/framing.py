@@ -67,7 +67,7 @@ def surface(scene: Scene) -> FloatArray:
 def framed_camera(scene: Scene) -> tuple[Camera, str]:
     """A camera that shows the scene, and what that is: "room", "stage" (a room without a wall), "object", "nothing"."""
     upright = upright_frame(scene.up)
-    corners = surface(scene) @ upright
+    corners = _without_strays(surface(scene) @ upright)
     if len(corners) == 0:
         return Camera(look_at((0, 0, 5), (0, 0, 0)), fov=OBJECT_FOV, fov_axis="smaller"), "nothing"
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
@@ -83,10 +83,23 @@ def framed_camera(scene: Scene) -> tuple[Camera, str]:
     return Camera(_placed(upright, *_object_view(corners, low, high)), fov=OBJECT_FOV, fov_axis="smaller"), "object"
 
 
+def _without_strays(corners: FloatArray) -> FloatArray:
+    """The triangles (T, 3, 3) but for those a thousand times as far from the middle of most corners as half of them are.
+
+    One triangle left at the origin of a country's coordinates would make the room a point in the picture.
+    """
+    if len(corners) == 0:
+        return corners
+    points = corners.reshape(-1, 3)
+    distance = np.linalg.norm(points - np.median(points, axis=0), axis=1)
+    near: FloatArray = corners[(distance <= 1e3 * np.median(distance)).reshape(-1, 3).all(axis=1)]
+    return near if len(near) else corners
+
+
 def sky_above(scene: Scene, camera: Camera) -> bool:
     """Whether the sky shines on what the camera can see, itself perhaps hidden from it by a roof."""
     upright = upright_frame(scene.up)
-    corners = surface(scene) @ upright
+    corners = _without_strays(surface(scene) @ upright)
     if len(corners) == 0:
         return True
     grid = _grid(corners, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))

@@ -15,8 +15,8 @@ import numpy as np
 from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.errors import EclatError
 from eclat.images.image import Image
+from eclat.images.tone import auto_exposure
 from eclat.measure.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
-from eclat.measure.photometry import luminance
 from eclat.methods import METHODS, Method, Path, as_method
 from eclat.verbs.render import render
 
@@ -172,7 +172,7 @@ def compare(
     if reference is None:
         reference = render_reference(scene, reference_samples, seed, progress, common)
     truth = reference.image
-    shown_at = auto_exposure(truth) if exposure is None else exposure
+    shown_at = auto_exposure(truth.pixels) if exposure is None else exposure
     results = []
     for method in chosen:
         images: list[Image] = []
@@ -200,20 +200,6 @@ def render_reference(
         for i, other in enumerate(REFERENCE_SEEDS, 1)
     ]
     return Reference(*pictures)
-
-
-def auto_exposure(image: Image) -> float:
-    """The exposure that makes the log-average luminance mid grey (0.18), rounded to half a stop.
-
-    Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2; black pixels, which
-    have no logarithm, are left out.
-    """
-    brightness = luminance(image.pixels)
-    lit = brightness[np.isfinite(brightness) & (brightness > 0)]
-    if lit.size == 0:
-        return 0.0
-    stops = math.log2(0.18) - float(np.log2(lit).mean())
-    return round(2 * stops) / 2
 
 
 def default_size(scene: Scene, camera: int) -> tuple[int, int]:

@@ -122,7 +122,7 @@ def solve(
         gets a record unless another record serves it.
     view_independent : make records on all diffuse surfaces instead of for a view, on each side that reflects. Radiance
         caching also makes records on all glossy surfaces, for all view directions. Lengths in pixels in the options are
-        then in thousandths of the scene's diameter.
+        then in 0.0016 of the distance that a record sees: in a room about a thousandth of its diagonal.
     max_depth : edges of a path: 2 direct light only, −1 unlimited.
     keep_partial : on Ctrl-C, give the KeyboardInterrupt an attribute `partial`: the Solution of the finished passes,
         marked incomplete. The attribute is absent while there are only far records, which the first passes make.

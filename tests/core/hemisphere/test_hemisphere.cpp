@@ -160,6 +160,27 @@ TEST_CASE("distances: a miss is infinitely far, and only what stands apart count
     CHECK(harmonic_mean_distance(s) == infinity);
 }
 
+TEST_CASE("how far a point sees: the farther half of what it meets, neither corners nor windows") {
+    HemisphereSamples s = gather(16, 0, 0);
+    for (float& r : s.distance) r = 2;
+    CHECK(reach(s) == doctest::Approx(2));
+    // A wall close by in almost half of all directions.
+    const size_t count = s.distance.size();
+    for (size_t i = 0; i < count * 4 / 9; ++i) s.distance[i] = 1e-3f;
+    CHECK(reach(s) == doctest::Approx(2));
+    CHECK(farthest_distance(s) == 2);
+    // A tenth of the farther half sees something a thousand times as far away: the mean would be a hundred times as large.
+    for (size_t i = 0; i < count / 20; ++i) s.distance[count - 1 - i] = 2000;
+    CHECK(reach(s) == doctest::Approx(2 / 0.9).epsilon(0.01));
+    CHECK(farthest_distance(s) == 2000);
+    // What is not met does not count.
+    for (size_t i = 0; i < count / 20; ++i) s.distance[count - 1 - i] = infinity;
+    CHECK(reach(s) == doctest::Approx(2));
+    for (float& r : s.distance) r = infinity;
+    CHECK(reach(s) == infinity);
+    CHECK(farthest_distance(s) == 0);
+}
+
 TEST_CASE("a surface that goes on in a curve does not stand apart from itself; walls and lips do") {
     const Vec3 up{0, 0, 1};
     for (float elevation : {0.005f, 0.02f, 0.1f, 0.2f, 0.25f}) {

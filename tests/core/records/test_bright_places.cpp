@@ -22,8 +22,8 @@ BrightPlaces three_places() {
     BrightPlaces places;
     // Two of them so close together that their cones overlap.
     const std::vector<Sighting> sightings{
-        {{1.05f, 0.05f, 2.05f}, 3}, {{1.15f, 0.05f, 2.05f}, 1}, {{-2.05f, 1.05f, 0.55f}, 5}};
-    places.add(sightings, 0.1f);
+        {{1.05f, 0.05f, 2.05f}, 3, 6}, {{1.15f, 0.05f, 2.05f}, 1, 6}, {{-2.05f, 1.05f, 0.55f}, 5, 6}};
+    places.add(sightings);
     return places;
 }
 
@@ -54,8 +54,8 @@ TEST_CASE("the density of aimed directions integrates to 1 and is what they have
 TEST_CASE("sightings of one cell are one place; what is below the horizon or as near as a cell is left to the grid") {
     BrightPlaces places;
     const std::vector<Sighting> same{
-        {{0.01f, 0.02f, 1.01f}, 1}, {{0.05f, 0.06f, 1.05f}, 3}, {{0.01f, 0.02f, -1.01f}, 1}};
-    places.add(same, 0.1f);
+        {{0.01f, 0.02f, 1.01f}, 1, 6}, {{0.05f, 0.06f, 1.05f}, 3, 6}, {{0.01f, 0.02f, -1.01f}, 1, 6}};
+    places.add(same);
     CHECK(places.size() == 2);
     CHECK(places.seen_from({}, up).pdf_solid_angle({0, 0, -1}) == 0);
     CHECK(places.seen_from({}, -up).pdf_solid_angle({0, 0, -1}) > 0);
@@ -63,8 +63,25 @@ TEST_CASE("sightings of one cell are one place; what is below the horizon or as 
     CHECK(BrightPlaces().seen_from({}, up).empty());
     // No more than are worth their while: the brightest stay.
     std::vector<Sighting> many;
-    for (int i = 0; i < 1000; ++i) many.push_back({{float(i), 0, 5}, i == 700 ? 100.0f : 1.0f});
-    places.add(many, 0.1f);
+    for (int i = 0; i < 1000; ++i) many.push_back({{float(i), 0, 5}, i == 700 ? 100.0f : 1.0f, 6});
+    places.add(many);
     CHECK(places.size() == 64);
     CHECK_FALSE(places.seen_from({700, 0, 4.5f}, up).empty());
+}
+
+TEST_CASE("cells are as wide as a part of the distance from which they were met, whatever else a scene holds") {
+    // The same lamp, once beside a sighting a thousand times as far away: two sightings 4 cm apart stay two places where they
+    // were met from one metre, and are one where they were met from a kilometre.
+    const auto lamps = [](float distance) {
+        return std::vector<Sighting>{{{0.51f, 0.51f, 0.51f}, 1, distance}, {{0.55f, 0.51f, 0.51f}, 1, distance}};
+    };
+    BrightPlaces near, far;
+    near.add(std::vector<Sighting>{{{2000, 0, 0}, 1, 1000}});
+    near.add(lamps(1));
+    CHECK(near.size() == 3);
+    far.add(lamps(1000));
+    CHECK(far.size() == 1);
+    // What touches the point is left to the grid.
+    far.add(lamps(0));
+    CHECK(far.size() == 1);
 }

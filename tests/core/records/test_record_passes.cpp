@@ -98,7 +98,7 @@ TEST_CASE("rays aimed at bright places change nothing but the noise") {
         return std::pair{mean, std::sqrt(squares / count - mean * mean)};
     };
     const auto [unaimed, noisy] = mean_and_deviation(none);
-    for (uint32_t key = 1000; key < 1040; ++key) bright.add(at(key, none).sightings, 0.1f);
+    for (uint32_t key = 1000; key < 1300; ++key) bright.add(at(key, none).sightings);
     REQUIRE_FALSE(bright.empty());
     const auto [aimed, quiet] = mean_and_deviation(bright);
     CHECK(quiet < 0.5 * noisy);
@@ -271,19 +271,21 @@ TEST_CASE("far records are thinned, coarse and read without turning") {
     CHECK_FALSE(caches.far.options().rotation_gradient);
     Progress progress;
     const auto& world = room.world();
-    const float radius = world.geometry.radius();
-    // Three within two hundredths of the scene's radius of the first, one of them on the other side.
-    const std::vector<Candidate> close{
-        candidate({0, -1, 0}, {0, 1, 0}, 0), candidate({0.015f * radius, -1, 0}, {0, 1, 0}, 1),
-        candidate({0.005f * radius, -1, 0}, {0, -1, 0}, 2), candidate({0.025f * radius, -1, 0}, {0, 1, 0}, 3)};
+    // From the middle of a cube of two metres, what is met lies between 1 and 1.7 m away. Two lie within the sum of two least
+    // radii of the first; one of these sees the other way. The last sees nothing, and is seen by nothing.
+    const std::vector<Candidate> close{candidate({0, 0, 0}, {0, 1, 0}, 0), candidate({0.016f, 0, 0}, {0, 1, 0}, 1),
+                                       candidate({0.005f, 0, 0}, {0, -1, 0}, 2), candidate({0.03f, 0, 0}, {0, 1, 0}, 3),
+                                       candidate({0, -1, 0}, {0, -1, 0}, 4)};
     add_far(world, close, options, solve, progress);
     const auto& records = caches.far.records();
     REQUIRE(records.size() == 3);
     CHECK(records[1].normal == Vec3{0, -1, 0});
     CHECK(records[2].position == close[3].position);
     for (const IrradianceRecord& r : records) {
-        CHECK(r.radius >= 0.01f * radius);
-        CHECK(r.radius <= 0.2f * radius);
+        CHECK(r.least_radius > 0.008f);
+        CHECK(r.least_radius < 0.008f * 1.75f);
+        CHECK(r.radius >= r.least_radius);
+        CHECK(r.radius <= 0.16f * 1.75f);
     }
 }
 

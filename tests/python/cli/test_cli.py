@@ -20,6 +20,7 @@ import eclat
 from eclat.cli import COMMANDS, main
 from eclat.cli.replay import REPEATED
 from eclat.images.image import Image
+from eclat.images.image_files import read_png_metadata
 from eclat.loaders import load
 from support.fake_api import FakeApi
 
@@ -103,6 +104,28 @@ def test_camera_sun_and_environment_change_the_scene(api: FakeApi) -> None:
     np.testing.assert_array_equal(scene.environment.image, [[[1, 2, 3]]])
 
 
+def test_exposure_is_chosen_where_no_file_chose_the_light(api: FakeApi, capsys: Output) -> None:
+    """Daylight is true, so that its pictures would be white; what a file shines is shown as it is, unless asked."""
+
+    def shown(*flags: str) -> tuple[str, float | None]:
+        assert main(["render", *flags, "--size", "8x8", "-o", "a.png", "-o", "a.exr"]) == 0
+        return capsys.readouterr().out, read_png_metadata("a.png").get("exposure")
+
+    Path("bare.obj").write_text("v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n")
+    for flags in (["cornell-box", "--sun", "180,60"], ["bare.obj"], ["cornell-box", "--exposure", "auto"]):
+        said, stops = shown(*flags)
+        assert stops is not None and f"exposure {stops:+g} stops" in said, flags
+        # The pictures of the fake have a log-average of about 0.45.
+        assert -2 <= stops <= -1
+    for flags in (
+        ["cornell-box"],
+        ["cornell-box", "--sun", "180,60", "--exposure", "-8"],
+        ["bare.obj", "--environment", "1,1,1"],
+    ):
+        said, stops = shown(*flags)
+        assert stops is None and "exposure" not in said, flags
+
+
 def test_materials_change_by_name(api: FakeApi, capsys: Output) -> None:
     flags = ["--material", "floor=roughplastic,distribution=ggx,alpha=0.2", "--size", "8x8", "-o", "a.png"]
     assert main(["render", "cornell-box", *flags]) == 0
@@ -171,7 +194,7 @@ BAD_VALUES = {
     ),
     "--environment 1,2": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,2'",
     "--environment 1,-2,3": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,-2,3'",
-    "--exposure 65": "--exposure: expected a number from -64 to 64, got '65'",
+    "--exposure 65": "--exposure: expected a number from -64 to 64 or auto, got '65'",
     "--tone-mapping filmc": "--tone-mapping: expected one of none, filmic, got 'filmc'; did you mean 'filmic'?",
     "--method pth": "--method: expected one of direct, path, irradiance-cache, radiance-cache, photon-map, radiosity, "
     "got 'pth'; did you mean 'path'?",

@@ -10,7 +10,16 @@ import numpy as np
 import pytest
 
 from eclat.errors import EclatError
-from eclat.images.tone import MID_GREY, NOT_FINITE, filmic, srgb_decode, srgb_encode, to_display
+from eclat.images.tone import (
+    MID_GREY,
+    NOT_FINITE,
+    auto_exposure,
+    filmic,
+    srgb_decode,
+    srgb_encode,
+    stops_of,
+    to_display,
+)
 
 
 @pytest.mark.parametrize(
@@ -88,3 +97,20 @@ def test_an_unknown_tone_mapping_gets_a_hint() -> None:
     with pytest.raises(EclatError) as caught:
         to_display(np.zeros((1, 1, 3)), tone_mapping="filmik")
     assert str(caught.value) == ("tone_mapping: expected one of none, filmic, got 'filmik'; did you mean 'filmic'?")
+
+
+def test_exposure_takes_the_log_average_to_mid_grey() -> None:
+    pixels = np.full((2, 2, 3), 0.18 / 8, dtype=np.float32)
+    pixels[0, 0] = 0
+    pixels[0, 1] = np.nan
+    assert auto_exposure(pixels) == 3.0
+    assert auto_exposure(np.zeros((1, 1, 3), dtype=np.float32)) == 0.0
+    assert auto_exposure(np.full((1, 1, 3), 1e-37, dtype=np.float32)) == 64.0, "as far as exposure goes"
+
+
+def test_exposure_by_word() -> None:
+    pixels = np.full((1, 1, 3), 0.09, dtype=np.float32)
+    assert stops_of("auto", pixels) == 1.0
+    assert stops_of(-2.5, pixels) == -2.5
+    with pytest.raises(EclatError, match="expected a number of stops or 'auto', got 'best'"):
+        stops_of("best", pixels)  # type: ignore[arg-type]

@@ -18,7 +18,7 @@ from eclat.errors import EclatError
 from eclat.images.image import Image
 from eclat.loaders import load
 from eclat.report.compare_page import page_facts
-from eclat.verbs.compare import Effort, Reference, auto_exposure, compare, default_size
+from eclat.verbs.compare import Effort, Reference, compare, default_size
 from support.fake_api import FakeApi
 
 
@@ -97,14 +97,6 @@ def test_the_camera_size_is_scaled_down() -> None:
     assert default_size(wide, 0) == (512, 288)
     assert default_size(dataclasses.replace(scene, cameras=()), 0) == (512, 288)
     assert default_size(scene, 0) == (512, 512)
-
-
-def test_exposure_takes_the_log_average_to_mid_grey() -> None:
-    pixels = np.full((2, 2, 3), 0.18 / 8, dtype=np.float32)
-    pixels[0, 0] = 0
-    pixels[0, 1] = np.nan
-    assert auto_exposure(Image(pixels)) == 3.0
-    assert auto_exposure(Image(np.zeros((1, 1, 3), dtype=np.float32))) == 0.0
 
 
 def test_levels_out_of_range() -> None:

@@ -10,9 +10,10 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.daylight import sky
+from eclat.daylight.sky import SUN_ANGULAR_RADIUS
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.loaders.files import read_texture
+from eclat.loaders.mitsuba.daylight import mitsuba_sun_sky
 from eclat.loaders.mitsuba.kinds import PLUGINS
 from eclat.loaders.mitsuba.node import Node, Vector
 from eclat.loaders.mitsuba.sun_position import sun_direction
@@ -140,6 +141,15 @@ def _rotation(node: Node) -> Matrix:
     return rotation
 
 
+def _sun_radius(node: Node) -> float:
+    """Degrees, from the diameter of version 3 or the scale of 0.6."""
+    radius = node.number("sun_aperture", default=2 * SUN_ANGULAR_RADIUS) / 2
+    radius *= node.number("sun_radius_scale", default=1.0)
+    if not 0 <= radius < 90:
+        raise EclatError(f"{node.where}: expected a sun with a radius from 0 to below 90 degrees, got {radius:g}")
+    return radius
+
+
 def _sky(node: Node, textures: Textures) -> Emission:
     up = (0.0, 1.0, 0.0) if node.legacy else (0.0, 0.0, 1.0)
     rotation = _rotation(node)
@@ -150,7 +160,7 @@ def _sky(node: Node, textures: Textures) -> Emission:
     parts: Literal["sun", "sky", "sunsky"] = "sun" if node.type == "sun" else "sky" if node.type == "sky" else "sunsky"
     albedo = textures.value(node, "albedo", default=0.15 if node.legacy else 0.3, kind="reflectance").constant
     try:
-        sun, environment = sky.sun_sky(
+        sun, environment = mitsuba_sun_sky(
             tuple((rotation @ local).tolist()),
             turbidity=node.number("turbidity", default=3.0),
             up=tuple((rotation @ np.array(up)).tolist()),
@@ -158,6 +168,7 @@ def _sky(node: Node, textures: Textures) -> Emission:
             sun_scale=node.number("sun_scale", default=scale),
             sky_scale=node.number("sky_scale", default=scale),
             parts=parts,
+            angular_radius=_sun_radius(node),
         )
     except EclatError as error:
         raise EclatError(f"{node.where}: {error}") from None
