@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable
 from dataclasses import replace
 from pathlib import Path
 from typing import Literal
@@ -50,7 +49,6 @@ def complete(
     sun: tuple[float, float] | None = None,
     environment: Path | Point | None = None,
     size: tuple[int, int] | None = None,
-    rays_escape: Callable[[Scene, Camera], bool] | None = None,
 ) -> Scene:
     """The scene with the user's overrides, and with a camera and light in any case.
 
@@ -66,8 +64,6 @@ def complete(
         An EXR, HDR, PFM or other image, or a constant radiance, instead of the scene's.
     size
         Width and height in pixels.
-    rays_escape
-        Whether any ray from the camera leaves the scene; without it 64 rays are tried here.
 
     Returns
     -------
@@ -86,7 +82,7 @@ def complete(
     if sun is not None:
         scene = _with_sun(scene, sun, keep_environment=environment is not None)
     if not has_light(scene):
-        scene = _with_light(scene, rays_escape or _rays_escape)
+        scene = _with_light(scene)
     return scene
 
 
@@ -216,9 +212,9 @@ def _environment(source: Path | Point, up: Point) -> Environment:
     return Environment(np.ascontiguousarray(colour), upright_frame(up))
 
 
-def _with_light(scene: Scene, rays_escape: Callable[[Scene, Camera], bool]) -> Scene:
+def _with_light(scene: Scene) -> Scene:
     camera = scene.cameras[0]
-    if len(surface(scene)) == 0 or rays_escape(scene, camera):
+    if len(surface(scene)) == 0 or _rays_escape(scene, camera):
         warn("the scene has no light; it gets sun and sky")
         ahead = -np.asarray(upright_frame(scene.up).T @ np.asarray(camera.to_world)[:3, 2])
         azimuth = math.degrees(math.atan2(ahead[0], -ahead[2])) + 180 + SUN_ASIDE

@@ -265,14 +265,15 @@ def test_a_courtyard_is_daylit_even_from_under_its_roof() -> None:
     assert lidded.environment is None and len(lidded.meshes) == len(court.meshes) + 2
 
 
-def test_the_callers_ray_tracer_decides() -> None:
+def test_whether_rays_escape_decides(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
     def closed(scene: Scene, camera: Camera) -> bool:
         asked.append(camera)
         return False
 
-    got = quietly(replace(statue(), cameras=(CAMERA,)), rays_escape=closed)
+    monkeypatch.setattr("eclat.stage.defaults._rays_escape", closed)
+    got = quietly(replace(statue(), cameras=(CAMERA,)))
     assert asked == [CAMERA] and got.environment is None and len(got.meshes) == len(statue().meshes) + 1
 
 
