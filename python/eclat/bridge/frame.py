@@ -36,7 +36,7 @@ def center_of(scene: Scene) -> FloatArray:
     high = np.max([p.max(axis=0) for p in used], axis=0)
     if not (np.isfinite(low).all() and np.isfinite(high).all()):
         return np.zeros(3)  # the core names the mesh and the vertex
-    middle = (low + high) / 2
+    middle: FloatArray = (low + high) / 2
     diagonal = float(np.linalg.norm(high - low))
     if np.abs(middle).max() > _WORTH * diagonal:
         return middle
