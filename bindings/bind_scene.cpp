@@ -149,6 +149,7 @@ void bind_kinds(nb::module_& m) {
         .value("thin_dielectric", MaterialKind::thin_dielectric)
         .value("plastic", MaterialKind::plastic)
         .value("metallic_roughness", MaterialKind::metallic_roughness)
+        .value("translucent", MaterialKind::translucent)
         .value("blend", MaterialKind::blend);
     m.def("parameter_names", &names_of, "kind"_a);
 }

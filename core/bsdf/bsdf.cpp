@@ -20,6 +20,12 @@ Color lobe_albedo(const Lobe& lobe, Vec3 wo) {
     return std::visit([&](const auto& l) { return l.albedo(wo); }, lobe);
 }
 
+Color lobe_straight(const Lobe& lobe, Vec3 wo) {
+    if (const auto* pane = std::get_if<ThinDielectricLobe>(&lobe)) return pane->straight(wo);
+    if (const auto* mirror = std::get_if<MirrorLobe>(&lobe)) return mirror->straight(wo);
+    return {};
+}
+
 }  // namespace
 
 void Bsdf::add(const Lobe& lobe, Color weight) {
@@ -117,6 +123,12 @@ std::optional<BsdfSample> Bsdf::sample_lobes(Vec3 wo, float u_lobe, Vec2 u, Lobe
     s.weight = e.f * (abs_cos(s.wi) / e.pdf_solid_angle);
     s.pdf_solid_angle = e.pdf_solid_angle;
     return s;
+}
+
+Color Bsdf::straight(Vec3 wo) const {
+    Color sum;
+    for_each_bit(delta_, [&](size_t i) { sum += entries_[i].weight * lobe_straight(entries_[i].lobe, wo); });
+    return sum;
 }
 
 Color Bsdf::albedo_of_lobes(Vec3 wo, LobeSet set) const {

@@ -82,6 +82,9 @@ class Bsdf {
         return members(set) != 0 && wo.z > 0 ? entries_[0].weight : Color();
     }
 
+    /// What goes straight through, as light through a pane does.
+    Color straight(Vec3 wo) const;
+
   private:
     struct Entry {
         Lobe lobe;
@@ -131,6 +134,9 @@ Bsdf make_dielectric(float ior, float alpha_u, float alpha_v, Color reflection, 
 
 Bsdf make_thin_dielectric(float ior, Color reflection, Color transmission);
 
+/// A sheet that reflects diffusely on both sides, and lets light through as diffusely.
+Bsdf make_translucent(Color reflectance, Color transmittance);
+
 /// `table` must outlive the result.
 Bsdf make_plastic(const PlasticTable& table, Color diffuse, Color specular, Distribution distribution, bool nonlinear);
 
@@ -139,6 +145,8 @@ struct MetallicRoughness {
     float metallic = 0, alpha = 0.5f, ior = 1.5f, specular = 1;
     Color specular_color{1};
     float transmission = 0;
+    float diffuse_transmission = 0;  ///< share of the diffuse part that comes out on the other side
+    Color diffuse_transmission_color{1};
     bool thin =
         true;  ///< transmission goes straight through; else wo.z < 0 is inside, and the frame must not be turned
 };

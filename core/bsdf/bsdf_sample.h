@@ -22,7 +22,8 @@ struct BsdfSample {
     float pdf_solid_angle = 0;  ///< a discrete probability where `delta`
     bool delta = false;
     bool transmission = false;
-    float eta_ratio = 1;  ///< index of refraction on the side of wi over the side of wo
+    bool straight = false;  ///< through a thin sheet: light goes on as if nothing were there, as shadow rays do
+    float eta_ratio = 1;    ///< index of refraction on the side of wi over the side of wo
 };
 
 inline float abs_cos(Vec3 w) { return std::abs(w.z); }

@@ -62,6 +62,13 @@ Bsdf make_thin_dielectric(float ior, Color reflection, Color transmission) {
     return bsdf;
 }
 
+Bsdf make_translucent(Color reflectance, Color transmittance) {
+    Bsdf bsdf;
+    bsdf.add(LambertLobe{}, reflectance);
+    bsdf.add(DiffuseTransmissionLobe{}, transmittance);
+    return bsdf;
+}
+
 Bsdf make_plastic(const PlasticTable& table, Color diffuse, Color specular, Distribution distribution, bool nonlinear) {
     Bsdf bsdf;
     bsdf.add(CoatedDiffuseLobe{&table}, plastic_base_weight(table, diffuse, nonlinear));
@@ -80,7 +87,11 @@ Bsdf make_metallic_roughness(const MetallicRoughness& p) {
     const bool smooth = Microfacets::smooth(p.alpha, p.alpha);
 
     Bsdf bsdf;
-    bsdf.add(CoupledDiffuseLobe(smooth ? 0 : p.alpha, max_component(f0), f90), p.base_color * (dielectric - through));
+    const float diffuse = dielectric - through, turned = 1 - p.diffuse_transmission;
+    bsdf.add(CoupledDiffuseLobe(smooth ? 0 : p.alpha, max_component(f0), f90), p.base_color * (diffuse * turned));
+    // What gloss reflects head-on is missing below, as it is of the part that is turned back.
+    bsdf.add(DiffuseTransmissionLobe{}, p.diffuse_transmission_color * (diffuse * p.diffuse_transmission *
+                                                                        (1 - std::min(max_component(f0), 1.0f))));
 
     // Metal and dielectric share facets, and Schlick's reflectance is linear: one lobe is their mixture.
     const float opaque = dielectric - solid_through;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Lambert: reflected radiance is the same in all directions.
+// Lambert: reflected radiance is the same in all directions; so is what comes through paper, cloth or leaves.
 
 #pragma once
 
@@ -27,6 +27,28 @@ struct LambertLobe {
     }
 
     Color albedo(Vec3 wo) const { return Color(wo.z > 0 ? 1 : 0); }
+};
+
+/// Transmittance 1 to the other side, the same from both. It is not among the diffuse lobes, which records of irradiance
+/// serve: those know the light of one side.
+struct DiffuseTransmissionLobe {
+    static constexpr bool is_diffuse = false, is_delta = false;
+
+    EvalPdf eval(Vec3 wo, Vec3 wi) const {
+        if (!(wo.z * wi.z < 0)) return {};
+        return {Color(inv_pi), std::abs(wi.z) * inv_pi};
+    }
+
+    bool sample(Vec3 wo, float, Vec2 u, BsdfSample& s) const {
+        s.wi = square_to_cosine_hemisphere(u);
+        s.weight = Color(1);
+        s.pdf_solid_angle = s.wi.z * inv_pi;
+        s.transmission = true;
+        if (wo.z > 0) s.wi = mirrored(s.wi);
+        return wo.z * s.wi.z < 0;
+    }
+
+    Color albedo(Vec3 wo) const { return Color(wo.z != 0 ? 1 : 0); }
 };
 
 }  // namespace eclat

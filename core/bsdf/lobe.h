@@ -20,7 +20,8 @@ namespace eclat {
 
 /// Up to eleven alternatives, std::visit is a switch that the compiler inlines.
 using Lobe = std::variant<LambertLobe, CoupledDiffuseLobe, CoatedDiffuseLobe, RoughReflectionLobe, MirrorLobe,
-                          RoughDielectricLobe, SmoothDielectricLobe, ThinDielectricLobe, PhongLobe, WardLobe>;
+                          RoughDielectricLobe, SmoothDielectricLobe, ThinDielectricLobe, PhongLobe, WardLobe,
+                          DiffuseTransmissionLobe>;
 
 static_assert(std::variant_size_v<Lobe> <= 11);
 

@@ -104,9 +104,12 @@ struct MirrorLobe {
         s.weight = albedo(wo);
         s.pdf_solid_angle = 1;
         s.delta = true;
-        s.transmission = through;
+        s.transmission = s.straight = through;
         return true;
     }
+
+    /// What goes straight through.
+    Color straight(Vec3 wo) const { return through ? albedo(wo) : Color(); }
 
     Color albedo(Vec3 wo) const {
         if (!(wo.z > 0) && !through) return {};

@@ -29,12 +29,15 @@ struct ThinDielectricLobe {
         if (wo.z == 0) return false;
         const float r = reflectance(wo.z), p = tint.reflect_probability(r);
         s.delta = true;
-        s.transmission = u_lobe >= p;
+        s.transmission = s.straight = u_lobe >= p;
         s.wi = {-wo.x, -wo.y, s.transmission ? -wo.z : wo.z};
         s.weight = s.transmission ? tint.transmission * ((1 - r) / (1 - p)) : tint.reflection * (r / p);
         s.pdf_solid_angle = s.transmission ? 1 - p : p;
         return true;
     }
+
+    /// What goes straight through.
+    Color straight(Vec3 wo) const { return tint.transmission * (1 - reflectance(wo.z)); }
 
     Color albedo(Vec3 wo) const { return tint.albedo(reflectance(wo.z)); }
 };

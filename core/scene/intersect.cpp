@@ -22,12 +22,15 @@ struct Intersector::Impl {
     RTCDevice device = nullptr;
     RTCScene scene = nullptr;
     OpacityFunction opacity;
-    // Of each geometry: where nothing is to be asked, where opacity is, where only the side is, and where both are.
-    static constexpr unsigned kinds = 4;
+    PaneFunction pane;
+    // Of each geometry: where nothing is to be asked, where opacity is, where only the side is, and where both are; of panes the same.
+    static constexpr unsigned kinds = 8;
     std::vector<uint32_t> to_triangle[kinds];
     std::vector<Triangle> indices[kinds];
 
-    static unsigned kind_of(Sieve sieve) { return (sieve.translucent ? 1u : 0u) + (sieve.back_culled ? 2u : 0u); }
+    static unsigned kind_of(Sieve sieve) {
+        return (sieve.translucent ? 1u : 0u) + (sieve.back_culled ? 2u : 0u) + (sieve.pane ? 4u : 0u);
+    }
 
     ~Impl() {
         if (scene) rtcReleaseScene(scene);
@@ -48,6 +51,9 @@ void reject_backs(const RTCFilterFunctionNArguments* args) {
     }
 }
 
+/// What the eight rays of `transmitted` have passed; null while panes are met like other surfaces.
+thread_local Color* passed = nullptr;
+
 template <unsigned kind>
 void reject_transparent(const RTCFilterFunctionNArguments* args) {
     const auto& impl = *static_cast<const Intersector::Impl*>(args->geometryUserPtr);
@@ -67,6 +73,29 @@ void reject_transparent(const RTCFilterFunctionNArguments* args) {
     }
 }
 
+/// Candidates come in any order and each once, so panes multiply what passes as they are found.
+template <unsigned kind>
+void pass_panes(const RTCFilterFunctionNArguments* args) {
+    if (kind & 2) reject_backs(args);
+    if (passed == nullptr) {
+        if (kind & 1) reject_transparent<kind>(args);
+        return;
+    }
+    const auto& impl = *static_cast<const Intersector::Impl*>(args->geometryUserPtr);
+    for (unsigned i = 0; i < args->N; ++i) {
+        if (args->valid[i] != -1) continue;
+        const uint32_t triangle = impl.to_triangle[kind][RTCHitN_primID(args->hit, args->N, i)];
+        const float u = RTCHitN_u(args->hit, args->N, i), v = RTCHitN_v(args->hit, args->N, i);
+        const Vec3 w{RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
+                     RTCRayN_dir_z(args->ray, args->N, i)};
+        const float opacity = impl.opacity(triangle, u, v);
+        const Color through = impl.pane(triangle, u, v, w) * opacity + Color(1 - opacity);
+        if (is_black(through)) continue;
+        passed[RTCRayN_id(args->ray, args->N, i)] *= through;
+        args->valid[i] = 0;
+    }
+}
+
 void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsigned id) {
     const auto& indices = impl.indices[id];
     if (indices.empty()) return;
@@ -76,10 +105,13 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
                                sizeof(Intersector::Triangle), indices.size());
     if (id > 0) {
-        const RTCFilterFunctionN filters[] = {nullptr, reject_transparent<1>, reject_backs, reject_transparent<3>};
+        const RTCFilterFunctionN met[] = {nullptr, reject_transparent<1>, reject_backs, reject_transparent<3>,
+                                          nullptr, reject_transparent<5>, reject_backs, reject_transparent<7>};
+        const RTCFilterFunctionN hiding[] = {met[0],        met[1],        met[2],        met[3],
+                                             pass_panes<4>, pass_panes<5>, pass_panes<6>, pass_panes<7>};
         rtcSetGeometryUserData(geometry, &impl);
-        rtcSetGeometryIntersectFilterFunction(geometry, filters[id]);
-        rtcSetGeometryOccludedFilterFunction(geometry, filters[id]);
+        rtcSetGeometryIntersectFilterFunction(geometry, met[id]);
+        rtcSetGeometryOccludedFilterFunction(geometry, hiding[id]);
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(impl.scene, geometry, id);
@@ -143,9 +175,10 @@ using QueryFlags = RTCIntersectContextFlags;
 }  // namespace
 
 Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
-                         std::span<const Sieve> sieves, OpacityFunction opacity)
+                         std::span<const Sieve> sieves, OpacityFunction opacity, PaneFunction pane)
     : impl_(std::make_unique<Impl>()) {
     impl_->opacity = std::move(opacity);
+    impl_->pane = std::move(pane);
     impl_->device = rtcNewDevice(nullptr);
     require(impl_->device != nullptr, "the ray tracer (Embree) could not start on this machine");
     impl_->scene = rtcNewScene(impl_->device);
@@ -165,7 +198,11 @@ Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangl
 
 Intersector::~Intersector() = default;
 
-bool Intersector::culls_backs() const { return !impl_->indices[2].empty() || !impl_->indices[3].empty(); }
+bool Intersector::culls_backs() const {
+    for (const unsigned kind : {2u, 3u, 6u, 7u})
+        if (!impl_->indices[kind].empty()) return true;
+    return false;
+}
 
 void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence, Backs backs) const {
     const QueryFlags flags = coherence == Coherence::camera ? coherent : incoherent;
@@ -196,6 +233,22 @@ void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out, Ba
         fill(packet, some, valid);
         query(valid, impl_->scene, &packet);
         for (size_t i = 0; i < some.size(); ++i) out[begin + i] = packet.tfar[i] < 0;
+    }
+}
+
+void Intersector::transmitted(std::span<const Ray> rays, std::span<Color> out) const {
+    alignas(32) RTCRay8 packet{};
+    alignas(32) int valid[8];
+    prepare(packet, valid, Backs::culled);
+    Color through[8];
+    for (size_t begin = 0; begin < rays.size(); begin += 8) {
+        const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
+        fill(packet, some, valid);
+        std::fill(std::begin(through), std::end(through), Color(1));
+        passed = through;
+        query(valid, impl_->scene, &packet);
+        passed = nullptr;
+        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = packet.tfar[i] < 0 ? Color() : through[i];
     }
 }
 

@@ -17,6 +17,7 @@
 #include <span>
 #include <vector>
 
+#include "base/color.h"
 #include "base/vec.h"
 #include "scene/ray.h"
 
@@ -24,6 +25,9 @@ namespace eclat {
 
 /// Opacity in [0, 1] of a triangle at barycentric weights (u, v).
 using OpacityFunction = std::function<float(uint32_t triangle, float u, float v)>;
+
+/// What a pane lets straight through of light that runs along `direction`, at barycentric weights (u, v).
+using PaneFunction = std::function<Color(uint32_t triangle, float u, float v, Vec3 direction)>;
 
 enum class Coherence { none, camera };
 
@@ -34,6 +38,7 @@ enum class Backs : uint8_t { culled, met };
 struct Sieve {
     bool translucent = false;  // its opacity
     bool back_culled = false;  // from which side they come
+    bool pane = false;         // what it lets straight through, where light is asked for
 };
 
 class Intersector {
@@ -45,7 +50,7 @@ class Intersector {
     /// `sieves[i]` is of triangle i. `vertices` is borrowed, must outlive this object, and must own one element more than
     /// it shows (wide loads read past the last).
     Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const Sieve> sieves,
-                OpacityFunction opacity);
+                OpacityFunction opacity, PaneFunction pane);
     ~Intersector();
     Intersector(const Intersector&) = delete;
 
@@ -54,6 +59,8 @@ class Intersector {
                    Backs backs = Backs::culled) const;
     /// out[i] = 1 where anything lies between t_min and t_max.
     void occluded(std::span<const Ray> rays, std::span<uint8_t> out, Backs backs = Backs::culled) const;
+    /// out[i] = what panes let straight through between t_min and t_max; black where anything else lies there.
+    void transmitted(std::span<const Ray> rays, std::span<Color> out) const;
 
     /// Whether any triangle's back is culled.
     bool culls_backs() const;

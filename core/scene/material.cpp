@@ -35,6 +35,8 @@ Bsdf metal_or_plastic(const Material& m, const Reader& read) {
     p.specular = read.scalar(at("specular"));
     p.specular_color = read.color(at("specular_color"));
     p.transmission = clamp(read.scalar(at("transmission")), 0, 1);
+    p.diffuse_transmission = clamp(read.scalar(at("diffuse_transmission")), 0, 1);
+    p.diffuse_transmission_color = min(read.color(at("diffuse_transmission_color")), Color(1));
     p.thin = m.thin_walled;
     return make_metallic_roughness(p);
 }
@@ -44,6 +46,7 @@ int lobe_bound(MaterialKind kind) {
     switch (kind) {
         case MaterialKind::phong:
         case MaterialKind::ward:
+        case MaterialKind::translucent:
         case MaterialKind::plastic: return 2;
         case MaterialKind::metallic_roughness: return 3;
         case MaterialKind::blend: return 0;  // its children's
@@ -57,13 +60,22 @@ void Material::prepare(const std::vector<Material>& materials) {
     if (kind == MaterialKind::dielectric || kind == MaterialKind::thin_dielectric) transmits = true;
     if (kind == MaterialKind::metallic_roughness)
         transmits = !is_black(parameters[parameter(MaterialKind::metallic_roughness, "transmission")].constant);
+    pane =
+        kind == MaterialKind::thin_dielectric || (kind == MaterialKind::metallic_roughness && transmits && thin_walled);
     refracts =
         kind == MaterialKind::dielectric || (kind == MaterialKind::metallic_roughness && transmits && !thin_walled);
     lobes = lobe_bound(kind);
+    if (kind == MaterialKind::translucent) transmits = true;
+    if (kind == MaterialKind::metallic_roughness &&
+        !is_black(parameters[parameter(MaterialKind::metallic_roughness, "diffuse_transmission")].constant)) {
+        transmits = true;
+        ++lobes;
+    }
     for (int child : children)
         if (child >= 0) {
             transmits |= materials[child].transmits;
             refracts |= materials[child].refracts;
+            pane |= materials[child].pane;
             lobes += materials[child].lobes;
         }
     require(lobes <= Bsdf::capacity, "a blend of materials has " + std::to_string(lobes) + " lobes; at most " +
@@ -109,6 +121,9 @@ Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceC
                                 read.color(parameter(plastic, "specular_reflectance")), read.distribution(),
                                 m->nonlinear);
         case metallic_roughness: return metal_or_plastic(*m, read);
+        case translucent:
+            return make_translucent(read.base_color(parameter(translucent, "reflectance")),
+                                    read.base_color(parameter(translucent, "transmittance")));
         case blend: break;
     }
     const float weight = clamp(read.scalar(parameter(blend, "weight")), 0, 1);

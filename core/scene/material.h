@@ -24,6 +24,7 @@ enum class MaterialKind : uint8_t {
     thin_dielectric,
     plastic,
     metallic_roughness,
+    translucent,
     blend
 };
 
@@ -36,8 +37,16 @@ inline constexpr Names conductor[] = {"eta", "k", "specular_reflectance", "alpha
 inline constexpr Names dielectric[] = {"specular_reflectance", "specular_transmittance", "ior", "alpha_u", "alpha_v"};
 inline constexpr Names thin_dielectric[] = {"specular_reflectance", "specular_transmittance", "ior"};
 inline constexpr Names plastic[] = {"diffuse_reflectance", "specular_reflectance", "ior", "alpha_u"};
-inline constexpr Names metallic_roughness[] = {"base_color", "metallic",       "roughness",   "ior",
-                                               "specular",   "specular_color", "transmission"};
+inline constexpr Names metallic_roughness[] = {"base_color",
+                                               "metallic",
+                                               "roughness",
+                                               "ior",
+                                               "specular",
+                                               "specular_color",
+                                               "transmission",
+                                               "diffuse_transmission",
+                                               "diffuse_transmission_color"};
+inline constexpr Names translucent[] = {"reflectance", "transmittance"};
 inline constexpr Names blend[] = {"weight"};
 }  // namespace detail
 
@@ -52,6 +61,7 @@ constexpr std::span<const std::string_view> parameter_names(MaterialKind kind) {
         case MaterialKind::thin_dielectric: return detail::thin_dielectric;
         case MaterialKind::plastic: return detail::plastic;
         case MaterialKind::metallic_roughness: return detail::metallic_roughness;
+        case MaterialKind::translucent: return detail::translucent;
         case MaterialKind::blend: return detail::blend;
     }
     return {};
@@ -86,6 +96,7 @@ struct Material {
     bool emission_two_sided = false;
 
     bool transmits = false;  // some light goes through, so one-sidedness does not apply
+    bool pane = false;       // some light goes straight through, and so do shadow rays
     bool refracts = false;   // inside and outside differ, so its frame is never turned towards the viewer
     PlasticTable coat;       // plastic only
     int lobes = 1;           // that a point of it may need, at most

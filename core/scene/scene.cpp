@@ -68,7 +68,7 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
         const Material& material = materials_[m.material];
         const Sieve sieve{!material.opacity.is_constant() || material.opacity.constant.r < 1 ||
                               (material.vertex_colors && !m.colors.empty()),
-                          material.culls_back()};
+                          material.culls_back(), material.pane};
         for (const auto& t : m.triangles) {
             triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
             faces_.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}, static_cast<uint32_t>(i)});
@@ -83,9 +83,13 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     }
     if (faces_.empty()) low_ = high_ = {};
     vertices_.reserve(vertices_.size() + 1);  // wide loads read past the last
-    intersector_ = std::make_unique<Intersector>(vertices_, triangles, sieves, [this](uint32_t t, float u, float v) {
-        return opacity_at(material_of(t), coordinates(t, u, v));
-    });
+    intersector_ = std::make_unique<Intersector>(
+        vertices_, triangles, sieves,
+        [this](uint32_t t, float u, float v) { return opacity_at(material_of(t), coordinates(t, u, v)); },
+        [this](uint32_t t, float u, float v, Vec3 direction) {
+            const SurfacePoint point = surface_point({t, 0, u, v}, -direction);
+            return point.bsdf.straight(point.frame.to_local(-direction));
+        });
 }
 
 void Geometry::meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits) const {

@@ -20,15 +20,17 @@ class Shadows {
   public:
     /// `index` names who gets the contribution; `direct` says that the light went straight to the first vertex.
     void push(const Ray& ray, Color contribution, uint32_t index, bool direct);
-    /// `add(index, contribution, direct)` for each that is not occluded, in the order in which they came, and forgets all.
+    /// `add(index, contribution, direct)` for each of which something arrives, through panes less than all, in the order in
+    /// which they came, and forgets all.
     /// Counts rays in `progress`.
     template <class Add>
     void resolve(const World& world, Progress& progress, const Add& add) {
-        occluded_.resize(rays_.size());
-        world.geometry.rays().occluded(rays_, occluded_);
+        passed_.resize(rays_.size());
+        world.geometry.rays().transmitted(rays_, passed_);
         progress.count_rays(rays_.size());
         for (size_t i = 0; i < waiting_.size(); ++i)
-            if (!occluded_[i]) add(waiting_[i].index, waiting_[i].contribution, waiting_[i].direct);
+            if (!is_black(passed_[i]))
+                add(waiting_[i].index, waiting_[i].contribution * passed_[i], waiting_[i].direct);
         rays_.clear();
         waiting_.clear();
     }
@@ -41,7 +43,7 @@ class Shadows {
     };
     std::vector<Ray> rays_;
     std::vector<Waiting> waiting_;  // for each ray
-    std::vector<uint8_t> occluded_;
+    std::vector<Color> passed_;
 };
 
 /// By which lobes a vertex reflects light samples.

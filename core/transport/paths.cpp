@@ -39,16 +39,33 @@ class Tracer {
             if (edges_ == 1 && !vertices[i].missed()) describe_first(world_, vertices[i], out_[paths[i].index]);
             lights_.arrive(paths[i], vertices[i]);
         }
-        const bool goes_on = options_.max_depth < 0 || edges_ < options_.max_depth;
-        if (goes_on && options_.cache) read_diffuse(paths, vertices);
-        if (goes_on && options_.reflection) read_glossy(paths, vertices);
+        if (options_.cache) read_diffuse(paths, vertices);
+        if (options_.reflection) read_glossy(paths, vertices);
         for (size_t i = 0; i < vertices.size(); ++i) {
-            deposit(vertices[i], edges_, out_[paths[i].index]);
-            if (!goes_on || vertices[i].missed()) continue;
+            deposit(vertices[i], edges_ - paths[i].panes, out_[paths[i].index]);
+            if (vertices[i].missed()) continue;
+            if (!goes_on(paths[i])) {
+                pass_straight(paths[i], vertices[i], next);
+                continue;
+            }
             const int parts = paths_from(paths[i], vertices[i]);
             sample_lights(paths[i], vertices[i], parts);
             continue_path(paths[i], vertices[i], parts, next);
         }
+    }
+
+    bool goes_on(const PathState& path) const {
+        return options_.max_depth < 0 || edges_ - path.panes < options_.max_depth;
+    }
+
+    /// A path of full length sees through panes what its last edge would find without them.
+    void pass_straight(PathState& path, const Vertex& v, Paths<PathState>& next) const {
+        constexpr int most_panes = 64;  // as many stand behind each other nowhere
+        const Color through = v.point.bsdf.straight(v.wo_local);
+        if (is_black(through) || path.panes == most_panes) return;
+        path.throughput *= through;
+        ++path.panes;
+        next.push(path, v.point.ray(-v.wo));
     }
 
     void after_edge(Paths<PathState>& next) {
@@ -64,7 +81,7 @@ class Tracer {
     void read_diffuse(std::span<const PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
-            if (v.missed() || !v.point.bsdf.has(LobeSet::diffuse)) continue;
+            if (v.missed() || !goes_on(paths[i]) || !v.point.bsdf.has(LobeSet::diffuse)) continue;
             auto irradiance = options_.cache(v.point, v.hit.t);
             if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(v.point, v.hit.t);
             if (irradiance) {
@@ -80,7 +97,7 @@ class Tracer {
     void read_glossy(std::span<const PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
-            if (v.missed() || !v.point.bsdf.has(LobeSet::glossy)) continue;
+            if (v.missed() || !goes_on(paths[i]) || !v.point.bsdf.has(LobeSet::glossy)) continue;
             const Color reflected = options_.reflection(v.point, v.wo_local);
             v.read_glossy = paths[i].throughput * reflected;
             if (edges_ > 1) continue;
@@ -96,17 +113,18 @@ class Tracer {
         return v.point.bsdf.has_uncached_rough_gloss() ? options_.gloss_paths : 1;
     }
 
+    int light_samples() const { return edges_ == 1 ? options_.light_samples : 1; }
+
     /// `parts`: of the paths that go on, which find lights as well.
     void sample_lights(PathState& path, const Vertex& v, int parts) {
-        const int count = edges_ == 1 ? options_.light_samples : 1;
+        const int count = light_samples();
         const LitLobes lobes{
             .alone = LobeSet::cached, .shared = LobeSet::uncached, .paths = parts, .light_samples = count};
         if (v.point.bsdf.has_non_delta())
             for (int i = 0; i < count; ++i)
                 lights_.sample(path, path.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), v,
-                               lobes, edges_ == 1, shadows_);
+                               lobes, edges_ - path.panes == 1, shadows_);
         path.sampler.skip(light_sample_dimensions);
-        path.light_samples = count;
     }
 
     /// Goes on in one direction, or from the first vertex in many, stratified together.
@@ -114,16 +132,14 @@ class Tracer {
         const bool roulette = edges_ >= options_.roulette_depth;
         Ray ray;
         if (parts == 1) {
-            if (go_on(v, LobeSet::uncached, roulette, path, ray)) next.push(path, ray);
+            if (go_on(v, LobeSet::uncached, roulette, path, ray, 1, light_samples())) next.push(path, ray);
             return;
         }
         for (int part = 0; part < parts; ++part) {
             PathState one = path;
             one.sampler = path.sampler.split(static_cast<uint32_t>(parts), static_cast<uint32_t>(part));
             one.throughput *= 1 / static_cast<float>(parts);
-            if (!go_on(v, LobeSet::uncached, roulette, one, ray)) continue;
-            one.pdf *= static_cast<float>(parts);
-            split_.push(one, ray);
+            if (go_on(v, LobeSet::uncached, roulette, one, ray, parts, light_samples())) split_.push(one, ray);
         }
     }
 

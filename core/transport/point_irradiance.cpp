@@ -84,12 +84,11 @@ class DirectSampler {
             rays_.push_back(point_.ray(light.wi, light.distance * shadow_shortening));
             contributions_.push_back(light.radiance * (cosine * weight / light.pdf_solid_angle));
         }
-        std::vector<uint8_t> occluded(rays_.size());
-        world_.geometry.rays().occluded(rays_, occluded);
+        std::vector<Color> passed(rays_.size());
+        world_.geometry.rays().transmitted(rays_, passed);
         progress.count_rays(rays_.size());
         Color sum;
-        for (size_t i = 0; i < rays_.size(); ++i)
-            if (!occluded[i]) sum += contributions_[i];
+        for (size_t i = 0; i < rays_.size(); ++i) sum += contributions_[i] * passed[i];
         return sum;
     }
 
@@ -105,8 +104,25 @@ class DirectSampler {
         world_.geometry.rays().intersect(rays_, hits);
         progress.count_rays(rays_.size());
         Color sum;
-        for (size_t i = 0; i < rays_.size(); ++i) sum += arriving(rays_[i].direction, hits[i]);
+        for (size_t i = 0; i < rays_.size(); ++i) sum += arriving_through_panes(rays_[i].direction, hits[i]);
         return sum * (pi / directions_);
+    }
+
+    /// The same beyond panes, which light samples pass.
+    Color arriving_through_panes(Vec3 w, Hit hit) const {
+        constexpr int most_panes = 64;
+        Color sum = arriving(w, hit), passed(1);
+        for (int i = 0; i < most_panes && !hit.missed() && world_.geometry.material_of(hit.triangle).pane; ++i) {
+            const SurfacePoint pane = world_.geometry.surface_point(hit, -w);
+            passed *= pane.bsdf.straight(pane.frame.to_local(-w));
+            if (is_black(passed)) break;
+            const Ray ray = pane.ray(w);
+            const float travelled = hit.t;
+            world_.geometry.rays().intersect({&ray, 1}, {&hit, 1});
+            if (!hit.missed()) hit.t += travelled;
+            sum += passed * arriving(w, hit);
+        }
+        return sum;
     }
 
     /// Radiance along a direction, in so far as light samples have not counted it.

@@ -41,7 +41,8 @@ std::span<Vertex> Vertices::part(const World& world, std::span<const Ray> rays, 
     return vertices_;
 }
 
-bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray) {
+bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray, int paths,
+           int light_samples) {
     const auto next = scatter(vertex.point, vertex.wo_local, path.sampler, lobes);
     const float u_roulette = draw_if(roulette, path.sampler);
     if (!next) return false;
@@ -55,8 +56,13 @@ bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, 
     }
     if (!(max_component(path.throughput) > 0)) return false;
     ray = vertex.point.ray(next->direction);
+    if (sample.straight) {
+        ++path.panes;
+        return true;
+    }
     path.from = vertex.point.position;
-    path.pdf = sample.pdf_solid_angle;
+    path.pdf = sample.pdf_solid_angle * static_cast<float>(paths);
+    path.light_samples = light_samples;
     path.arrival = sample.delta ? Arrival::whole : Arrival::weighted;
     return true;
 }

@@ -31,6 +31,7 @@ struct PathState {
     Arrival arrival = Arrival::whole;  // of light that the ray finds
     int light_samples = 1;             // that the last vertex took
     Vec3 from{};                       // position of the last vertex
+    int panes = 0;  // that it went straight through; they are no vertices, since light samples pass too
 };
 
 /// Where the ray of a path ended: on a surface, or beyond the scene, where `point` is empty.
@@ -108,6 +109,9 @@ constexpr float largest_survival = 0.95f;
 
 /// Lets the path go on from `vertex` along `ray` by one direction of `lobes`, with `roulette` if it survives that; false
 /// where it ends. Uses three dimensions of its sampler, whatever happens.
-bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray);
+/// `paths` and `light_samples` are how many share the vertex, unless it goes straight through a pane: then nothing changes
+/// of what the vertex before it said.
+bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray, int paths = 1,
+           int light_samples = 1);
 
 }  // namespace eclat

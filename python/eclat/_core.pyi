@@ -33,7 +33,9 @@ class MaterialKind(enum.Enum):
 
     metallic_roughness = 7
 
-    blend = 8
+    translucent = 8
+
+    blend = 9
 
 def parameter_names(kind: MaterialKind) -> list[str]: ...
 

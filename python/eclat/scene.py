@@ -104,7 +104,10 @@ MATERIAL_KINDS: dict[str, tuple[str, ...]] = {
         "specular",  # KHR_materials_specular specularFactor, 0..1
         "specular_color",
         "transmission",  # 0..1 of the dielectric part
+        "diffuse_transmission",  # 0..1 of the diffuse part, to the other side (KHR_materials_diffuse_transmission)
+        "diffuse_transmission_color",
     ),
+    "translucent": ("reflectance", "transmittance"),  # diffuse on both sides, and through to the other
     "blend": ("weight",),  # 0 = children[0], 1 = children[1]
 }
 
@@ -125,6 +128,9 @@ DEFAULTS: dict[str, Value] = {
     "specular": grey(1.0),
     "specular_color": grey(1.0),
     "transmission": grey(0.0),
+    "diffuse_transmission": grey(0.0),
+    "diffuse_transmission_color": grey(1.0),
+    "transmittance": grey(0.5),
     "weight": grey(0.5),
 }
 

@@ -164,6 +164,7 @@ class Tracer {
         s.power = power * (1 / survival);
         s.scattered_diffusely |= diffusely;
         s.passing = false;
+        s.passed += sample.straight;  // as direct light does
         ray = point.ray(to->direction);
         return true;
     }

@@ -104,11 +104,10 @@ class PatchMeter {
             rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
             contributions_.push_back(light.radiance * (cosine / light.pdf_solid_angle));
         }
-        hidden_.resize(rays_.size());
-        world_.geometry.rays().occluded(rays_, hidden_);
+        passed_.resize(rays_.size());
+        world_.geometry.rays().transmitted(rays_, passed_);
         progress_.count_rays(rays_.size());
-        for (size_t i = 0; i < rays_.size(); ++i)
-            if (!hidden_[i]) out.lights += contributions_[i];
+        for (size_t i = 0; i < rays_.size(); ++i) out.lights += contributions_[i] * passed_[i];
         out.lights *= 1 / static_cast<float>(count);
     }
 
@@ -245,6 +244,7 @@ class PatchMeter {
     std::vector<Ray> rays_;
     std::vector<Color> contributions_;
     std::vector<uint8_t> hidden_;
+    std::vector<Color> passed_;
     std::vector<Hit> hits_;
     std::vector<Exposed> exposed_;  // points of the patch
 };

@@ -117,7 +117,7 @@ class Materials:
         specular = self._specular(material)
         if specular:
             json[self._document.use("KHR_materials_specular")] = specular
-        json |= self._transmission(material)
+        json |= self._transmission(material) | self._diffuse_transmission(material)
         strength = 0.0
         if material.emission is not None:
             strength = max(constant_of(material.emission))
@@ -156,6 +156,21 @@ class Materials:
         if not material.thin_walled:
             found[self._document.use("KHR_materials_volume")] = {"thicknessFactor": THICKNESS}
         return found
+
+    def _diffuse_transmission(self, material: Material) -> Json:
+        value, color = self._of(material, "diffuse_transmission"), self._of(material, "diffuse_transmission_color")
+        if value.constant[0] <= 0:
+            return {}
+        json: Json = {"diffuseTransmissionFactor": min(value.constant[0], 1.0)}
+        if constant_of(color) != (1.0, 1.0, 1.0):
+            json["diffuseTransmissionColorFactor"] = list(constant_of(color))
+        for name, info in (
+            ("diffuseTransmissionTexture", self._textures.channels({3: value})),
+            ("diffuseTransmissionColorTexture", self._textures.color(color)),
+        ):
+            if info is not None:
+                json[name] = info
+        return {self._document.use("KHR_materials_diffuse_transmission"): json}
 
 
 def _opaque(material: Material) -> bool:

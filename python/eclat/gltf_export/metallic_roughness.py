@@ -18,7 +18,7 @@ def as_metallic_roughness(material: Material) -> Material:
     if material.kind == "blend":
         return _blended(material)
     parameters = _CONVERSIONS[material.kind](material)
-    if material.kind not in ("diffuse", "dielectric", "thin_dielectric"):
+    if material.kind not in ("diffuse", "dielectric", "thin_dielectric", "translucent"):
         warn(f"material {material.name!r}: {material.kind} is approximated by glTF's metallic-roughness")
     return replace(
         material,
@@ -41,6 +41,25 @@ def _diffuse(material: Material) -> dict[str, Value]:
         "roughness": grey(1),
         # Without it there would be a dielectric coat.
         "specular": grey(0),
+    }
+
+
+def _translucent(material: Material) -> dict[str, Value]:
+    """Reflection and transmission as shares of one diffuse part: of all that is not absorbed the share that goes through."""
+    back, through = (constant_of(average(_of(material, name))) for name in ("reflectance", "transmittance"))
+    textured = any(_of(material, name).texture is not None for name in ("reflectance", "transmittance"))
+    if textured:
+        warn(f"material {material.name!r}: textures of a translucent material are written as their means")
+    share = max(through) / (max(back) + max(through)) if max(through) > 0 else 0.0
+    first = [x / (1 - share) if share < 1 else 0.0 for x in back]
+    second = [x / share if share > 0 else 1.0 for x in through]
+    return {
+        "base_color": rgb(first[0], first[1], first[2]),
+        "metallic": grey(0),
+        "roughness": grey(1),
+        "specular": grey(0),
+        "diffuse_transmission": grey(share),
+        "diffuse_transmission_color": rgb(second[0], second[1], second[2]),
     }
 
 
@@ -106,6 +125,7 @@ _CONVERSIONS = {
     "conductor": _conductor,
     "dielectric": _glass,
     "thin_dielectric": _glass,
+    "translucent": _translucent,
 }
 
 

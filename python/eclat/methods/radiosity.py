@@ -185,8 +185,9 @@ def _tell_of_gloss(scene: Scene) -> None:
     reflecting, transmitting = set(), set()
     for mesh in scene.meshes:
         for material in _parts(mesh.material):
-            if material.kind in ("dielectric", "thin_dielectric") or (
-                material.kind == "metallic_roughness" and "transmission" in material.parameters
+            if material.kind in ("dielectric", "thin_dielectric", "translucent") or (
+                material.kind == "metallic_roughness"
+                and {"transmission", "diffuse_transmission"} & material.parameters.keys()
             ):
                 transmitting.add(material.name or material.kind)
             elif material.kind not in ("diffuse", "blend"):
@@ -197,7 +198,10 @@ def _tell_of_gloss(scene: Scene) -> None:
             "what the camera sees of their gloss is traced"
         )
     if transmitting:
-        warn(f"radiosity is diffuse: no light passes through {_listed(transmitting)} to other surfaces")
+        warn(
+            f"radiosity is diffuse: no light passes through {_listed(transmitting)} to other surfaces, "
+            "but what comes straight from lamps or the sky through clear panes"
+        )
 
 
 def _parts(material: Material) -> Iterator[Material]:

@@ -291,6 +291,15 @@ def test_every_kind_becomes_metallic_roughness(kind: str, tmp_path: Path) -> Non
     assert again.thin_walled == (kind != "dielectric")
 
 
+def test_a_curtain_comes_back(tmp_path: Path) -> None:
+    curtain = Material("translucent", {"reflectance": rgb(0.3, 0.2, 0.1), "transmittance": rgb(0.6, 0.4, 0.2)})
+    found = read_back(Scene((square(curtain),)), tmp_path).meshes[0].material.parameters
+    share = found["diffuse_transmission"].constant[0]
+    base, color = (np.array(found[name].constant) for name in ("base_color", "diffuse_transmission_color"))
+    np.testing.assert_allclose((1 - share) * base, (0.3, 0.2, 0.1), rtol=1e-5)
+    np.testing.assert_allclose(share * color, (0.6, 0.4, 0.2), rtol=1e-5)
+
+
 def test_what_gltf_lacks_is_said() -> None:
     bumpy = Material(normal_map=NormalMap(Value((1.0,) * 3, Texture(CHECKS)), kind="bump"))
     with pytest.warns(EclatWarning, match="bump"):

@@ -13,6 +13,7 @@ from eclat.loaders.gltf.element import printable
 SUPPORTED = frozenset(
     {
         "KHR_lights_punctual",
+        "KHR_materials_diffuse_transmission",
         "KHR_materials_emissive_strength",
         "KHR_materials_ior",
         "KHR_materials_pbrSpecularGlossiness",

@@ -96,7 +96,7 @@ class Materials:
         }
 
     def _dielectric(self, element: Element) -> dict[str, Value]:
-        """The parameters of KHR_materials_ior, _specular and _transmission that the material has."""
+        """The parameters of KHR_materials_ior, _specular, _transmission and _diffuse_transmission that the material has."""
         parameters: dict[str, Value] = {}
         ior = element.extension("KHR_materials_ior")
         if ior is not None:
@@ -114,6 +114,16 @@ class Materials:
             factor = transmission.clamped("transmissionFactor", 0.0)
             parameters["transmission"] = self._textures.value(
                 transmission.child("transmissionTexture"), (factor,) * 3, channel=0
+            )
+        diffuse = element.extension("KHR_materials_diffuse_transmission")
+        if diffuse is not None:
+            factor = diffuse.clamped("diffuseTransmissionFactor", 0.0)
+            color = diffuse.color("diffuseTransmissionColorFactor", (1, 1, 1))
+            parameters["diffuse_transmission"] = self._textures.value(
+                diffuse.child("diffuseTransmissionTexture"), (factor,) * 3, channel=3
+            )
+            parameters["diffuse_transmission_color"] = self._textures.value(
+                diffuse.child("diffuseTransmissionColorTexture"), color, srgb=True
             )
         return parameters
 

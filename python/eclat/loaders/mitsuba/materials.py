@@ -89,9 +89,8 @@ def _roughdiffuse(materials: Materials, node: Node) -> Material:
 
 
 def _difftrans(materials: Materials, node: Node) -> Material:
-    warn(f"{node.where}: difftrans is not supported; diffuse that reflects on both sides is used")
     color = materials.reflectance(node, "transmittance", "reflectance")
-    return Material("diffuse", {"reflectance": color})
+    return Material("translucent", {"reflectance": grey(0.0), "transmittance": color})
 
 
 def _hk(materials: Materials, node: Node) -> Material:

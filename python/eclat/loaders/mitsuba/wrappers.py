@@ -15,7 +15,7 @@ from eclat.loaders.mitsuba.textures import Textures
 from eclat.scene import Material, NormalMap, Value, grey
 
 _MAX_MIXTURE = 32
-_TRANSPARENT = ("dielectric", "thin_dielectric")
+_TRANSPARENT = ("dielectric", "thin_dielectric", "translucent")
 
 
 class MaterialReader(Protocol):

@@ -192,6 +192,19 @@ def test_an_open_sheet_is_a_pane_whatever_its_volume(tmp_path: Path) -> None:
         assert load(GltfFile(), tmp_path, {"extensions": glass}).thin_walled
 
 
+def test_diffuse_transmission(tmp_path: Path) -> None:
+    file = GltfFile()
+    paper = {
+        "diffuseTransmissionFactor": 0.25,
+        "diffuseTransmissionTexture": {"index": file.texture(RGBA)},
+        "diffuseTransmissionColorFactor": [0.5, 0.75, 1],
+    }
+    parameters = load(file, tmp_path, {"extensions": {"KHR_materials_diffuse_transmission": paper}}).parameters
+    share = parameters["diffuse_transmission"]
+    assert (share.constant[0], share.channel, share.texture is None) == (0.25, 3, False)
+    assert parameters["diffuse_transmission_color"].constant == (0.5, 0.75, 1)
+
+
 def test_specular_glossiness_is_approximated(tmp_path: Path) -> None:
     file = GltfFile()
     glossy = {

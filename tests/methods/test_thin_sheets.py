@@ -1,0 +1,117 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Light through panes and curtains that know no end, by every method, against closed forms."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.methods import Method
+from eclat.scene import Camera, DirectionalLight, Environment, Material, Mesh, PointLight, Scene, grey, look_at, rgb
+
+METHODS: dict[str, Method] = {
+    "direct": eclat.Direct(),
+    "path": eclat.Path(),
+    "irradiance-cache": eclat.IrradianceCache(),
+    "radiance-cache": eclat.RadianceCache(),
+    "photon-map": eclat.PhotonMap(photons=20_000),
+    "radiosity": eclat.Radiosity(patches=500),
+}
+HALF = 60.0
+"""Half the width of sheets and floor in metres, which are one metre apart: what comes in at the sides is a few 1e-4."""
+TINT = (0.8, 0.5, 1.0)
+SKY = Environment(np.ones((1, 1, 3), np.float32))
+
+pytestmark = pytest.mark.filterwarnings("ignore::eclat.errors.EclatWarning")
+
+
+def level(height: float, material: Material) -> Mesh:
+    corners = [(-HALF, height, HALF), (HALF, height, HALF), (HALF, height, -HALF), (-HALF, height, -HALF)]
+    return Mesh(np.array(corners), np.array([(0, 1, 2), (0, 2, 3)]), material)
+
+
+def under(
+    sheet: Material, floor: float, light: DirectionalLight | PointLight | None, environment: Environment | None = None
+) -> Scene:
+    ground = level(0.0, Material("diffuse", {"reflectance": grey(floor)}))
+    down = Camera(look_at((0, 0.6, 0), (0, 0, 0.01), up=(0, 0, -1)), fov=20.0)
+    lights = () if light is None else (light,)
+    return Scene((ground, level(1.0, sheet)), lights=lights, environment=environment, cameras=(down,))
+
+
+def seen(scene: Scene, method: str, samples: int = 64) -> np.ndarray:
+    image = eclat.render(scene, METHODS[method], size=(8, 8), samples=samples, seed=1, check=False)
+    return np.asarray(image.pixels).mean(axis=(0, 1))
+
+
+def passed(cosine: float, ior: float = 1.5) -> float:
+    """Transmittance of a pane: both faces and all bounces between them."""
+    inside = math.sqrt(1 - (1 - cosine**2) / ior**2)
+    s, p = (cosine - ior * inside) / (cosine + ior * inside), (ior * cosine - inside) / (ior * cosine + inside)
+    r = (s * s + p * p) / 2
+    return (1 - r) / (1 + r)
+
+
+PANE = Material("thin_dielectric", {"specular_transmittance": rgb(*TINT)})
+SUN = DirectionalLight((math.sin(math.radians(40)), -math.cos(math.radians(40)), 0), (3.0, 3.0, 3.0))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_sun_shines_through_a_pane(method: str) -> None:
+    cosine = math.cos(math.radians(40))
+    expected = 0.02 / math.pi * 3.0 * cosine * passed(cosine) * np.array(TINT)
+    # The floor of 2 % is lit again by less than 0.4 % of its light.
+    assert seen(under(PANE, 0.02, SUN), method) == pytest.approx(expected, rel=0.006)
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_lamp_shines_through_a_pane(method: str) -> None:
+    lamp = PointLight((0.0, 2.0, 0.0), (4.0, 4.0, 4.0))
+    found = seen(under(PANE, 0.02, lamp), method)
+    expected = 0.02 / math.pi * 4.0 / 2.0**2 * passed(1.0) * np.array(TINT)
+    assert found == pytest.approx(expected, rel=0.012)  # the picture's edges lie a little farther from the lamp
+
+
+def hemispherical(ior: float = 1.5) -> float:
+    cosines = (np.arange(2000) + 0.5) / 2000
+    return float(np.mean([2 * c * passed(c, ior) for c in cosines]))
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_sky_shines_through_a_pane(method: str) -> None:
+    expected = 0.02 * hemispherical() * np.array(TINT)
+    assert seen(under(PANE, 0.02, None, SKY), method, 256) == pytest.approx(expected, rel=0.025)
+
+
+@pytest.mark.parametrize("light", ["sun", "sky"])
+def test_points_behind_a_pane(light: str) -> None:
+    scene = under(PANE, 0.02, SUN) if light == "sun" else under(PANE, 0.02, None, SKY)
+    cosine = math.cos(math.radians(40))
+    expected = 3.0 * cosine * passed(cosine) if light == "sun" else math.pi * hemispherical()
+    found = eclat.irradiance(scene, [(0.0, 0.5, 0.0)], [(0.0, 1.0, 0.0)], eclat.Path(), samples=2048)
+    assert np.asarray(found)[0] == pytest.approx(expected * np.array(TINT), rel=0.025)
+
+
+CURTAIN = Material("translucent", {"reflectance": grey(0.3), "transmittance": grey(0.4)})
+
+
+@pytest.mark.parametrize("method", ["path", "irradiance-cache", "radiance-cache", "photon-map"])
+@pytest.mark.parametrize("light", ["sun", "sky"])
+def test_light_through_a_curtain(light: str, method: str) -> None:
+    """B = τ E / π + ρ_s ρ_g B below, and the floor of reflectance ρ_g sends ρ_g B back."""
+    scene = under(CURTAIN, 0.5, SUN) if light == "sun" else under(CURTAIN, 0.5, None, SKY)
+    above = 3.0 * math.cos(math.radians(40)) / math.pi if light == "sun" else 1.0
+    below = 0.4 * above / (1 - 0.3 * 0.5)
+    assert seen(scene, method, 256) == pytest.approx((0.5 * below,) * 3, rel=0.03)
+
+
+@pytest.mark.parametrize("method", ["path", "irradiance-cache", "photon-map"])
+def test_a_white_sheet_that_lets_half_through_is_invisible_in_a_furnace(method: str) -> None:
+    sheet = Material("translucent", {"reflectance": grey(0.5), "transmittance": grey(0.5)})
+    camera = Camera(look_at((0, 3, 0), (0, 1, 0.01), up=(0, 0, -1)), fov=20.0)
+    scene = Scene((level(1.0, sheet),), environment=SKY, cameras=(camera,))
+    assert seen(scene, method) == pytest.approx((1.0,) * 3, rel=0.02)
