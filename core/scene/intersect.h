@@ -50,7 +50,7 @@ class Intersector {
     /// `sieves[i]` is of triangle i. `vertices` is borrowed, must outlive this object, and must own one element more than
     /// it shows (wide loads read past the last).
     Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const Sieve> sieves,
-                OpacityFunction opacity, PaneFunction pane);
+                OpacityFunction opacity, PaneFunction pane = {});
     ~Intersector();
     Intersector(const Intersector&) = delete;
 

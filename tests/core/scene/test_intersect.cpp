@@ -46,12 +46,12 @@ Soup soup(int count) {
     return s;
 }
 
-struct Meeting {
+struct Met {
     double t, u, v;
 };
 
 /// By Cramer's rule: origin + t · direction = a + u (b − a) + v (c − a).
-std::optional<Meeting> meet(const Soup& s, const Intersector::Triangle& t, const Ray& ray) {
+std::optional<Met> meet(const Soup& s, const Intersector::Triangle& t, const Ray& ray) {
     using D = std::array<double, 3>;
     const auto d = [](Vec3 x) { return D{x.x, x.y, x.z}; };
     const auto minus = [](D x, D y) { return D{x[0] - y[0], x[1] - y[1], x[2] - y[2]}; };
@@ -63,7 +63,7 @@ std::optional<Meeting> meet(const Soup& s, const Intersector::Triangle& t, const
     const D w = d(ray.direction), o = minus(d(ray.origin), a), back = {-w[0], -w[1], -w[2]};
     const double whole = det(back, e1, e2);
     if (whole == 0) return std::nullopt;
-    const Meeting m{det(o, e1, e2) / whole, det(back, o, e2) / whole, det(back, e1, o) / whole};
+    const Met m{det(o, e1, e2) / whole, det(back, o, e2) / whole, det(back, e1, o) / whole};
     if (m.t < ray.t_min || m.t > ray.t_max || m.u < 0 || m.v < 0 || m.u + m.v > 1) return std::nullopt;
     return m;
 }
@@ -93,7 +93,7 @@ TEST_CASE("closest hits and occlusion are those of a loop over all triangles") {
             rays_in.occluded(rays, occluded);
             int met = 0;
             for (size_t i = 0; i < rays.size(); ++i) {
-                Meeting nearest{infinity, 0, 0};
+                Met nearest{infinity, 0, 0};
                 uint32_t which = no_triangle;
                 for (uint32_t k = 0; k < s.triangles.size(); ++k)
                     if (const auto m = meet(s, s.triangles[k], rays[i]); m && m->t < nearest.t) nearest = *m, which = k;
@@ -107,6 +107,36 @@ TEST_CASE("closest hits and occlusion are those of a loop over all triangles") {
             }
             CHECK(met > 100);
         }
+}
+
+TEST_CASE("panes multiply what light samples bring, and are met by other rays") {
+    // A pane of opacity 1 and one of 0.5, and a wall behind half of them.
+    Soup s;
+    for (float z : {1.0f, 2.0f, 3.0f})
+        for (float x : {0.0f, 1.0f})
+            for (float y : {0.0f, 1.0f}) s.vertices.push_back({x, y, z});
+    s.vertices.push_back({});
+    s.triangles = {{{0, 1, 2}}, {{1, 3, 2}}, {{4, 5, 6}}, {{5, 7, 6}}, {{8, 9, 10}}};
+    s.sieves = {
+        {.pane = true}, {.pane = true}, {.translucent = true, .pane = true}, {.translucent = true, .pane = true}, {}};
+    const Intersector rays_in(
+        s.shown(), s.triangles, s.sieves, [](uint32_t triangle, float, float) { return triangle < 2 ? 1.0f : 0.5f; },
+        [](uint32_t, float, float, Vec3 w) { return Color{0.5f, 0.25f, w.z}; });
+    const std::vector<Ray> rays{{{0.2f, 0.2f, 0}, 0, {0, 0, 1}, infinity},
+                                {{0.8f, 0.8f, 0}, 0, {0, 0, 1}, infinity},
+                                {{0.8f, 0.8f, 0}, 0, {0, 0, 1}, 1.5f},
+                                {{0.8f, 0.8f, 0}, 0, {0, 0, -1}, infinity}};
+    std::vector<Color> passed(rays.size());
+    rays_in.transmitted(rays, passed);
+    const Color expected[]{{0, 0, 0}, {0.5f * 0.75f, 0.25f * 0.625f, 1}, {0.5f, 0.25f, 1}, {1, 1, 1}};
+    for (size_t i = 0; i < rays.size(); ++i) {
+        CHECK(passed[i].r == doctest::Approx(expected[i].r));
+        CHECK(passed[i].g == doctest::Approx(expected[i].g));
+        CHECK(passed[i].b == doctest::Approx(expected[i].b));
+    }
+    std::vector<uint8_t> hidden(rays.size());
+    rays_in.occluded(rays, hidden);
+    CHECK(hidden == std::vector<uint8_t>{1, 1, 1, 0});
 }
 
 TEST_CASE("a translucent triangle stops that part of rays that its opacity says") {

@@ -36,8 +36,9 @@ std::vector<Material> materials() {
         // Gold-like: the three Fresnel terms.
         make(MaterialKind::conductor, {constant(0.14f, 0.37f, 1.44f), constant(3.98f, 2.39f, 1.6f), constant(1),
                                        constant(0.5f), constant(0.5f)}),
-        make(MaterialKind::metallic_roughness, {constant(0.8f, 0.5f, 0.2f), constant(0.5f), constant(0.45f),
-                                                constant(1.5f), constant(1), constant(1), constant(0)})};
+        make(MaterialKind::metallic_roughness,
+             {constant(0.8f, 0.5f, 0.2f), constant(0.5f), constant(0.45f), constant(1.5f), constant(1), constant(1),
+              constant(0), constant(0), constant(1)})};
     for (Material& m : out) m.prepare(out);
     return out;
 }
