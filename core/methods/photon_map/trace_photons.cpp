@@ -164,7 +164,7 @@ class Tracer {
         s.power = power * (1 / survival);
         s.scattered_diffusely |= diffusely;
         s.passing = false;
-        s.passed += sample.straight;  // as direct light does
+        s.passed += to->straight;  // as direct light does
         ray = point.ray(to->direction);
         return true;
     }
@@ -172,6 +172,7 @@ class Tracer {
     struct Onward {
         Vec3 direction;
         Color weight;
+        bool straight = false;  // through a pane
     };
 
     /// What `scatter` weighs is radiance that travels the other way [Veach97 §5.3].
@@ -183,7 +184,7 @@ class Tracer {
         float adjoint = std::fabs(v.wo_local.z * dot(to->direction, point.normal)) /
                         std::fabs(dot(v.wo, point.normal) * sample.wi.z);
         if (sample.transmission) adjoint *= sqr(sample.eta_ratio);
-        return Onward{to->direction, sample.weight * adjoint};
+        return Onward{to->direction, sample.weight * adjoint, sample.straight};
     }
 
     /// By the diffuse lobes of a surface whose shading normal is not its geometric one. Who looks at it flatly sees it with a
