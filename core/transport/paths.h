@@ -51,7 +51,7 @@ struct PathOptions {
     LightSet light_set = LightSet::all;  // without the environment image, rays that escape collect it whole
     bool emission_at_first_hit = true;   // false: whoever sent the rays samples the lights itself
     Coherence coherence = Coherence::none;
-    CachedIrradiance cache;
+    CachedIrradiance cache;  // asked at every diffuse vertex: near records in pictures, far records in gathers
     CachedReflection reflection;
     CachedIrradiance far_cache;  // asked beyond the first vertex, where `cache` does not serve
 };
