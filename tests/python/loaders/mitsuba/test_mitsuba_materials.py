@@ -333,3 +333,14 @@ def test_bsdfs_named_after_materials_replace_those_of_an_obj(tmp_path: Path) -> 
         assert kinds({"podd": {"type": "plastic"}}) == [("plastic", (0.5, 0.5, 0.5))]
     with pytest.warns(EclatWarning, match="no material 'other' for a bsdf to replace"):
         assert kinds({"pod": {"type": "plastic"}, "other": DIFFUSE})[0][0] == "plastic"
+
+
+def test_difftrans_lets_light_through() -> None:
+    bsdf = {"type": "difftrans", "transmittance": {"type": "rgb", "value": [0.4, 0.3, 0.2]}}
+    sheet = {"type": "rectangle", "bsdf": bsdf}
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        material = load_dict({"type": "scene", "sheet": sheet}).meshes[0].material
+    assert material.kind == "translucent"
+    assert material.parameters["transmittance"].constant == pytest.approx((0.4, 0.3, 0.2))
+    assert max(material.parameters["reflectance"].constant) == 0
