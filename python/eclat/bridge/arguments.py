@@ -19,7 +19,7 @@ MAX_ERROR_RANGE = (0.0005, 0.5)
 
 
 def chosen_camera(scene: Scene, camera: int | Camera) -> Camera:
-    """A camera as it is, or the scene's by its number."""
+    """Return `camera` itself, or the scene's camera of that number."""
     if isinstance(camera, Camera):
         return camera
     if not 0 <= camera < len(scene.cameras):
@@ -28,14 +28,14 @@ def chosen_camera(scene: Scene, camera: int | Camera) -> Camera:
 
 
 def picture_size(camera: Camera, size: tuple[int, int] | None) -> tuple[int, int]:
-    """Width and height: the wanted ones, else the camera's, else `DEFAULT_SIZE`."""
+    """Return the requested width and height, else the camera's, else `DEFAULT_SIZE`."""
     width, height = size or camera.size or DEFAULT_SIZE
     check_size(width, height)
     return int(width), int(height)
 
 
 def checked_crop(crop: tuple[int, int, int, int] | None, width: int, height: int) -> tuple[int, int, int, int]:
-    """(x0, y0, x1, y1) in pixels, the whole picture for None."""
+    """Return the crop (x0, y0, x1, y1) in pixels; None means the whole picture."""
     if crop is None:
         return (0, 0, width, height)
     x0, y0, x1, y1 = crop
@@ -45,14 +45,14 @@ def checked_crop(crop: tuple[int, int, int, int] | None, width: int, height: int
 
 
 def checked_seed(seed: int) -> int:
-    """A seed of 32 bits."""
+    """Return a seed of 32 bits."""
     if not 0 <= seed < 2**32:
         raise EclatError(f"seed must be between 0 and {2**32 - 1}, got {seed}")
     return seed
 
 
 def thread_count(threads: int | None) -> int:
-    """Threads as the core counts them: 0 means all processors."""
+    """Return the number of threads for the core, where 0 means all processors."""
     if threads is None:
         return 0
     if not 1 <= threads <= 1024:
@@ -61,14 +61,14 @@ def thread_count(threads: int | None) -> int:
 
 
 def checked_samples(samples: int) -> int:
-    """Samples of a pixel or a point."""
+    """Return the number of samples per pixel or per point."""
     if not 1 <= samples <= MAX_SAMPLES:
         raise EclatError(f"samples must be between 1 and {MAX_SAMPLES}, got {samples}")
     return samples
 
 
 def checked_max_error(max_error: float) -> float:
-    """A relative error that can be asked for."""
+    """Return a relative error that is within the supported range."""
     low, high = MAX_ERROR_RANGE
     if not low <= max_error <= high:
         raise EclatError(f"max_error must be between {low:g} and {high:g}, got {max_error}")
@@ -76,14 +76,14 @@ def checked_max_error(max_error: float) -> float:
 
 
 def checked_max_depth(max_depth: int) -> int:
-    """Edges of a path: −1 (no limit) or at least 1."""
+    """Return the largest number of edges of a path: −1 (no limit) or at least 1."""
     if max_depth == 0 or max_depth < -1:
         raise EclatError(f"max_depth must be -1 (unlimited) or at least 1, got {max_depth}")
     return max_depth
 
 
 def checked_time(time: float | None) -> float | None:
-    """Seconds, above 0, or None."""
+    """Return a time limit in seconds, which is above 0, or None."""
     if time is not None and not (math.isfinite(time) and time > 0):
         raise EclatError(f"time must be a finite number of seconds above 0, got {time}")
     return time

@@ -73,7 +73,7 @@ _cache: weakref.WeakKeyDictionary[Scene, Compiled] = weakref.WeakKeyDictionary()
 
 
 def compiled(scene: Scene) -> Compiled:
-    """The core's form of `scene`, made at the first call. Raises EclatError for what the core refuses."""
+    """The core's form of `scene`, made at the first call. Raises EclatError if the core refuses the scene."""
     found = _cache.get(scene)
     if found is None:
         try:
@@ -199,7 +199,7 @@ def _reads_tangents(material: Material) -> bool:
 
 
 def fingerprint(scene: Scene) -> str:
-    """A hash of all that changes light: geometry, materials, lights. Cameras do not count."""
+    """A hash of everything that affects light: geometry, materials and lights, but not cameras."""
     digest = hashlib.sha256()
 
     def feed(x: object) -> None:

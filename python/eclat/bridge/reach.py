@@ -24,7 +24,7 @@ _SURELY_SMALL = 1e8
 
 
 def check_areas(positions: FloatArray, triangles: NDArray[np.integer], what: str) -> None:
-    """Raise EclatError for the first of the triangles that is larger than `LARGEST_AREA`, and would be taken for black."""
+    """Raise EclatError for the first triangle larger than `LARGEST_AREA`, which would otherwise be rendered black."""
     if not len(positions) or not len(triangles) or not np.ptp(positions, axis=0).max() > _SURELY_SMALL:
         return
     index = np.asarray(triangles)

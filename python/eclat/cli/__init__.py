@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: the table of commands, and what becomes of errors.
 
-Exit codes: 0 done, 1 standard output was closed early, 2 the user's mistake (said on standard error), 130 Ctrl-C,
+Exit codes: 0 done, 1 standard output was closed early, 2 the user's mistake (reported on standard error), 130 Ctrl-C,
 143 SIGTERM, 129 SIGHUP: all three stop a command in the same way, which leaves no half-written file.
 """
 
@@ -101,7 +101,7 @@ def _stopped_by_signals() -> Iterator[list[int]]:
 
 
 def _exit_code(error: BaseException, signals: Sequence[int]) -> int:
-    """What is said of an error that ended a command, and its exit code. Raises what no user can cause."""
+    """The message for an error that ended a command, and the exit code. Errors that no user can cause are raised again."""
     try:
         raise error
     except click.exceptions.Exit as stop:

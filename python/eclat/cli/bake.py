@@ -56,7 +56,7 @@ EXAMPLES = {
 
     The .glb holds the scene and, on a second set of texture coordinates, its light map in 8 bits (MOZ_lightmap). The
     .exr beside it holds the same irradiance unclipped, in W/m² (lux in a photometric scene), the .json what both mean.
-    Sources are left out of the file, since their light is in the map; surfaces that shine go on shining.""",
+    Light sources are left out of the file, since the map holds their light; emissive surfaces stay emissive.""",
 )
 @scene_argument
 @output_option("A name that ends in .glb [SCENE_lit.glb].")
@@ -64,14 +64,14 @@ EXAMPLES = {
     "--flatten",
     is_flag=True,
     section="Output",
-    help="One .glb for viewers that know no light maps: all light in the colours of unlit materials [SCENE_flat.glb].",
+    help="Write a .glb for viewers without support for light maps: unlit materials hold all light as colour [SCENE_flat.glb].",
 )
-@exposure_option("Of --flatten, in stops [such that few texels are white].", None)
+@exposure_option("Exposure for --flatten in stops [chosen so that few texels are white].", None)
 @option(
     "--texel-size",
     type=Number(float, 0, 1e6, above=True, unit="of metres"),
     section=MAP,
-    help="Metres a texel [such that there are about 260,000].",
+    help="Size of a texel in metres [chosen to give about 260,000 texels].",
 )
 @option(
     "--component",
@@ -95,7 +95,13 @@ EXAMPLES = {
     help="auto: both sides of two-sided sheets, each with its own light, but not the inside of solids; front: the front's "
     "light on both sides; both: two for all that is two-sided [auto].",
 )
-@option("--max-size", type=Number(int, 16, 16384), default=4096, section=MAP, help="Largest width and height [4096].")
+@option(
+    "--max-size",
+    type=Number(int, 16, 16384),
+    default=4096,
+    section=MAP,
+    help="Largest width and height of the light map in texels [4096].",
+)
 @samples_option("Of the lights, and paths of `path`, per texel", default=256)
 @max_error_option("Of a cached method: relative error of indirect light")
 @max_depth_option()
@@ -173,7 +179,7 @@ def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat:
 
 
 def _errors(statistics: dict[str, float]) -> str:
-    """What is known of the error of texels before they are fitted."""
+    """The estimated errors of texels before they are fitted, as text."""
     names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
     return "".join(
         f", {what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Commands whose help teaches: options in sections, examples, and the nearest name for whatever is misspelt."""
+"""Commands whose help has sections and examples, and whose errors suggest the nearest name for a misspelt one."""
 
 from __future__ import annotations
 

@@ -57,17 +57,21 @@ EXAMPLES = {
 @scene_argument
 @output_option("A file ending in .html [SCENE.html].")
 @exposure_option("Stops [found from the reference].", default=None)
-@option("--methods", metavar="A,B,…", section="Method", help="Some methods [all of them].")
+@option("--methods", metavar="A,B,…", section="Method", help="The methods to compare, separated by commas [all].")
 @option("--levels", type=Number(int, 1, 10), default=4, section="Quality", help="Levels of effort [4].")
 @samples_option("Paths per pixel at the last level", default=64)
 @max_error_option("Of caches at the last level")
-@time_option("Seconds at the last level instead.")
+@time_option("Give every method this many seconds at the last level instead.")
 @max_depth_option()
 @samples_option(
     "Paths per pixel in each of two references", default=256, name="--reference-samples", section="Reference"
 )
 @option(
-    "--reference", metavar="FILE", multiple=True, section="Reference", help="Use this .exr instead; better use two."
+    "--reference",
+    metavar="FILE",
+    multiple=True,
+    section="Reference",
+    help="Use this .exr as the reference instead; give the option twice for two independent references.",
 )
 @camera_options
 @light_options

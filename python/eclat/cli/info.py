@@ -45,7 +45,7 @@ def command(**flags: Any) -> None:
 
 
 def describe(scene: Scene) -> dict[str, Any]:
-    """What a scene holds, as JSON can hold it."""
+    """The contents of a scene, in types that JSON can represent."""
     import numpy as np
 
     materials = {id(mesh.material): mesh.material for mesh in scene.meshes}

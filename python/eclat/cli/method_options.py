@@ -106,7 +106,7 @@ def method_notes(*, that_solve: bool = False) -> dict[str, list[tuple[str, str]]
 
 
 def field_explanations(cls: type) -> dict[str, str]:
-    """Field → the text that stands below it in the source of its class, which Python itself does not keep."""
+    """The docstring of each field, read from the source of its class because Python does not keep it."""
     explained: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         if not is_dataclass(base):

@@ -85,7 +85,7 @@ class Numbers(_Type):
         return given
 
     def accepts(self, numbers: tuple[float, ...]) -> bool:
-        """Whether that many numbers also make sense."""
+        """Return whether the numbers, whose count is right, are also valid together."""
         return True
 
 

@@ -19,7 +19,7 @@ def keep_partial_option(help: str) -> Callable[[F], F]:
 
 @contextmanager
 def keeping_partial(wanted: bool, keep: Callable[[Any], None], reporter: Reporter) -> Iterator[None]:
-    """On Ctrl-C give what the interrupt carries as its `partial` to `keep`, if that is wanted, and let it go on."""
+    """On Ctrl-C, pass the interrupt's `partial` result to `keep` if that is wanted, then raise the interrupt again."""
     try:
         yield
     except KeyboardInterrupt as stop:

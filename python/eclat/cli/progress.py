@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What long calls report, shown to people as a bar or to programs as lines of JSON.
+"""The progress of long calls, shown to people as a bar or to programs as lines of JSON.
 
 Both classes are the `progress` argument of `solve`, `render` and `irradiance`: they are called as
 `progress(phase, fraction, statistics)` about ten times a second, with `fraction` (0..1) of that phase. A fraction that
@@ -27,7 +27,7 @@ _CONTROL = re.compile("[\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud
 """What JSON leaves as it is though terminals, or readers of lines, obey it."""
 
 SHOW_AFTER = 2.0
-"""Seconds before a bar appears: what is shorter needs none."""
+"""Seconds before a bar appears: shorter calls need none."""
 
 RATE_WINDOW = 2.0
 """Seconds over which rays per second are averaged: calm enough to read, quick enough to follow a new phase."""

@@ -67,7 +67,7 @@ def cache_option() -> Callable[[F], F]:
 
 
 def check_cache_alone(flags: dict[str, object], method_given: bool) -> None:
-    """Raise EclatError where `--cache` stands beside flags that it makes void."""
+    """Raise EclatError where `--cache` is combined with flags that it would override."""
     if flags["cache"] and (flags["settings"] or method_given):
         raise EclatError("--cache cannot be combined with --method or --set: the file holds the method and its options")
 

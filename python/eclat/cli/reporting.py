@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a command says while it works: a bar and text for people, lines of JSON for programs.
+"""The output of a command while it works: a bar and text for people, or lines of JSON for programs.
 
 Results go to standard output; bar, warnings and errors go to standard error. With `--json` standard output holds
-nothing but events (`eclat.cli.progress.JsonEvents`), one a line; errors are said on standard error as well.
+nothing but events (`eclat.cli.progress.JsonEvents`), one a line; errors are printed on standard error as well.
 """
 
 from __future__ import annotations
@@ -62,7 +62,7 @@ class Reporter:
             self._bar.close()
 
     def result(self, text: str, **fields: Any) -> None:
-        """Say what came out: `text` to people, `fields` to programs."""
+        """Print the result: `text` for people, or `fields` for programs."""
         self.end_progress()
         if self.events is not None:
             self.events.emit("result", **fields)
@@ -76,7 +76,7 @@ class Reporter:
             click.echo(f"eclat: {printable(text)}", err=True)
 
     def warn(self, message: str) -> None:
-        """Say a warning, once."""
+        """Print a warning, unless it was printed before."""
         if message in self._said:
             return
         self._said.add(message)

@@ -51,8 +51,10 @@ camera_options = together(
     option(
         "--camera", metavar="N|NAME", section=CAMERA, help="One of the scene's cameras [0]; `eclat info` lists them."
     ),
-    option("--camera-from", type=POINT, section=CAMERA, help="Look from this point."),
-    option("--camera-to", type=POINT, section=CAMERA, help="Look at this point [the middle of the scene]."),
+    option("--camera-from", type=POINT, section=CAMERA, help="Place the camera at this position."),
+    option(
+        "--camera-to", type=POINT, section=CAMERA, help="Point the camera at this position [the middle of the scene]."
+    ),
     option("--camera-up", type=POINT, section=CAMERA, help="The direction that is up in the picture [the scene's up]."),
     option(
         "--fov", type=Number(float, 0, 179.9, above=True), section=CAMERA, help="Vertical field of view in degrees."
@@ -85,7 +87,7 @@ def scene_argument(function: F) -> F:
 
 
 def scene_stem(name: str) -> str:
-    """What files made from this scene are called."""
+    """The name, without a suffix, of files made from this scene."""
     return Path(name).stem or "scene"
 
 
