@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What goes wrong, said so that the reader knows what to do: errors for the user's mistakes, warnings as values."""
+"""Errors for the user's mistakes and warnings that can be collected; each message tells the reader what to do."""
 
 from __future__ import annotations
 
@@ -13,11 +13,11 @@ from contextvars import ContextVar
 
 
 class EclatError(ValueError):
-    """A user's mistake: bad file, bad option. The message says what, expected, got and where; the CLI exits with 2."""
+    """A user's mistake, such as a bad file or option. The message states what was expected; the CLI exits with 2."""
 
 
 class EclatWarning(UserWarning):
-    """Something was replaced, ignored or guessed; the result still means something. The CLI says it, scenes keep it."""
+    """Something was replaced, ignored or guessed; the result is still usable. The CLI prints it, scenes keep it."""
 
 
 _heard: ContextVar[tuple[list[str], ...]] = ContextVar("heard", default=())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A scene as plain data: frozen dataclasses with NumPy arrays inside. Loaders make it, the core reads it.
+"""A scene as plain data: frozen dataclasses that hold NumPy arrays. Loaders create them, and the core reads them.
 
 Conventions (the core's are the same):
 
@@ -45,7 +45,7 @@ class Texture:
 
 @dataclass(frozen=True, eq=False)
 class Value:
-    """A material parameter: `constant`, times a texture's texel where there is one.
+    """A material parameter: `constant`, multiplied by the texel if there is a texture.
 
     A scalar parameter uses `constant[0]` (give all three the same number) and reads the texture's `channel`;
     a colour uses all three and reads RGB (or the one `channel` as grey).
@@ -205,7 +205,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class PointLight:
-    """Shines equally in all directions; `intensity` in W·sr⁻¹ (candela in a photometric scene)."""
+    """A point that shines equally in all directions; `intensity` in W·sr⁻¹ (candela in a photometric scene)."""
 
     position: tuple[float, float, float]
     intensity: tuple[float, float, float]
@@ -229,7 +229,7 @@ class SpotLight:
 
 @dataclass(frozen=True)
 class DirectionalLight:
-    """Light from infinity. `direction` is where it travels to; `irradiance` on a surface facing it, W·m⁻².
+    """Light from infinity that travels along `direction`; `irradiance` in W·m⁻² is that on a surface facing it.
 
     `angular_radius` in degrees: 0 is a delta light, 0.2665 the sun seen from Earth (a visible disc).
     """

@@ -26,8 +26,9 @@ material_option = option(
     metavar="NAME=KIND,…",
     multiple=True,
     section=SURFACES,
-    help="Another material for what is called NAME: a Mitsuba bsdf with its properties, such as "
-    "floor=roughplastic,distribution=ggx,alpha=0.2; repeatable. What is not said stays; `eclat info` lists names.",
+    help="Replace the material of the mesh or material called NAME by a Mitsuba bsdf with its properties, such as "
+    "floor=roughplastic,distribution=ggx,alpha=0.2; repeatable. Properties that you do not give keep their values; "
+    "`eclat info` lists names.",
 )
 """`--material`."""
 

@@ -36,7 +36,7 @@ EXAMPLES = {
     "eclat solve room.glb --method radiosity": "Radiosity of all surfaces, for all views:",
     "eclat render room.glb --cache fine.npz --samples 64": "Render from these records; the scene must be the same:",
     "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Refine records up to --max-error:",
-    "eclat solve room.glb --view-independent": "For all views, also those not chosen yet:",
+    "eclat solve room.glb --view-independent": "For every view, including views that you have not chosen yet:",
     "eclat solve room.glb --points desks.csv": "For points with normals, as `eclat irradiance` takes them:",
 }
 
@@ -56,13 +56,28 @@ EXAMPLES = {
 @scene_argument
 @output_option("A file ending in .npz [SCENE.npz].")
 @keep_partial_option("On Ctrl-C, write the records of the finished passes, marked as incomplete.")
-@option("--view-independent", is_flag=True, section="Input", help="Records on all surfaces instead of in a view.")
-@option("--points", metavar="FILE", section="Input", help="Records for points x y z nx ny nz; text, .csv or .npy.")
+@option(
+    "--view-independent",
+    is_flag=True,
+    section="Input",
+    help="Place records on all surfaces instead of only those that one view needs.",
+)
+@option(
+    "--points",
+    metavar="FILE",
+    section="Input",
+    help="Compute records for the points in this file (x y z nx ny nz; text, .csv or .npy).",
+)
 @max_error_option("Relative error of indirect light")
 @max_depth_option()
 @no_check_option()
 @refine_option("Refine until the estimated error meets --max-error.")
-@option("--cache", metavar="FILE", section="Input", help="Refine these records, which `eclat solve` wrote.")
+@option(
+    "--cache",
+    metavar="FILE",
+    section="Input",
+    help="With --refine: the file of records to refine, written by `eclat solve`.",
+)
 @method_option
 @set_option
 @camera_options
@@ -108,7 +123,7 @@ COMMON = ("seed", "threads", "keep_partial", "check")
 
 
 def _check_cache(flags: dict[str, Any], context: click.Context) -> None:
-    """Raises EclatError where `--cache` stands without `--refine`, or beside what the cache brings itself."""
+    """Raise EclatError if `--cache` lacks `--refine`, or is combined with a flag whose value the cache holds."""
     if not flags["refine"]:
         raise EclatError("--cache requires --refine: records without it are solved anew")
     for name, flag in (("settings", "--set"), ("method", "--method"), ("max_depth", "--max-depth")):
@@ -117,7 +132,7 @@ def _check_cache(flags: dict[str, Any], context: click.Context) -> None:
 
 
 def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:
-    """Raises EclatError where flags do not go with the method, or with each other."""
+    """Raise EclatError for flags that the method does not support or that exclude each other."""
     if method.solved is None:
         known = [name for name, cls in eclat.METHODS.items() if cls.solved is not None]
         raise EclatError(f"--method: expected one of {', '.join(known)}, got {flags['method']!r}")

@@ -25,7 +25,7 @@ SUN_ANGULAR_RADIUS = 0.2665
 Direction = tuple[float, float, float]
 
 TURBIDITY_RANGE = (1.7, 10.0)
-"""Below 1.7 the model's luminance turns negative near the zenith; above 10 its authors do not claim anything."""
+"""Below 1.7 the model's luminance turns negative near the zenith; its authors make no claim for values above 10."""
 
 XYZ_TO_RGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
 
@@ -115,22 +115,22 @@ def sun_sky(
     parts: Literal["sunsky", "sky", "sun"] = "sunsky",
     size: tuple[int, int] = (512, 256),
 ) -> tuple[DirectionalLight | None, Environment | None]:
-    """The sun as a disc and the sky as an environment, of a clear day.
+    """The sun (as a disc) and the sky (as an environment) of a clear day.
 
     Parameters
     ----------
     sun_direction
-        Towards the sun, any length. Below the horizon (with a warning) there is no sun and the sky is dusk.
+        A vector of any length towards the sun. Below the horizon (with a warning) there is no sun and the sky is dusk.
     turbidity
         Haze: 2 very clear, 3 clear, 6 hazy. Clamped to 1.7..10 with a warning.
     up
         The world's vertical; the environment is rotated accordingly.
     albedo
-        Of the ground, 0..1. Below the horizon one sees it uniformly lit by those `parts` that are wanted.
+        The ground's albedo, 0..1. The environment shows the ground below the horizon, uniformly lit by `parts`.
     sun_scale, sky_scale
         Factors ≥ 0 on the absolute values.
     parts
-        What is wanted; the other member of the result is None.
+        The parts to compute; a part that is left out is None in the result.
     size
         The environment's (width, height) in pixels.
 

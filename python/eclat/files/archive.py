@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What was solved, in a file: named arrays and a header, in one .npz archive."""
+"""Files of solved light: named arrays and a header in one .npz archive."""
 
 from __future__ import annotations
 
@@ -18,16 +18,16 @@ from eclat.files.atomic_file import write_file
 
 
 def write_archive(path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-    """Whole or not at all. Raises EclatError where it cannot be written."""
+    """Write the archive whole or not at all. Raises EclatError if it cannot be written."""
     file = io.BytesIO()
     np.savez(file, header=json.dumps(header), **dict(arrays))  # type: ignore[arg-type]
     write_file(path, file.getvalue())
 
 
 def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Header and arrays; `center`, where there is one, is checked.
+    """Read the header and the arrays of an archive; the array `center`, if present, is checked.
 
-    Raises EclatError where there is no such file, or none that `write_archive` wrote.
+    Raises EclatError if the file is missing or was not written by `write_archive`.
     """
     name = os.fspath(path)
     data = read_file(path, where=name)
@@ -38,7 +38,7 @@ def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str
             raise ValueError("its header is no object")
     except (ValueError, KeyError, RecursionError) as error:
         reason = str(error).removeprefix(f"{name}: ").removeprefix(f"{name}, ")
-        raise EclatError(f"{name}: nothing that Éclat saved, or damaged ({reason})") from error
+        raise EclatError(f"{name}: the file was not saved by Éclat, or is damaged ({reason})") from error
     center = arrays.get("center")
     if center is not None and (center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all()):
         raise EclatError(f"{name}: the array 'center' is damaged")

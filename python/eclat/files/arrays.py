@@ -108,7 +108,7 @@ def arrays_from(data: bytes, where: str) -> dict[str, NDArray[Any]]:
     except EclatError:
         raise
     except Exception as error:  # Damaged archives raise nearly every type there is, and NotImplementedError.
-        raise EclatError(f"{where}: it is no .npz archive, or damaged ({_short(error)})") from None
+        raise EclatError(f"{where}: the file is not an .npz archive, or is damaged ({_short(error)})") from None
     return arrays
 
 
@@ -118,6 +118,6 @@ def is_array_file(data: bytes) -> bool:
 
 
 def _short(error: Exception) -> str:
-    """What an exception says, on one line and not longer than that."""
+    """The message of an exception, shortened to one line."""
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 120 else text[:117] + "..."

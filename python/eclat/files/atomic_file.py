@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files that are either whole or not there: written beside their place under another name, then moved."""
+"""Files that are written whole or not at all: each is written under another name beside its place, then renamed."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ def write_file(path: str | os.PathLike[str], data: bytes) -> None:
 
 
 def write_files(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
-    """As `write_file`, for files that belong together: all of them or none. The last one appears last.
+    """Write files that belong together, all or none, as `write_file` writes one. The last one appears last.
 
     Only a crash between two renames, microseconds apart, leaves some new and some old.
     """
@@ -59,7 +59,7 @@ def write_files(contents: Mapping[str | os.PathLike[str], bytes]) -> None:
 
 @dataclass
 class _Written:
-    """A file on its way: complete under another name, then in its place."""
+    """A file being written: first complete under another name, then moved to its place."""
 
     path: str | os.PathLike[str]
     target: Path

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures: their pixels, their files, how they are shown."""
+"""Pictures: their pixels, their files and their display."""

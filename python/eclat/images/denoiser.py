@@ -22,7 +22,7 @@ PACKAGE = "pyoidn"
 
 
 def has_denoiser() -> bool:
-    """Whether `denoise` can work."""
+    """Return whether `denoise` can run."""
     return importlib.util.find_spec(PACKAGE) is not None
 
 
@@ -58,7 +58,7 @@ def denoise(
     require_denoiser()
     guides = {"albedo": (albedo, 0.0, 1.0), "normal": (normal, -1.0, 1.0)}
     if kind == "lightmap" and (albedo is not None or normal is not None):
-        raise EclatError("denoise: expected a light map without albedo and normals, got some")
+        raise EclatError("denoise: expected a light map without albedo and normals, but they were given")
     color = _layer(radiance, 0.0, np.inf)
     layers = {name: _layer(guide, low, high) for name, (guide, low, high) in guides.items() if guide is not None}
     for name, layer in {"radiance": color, **layers}.items():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The channels of an OpenEXR file as pictures are: on the display window, in Rec. 709, luminance-chroma undone.
+"""The channels of an OpenEXR file on its display window, converted to Rec. 709 and from luminance-chroma to RGB.
 
 All three are lawful in a file without being said in its channels: the data may cover a part of the picture or go
 beyond it, the primaries may be others, and colours may be stored as Y, RY, BY with chroma at half the resolution.
@@ -102,13 +102,13 @@ def _rgb_to_xyz(chromaticities: Any, where: str) -> Float64:
         return standard
     found = rgb_to_xyz(given)
     if found is None:
-        warn(f"{where}: the chromaticities {given} are no primaries; those of Rec. 709 are used")
+        warn(f"{where}: the chromaticities {given} are not valid primaries; those of Rec. 709 are used instead")
         return standard
     return found
 
 
 def _window(corners: Any) -> tuple[int, int, int, int]:
-    """(x0, y0, x1, y1), the far corner not included."""
+    """The window's corners as (x0, y0, x1, y1); the far corner is exclusive."""
     (x0, y0), (x1, y1) = corners
     return int(x0), int(y0), int(x1) + 1, int(y1) + 1
 

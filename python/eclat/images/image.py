@@ -50,7 +50,7 @@ def check_size(width: int, height: int, what: str = "size") -> None:
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """Radiance per pixel with what else is known about it. Shows itself in a notebook.
+    """A picture: the radiance of each pixel, layers and metadata. A notebook displays it as PNG.
 
     Parameters
     ----------
@@ -58,7 +58,7 @@ class Image:
         primaries; row 0 is the top.
     layers : by name (those of `LAYERS`, or others), each (H, W, 3) or (H, W) float32. `normal` is in world space,
         `depth` in metres along the ray (infinite where it meets nothing), `record_density` records per pixel.
-    metadata : what JSON can hold: scene, options, seed, version, time, statistics.
+    metadata : values that JSON can represent: scene, options, seed, version, time, statistics.
 
     Examples
     --------
@@ -119,7 +119,7 @@ class Image:
 
         Parameters
         ----------
-        exposure : stops, of PNG only: radiance times 2^exposure. "auto" takes the log-average luminance to mid grey, to
+        exposure : stops, for PNG only: radiance times 2^exposure. "auto" takes the log-average luminance to mid grey, to
             the nearest half stop (`auto_exposure`), and the file's metadata say so as `exposure`.
         tone_mapping : "none" or "filmic", of PNG only.
 

@@ -27,7 +27,7 @@ CheckSize = Callable[[int, int, str], None]
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """What a file holds: (H, W, 3) pixels, layers by name, metadata."""
+    """The content of a file: (H, W, 3) pixels, layers by name, and metadata."""
 
     pixels: NDArray[np.float32]
     layers: dict[str, NDArray[np.float32]] = field(default_factory=dict)
@@ -44,7 +44,7 @@ class Format:
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
-    """The format by suffix. Raises EclatError for one that is not in `FORMATS`."""
+    """The format that a path's suffix names. Raises EclatError for a suffix that is not in `FORMATS`."""
     suffix = Path(path).suffix
     if suffix.lower() not in FORMATS:
         got = f"{suffix!r}{did_you_mean(suffix.lower(), FORMATS)}" if suffix else "a name without one"
@@ -71,7 +71,7 @@ def metadata_text(metadata: Mapping[str, Any]) -> str:
 
 
 def encode_png(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
-    """8-bit sRGB, said so in the file; metadata as international text under the keyword `eclat`."""
+    """The picture as 8-bit PNG marked as sRGB, with the metadata as international text under the keyword `eclat`."""
     information = PngImagePlugin.PngInfo()
     # Rendering intent 0, "perceptual", is the one meant for pictures; this chunk says that the values are sRGB.
     information.add(b"sRGB", b"\x00")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where records lie in a picture: the layer `record_density`, which `Image.show_records` draws."""
+"""The positions of records in a picture: the layer `record_density`, which `Image.show_records` draws."""
 
 from __future__ import annotations
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""From scene-linear radiance to the bytes of a display: exposure, tone curve, sRGB transfer function, rounding."""
+"""Conversion of scene-linear radiance to display bytes: exposure, tone curve, sRGB transfer function and rounding."""
 
 from __future__ import annotations
 

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What numbers mean: spectra, photometric units, the error measure."""
+"""Measures of light and of error: spectra, photometric units and the relative error."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The error of a cache as it is told: an estimate, its interval of 95 %, and the sentence for people."""
+"""The reported error of a cache: an estimate, its 95 % confidence interval, and the sentence that states both."""
 
 from __future__ import annotations
 
@@ -22,8 +22,8 @@ RESOLVED = 1.5
 class ErrorEstimate:
     """Relative error (the measure of `metrics.relative_rmse`) between `low` and `high` with 95 % confidence.
 
-    `unserved` is the part of the places looked at where no record serves anything: light is traced there, with noise
-    instead of an error, or there is no diffuse surface to be seen.
+    `unserved` is the fraction of the probed places where no record is used: either light is traced there, which gives
+    noise instead of an error, or no diffuse surface is visible.
     """
 
     error: float
@@ -40,11 +40,11 @@ class ErrorEstimate:
 
     @property
     def quoted(self) -> float:
-        """What stands for the error: the estimate, or the interval's end where the estimate says little."""
+        """The number to report as the error: the estimate, or the interval's upper end where the estimate is uncertain."""
         return self.error if self.high <= RESOLVED * self.error else self.high
 
     def statistics(self) -> dict[str, float]:
-        """For the statistics of a Solution or picture."""
+        """The estimate as entries for the statistics of a Solution or a picture."""
         return {
             "estimated_error": self.quoted, "estimated_error_low": self.low, "estimated_error_high": self.high,
             "unserved": self.unserved,
@@ -70,7 +70,7 @@ def with_light_by_chance(statistics: Mapping[str, float], share: float) -> dict[
 
 
 def without_light_by_chance(statistics: Mapping[str, float]) -> dict[str, float]:
-    """What the probes themselves said: finer settings make only that smaller."""
+    """The error that the probes measured, which is the only part that finer settings reduce."""
     share = statistics.get(LIGHT_BY_CHANCE, 0.0)
     names = ("estimated_error", "estimated_error_high")
     return dict(statistics) | {name: math.sqrt(max(0.0, statistics[name] ** 2 - share**2)) for name in names}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far a picture is from the truth: the relative error that all our figures use, and FLIP.
+"""The distance of a picture from the truth: the relative error that all our figures use, and FLIP.
 
 Symbol    name here    meaning                                                             unit
   x       x            the picture that is judged, (H, W, 3) linear radiance               W·sr⁻¹·m⁻²
@@ -123,7 +123,7 @@ def away_from_edges(depth: ArrayLike, normal: ArrayLike) -> NDArray[np.bool_]:
 
 
 def flip(x: ArrayLike, reference: ArrayLike, exposure: float = 0.0) -> tuple[Float64, float]:
-    """LDR-FLIP of two pictures as shown at `exposure` stops: the (H, W) map in 0..1, and its mean.
+    """The LDR-FLIP map (H, W) in 0..1 of two pictures displayed at `exposure` stops, and its mean.
 
     Andersson et al. 2020, *FLIP: A Difference Evaluator for Alternating Images*, at `PIXELS_PER_DEGREE`.
 
@@ -143,7 +143,7 @@ def flip(x: ArrayLike, reference: ArrayLike, exposure: float = 0.0) -> tuple[Flo
 
 
 def has_flip() -> bool:
-    """Whether `flip` can work."""
+    """Return whether `flip` can run."""
     return importlib.util.find_spec("flip_evaluator") is not None
 
 

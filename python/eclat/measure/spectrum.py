@@ -77,7 +77,7 @@ def reflectance_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float
 
 
 def emission_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float, float, float]:
-    """Linear sRGB of a light's spectrum (or of any unbounded quantity); what is out of gamut is clamped to 0.
+    """Linear sRGB of a light's spectrum (or of any unbounded quantity); negative channels are clamped to 0.
 
     Parameters and errors as in `reflectance_to_rgb`; the result has the unit of `values`.
     """

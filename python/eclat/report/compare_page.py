@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A comparison as one HTML page that needs nothing beside itself: no script, no network, pictures inside."""
+"""A comparison as one self-contained HTML page: it embeds its pictures and needs no script and no network."""
 
 from __future__ import annotations
 

@@ -103,7 +103,7 @@ def _marker(x: float, y: float, color: str, shape: int) -> str:
 
 
 def _names(ends: Sequence[tuple[float, float, str, str]]) -> list[str]:
-    """Names beside the last points, moved down where they would lie on each other."""
+    """The names beside the last points, moved down where they would overlap."""
     parts: list[str] = []
     lowest = -math.inf
     for y, x, name, color in sorted(ends):

@@ -113,14 +113,14 @@ class Sampling:
             self._pass(max(self._first, 2 * self.taken))
 
     def _affordable(self) -> int:
-        """The number of samples that there is time for, when the time to estimate the error afterwards is set aside."""
+        """The number of samples that fit into the time left, after reserving the time to estimate the error."""
         if self._seconds_per_sample is None or self._deadline == math.inf:
             return EXPECTED_SAMPLES
         left = self._deadline - clock.perf_counter() - self._seconds_of_look
         return max(0, int(left / max(self._seconds_per_sample, 1e-9)))
 
     def _step(self, end: int) -> int:
-        """How many samples are taken before the next look at the clock."""
+        """The number of samples to take before the clock is checked again."""
         step, pace = end - self.taken, self._seconds_per_sample
         if self._deadline < math.inf:
             # Half of what fits is taken, then half of the rest, so that recent samples predict when the last one ends.

@@ -45,7 +45,7 @@ WINDOW = 32
 
 @dataclass(frozen=True, eq=False)
 class DenoisedHalves:
-    """The picture that is shown, and what its error is.
+    """The picture to show, with its estimated error.
 
     `pixels` is (H, W, 3); `weight`, (H, W) in 0..1, is the denoiser's part of it. `squared_error` is the estimated mean of
     (s − R)² / (R² + c) over pixels and channels, which may come out below 0, and `deviation` its standard error, from how
@@ -70,7 +70,7 @@ class DenoisedHalves:
 
 
 def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b: ArrayLike) -> DenoisedHalves:
-    """The picture of two halves of its samples, denoised where that helps, and the error of what is left.
+    """The mean of two halves of a picture, denoised where that reduces the error, and the error that remains.
 
     Parameters
     ----------

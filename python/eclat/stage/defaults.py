@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What a scene needs to become a picture: the user's overrides, and stand-ins for a missing camera or light."""
+"""The user's overrides of a scene, and substitutes for a missing camera or light."""
 
 from __future__ import annotations
 
@@ -91,7 +91,7 @@ def wants_exposure(
 ) -> bool:
     """Whether `complete`, with these overrides, lights the scene by true daylight or by a lamp of its own making.
 
-    Who chose no light chose no exposure either: pictures are then shown by `auto_exposure`.
+    A user who chose no light chose no exposure either, so such pictures are displayed with `auto_exposure`.
     """
     return sun is not None or (environment is None and not has_light(scene))
 
@@ -177,7 +177,7 @@ def _with_sun(scene: Scene, sun: tuple[float, float], keep_environment: bool) ->
 
 
 def _with_daylight(scene: Scene, sun: tuple[float, float], parts: Literal["sun", "sunsky"]) -> Scene:
-    """True daylight, in the scene's units: pictures of it want an exposure."""
+    """Daylight at its true intensity in the scene's units, whose pictures need an exposure."""
     scale = LUMENS_PER_WATT if scene.photometric else 1.0
     to_sun = sun_direction(*sun, scene.up)
     light, sky = sun_sky(to_sun, up=scene.up, albedo=GROUND_ALBEDO, sun_scale=scale, sky_scale=scale, parts=parts)
@@ -206,7 +206,7 @@ def _environment(source: Path | Point, up: Point) -> Environment:
     good = np.isfinite(colour) & (colour >= 0)
     if not good.all():
         warn(
-            f"environment: {path.name} has {int((~good).sum())} values that are negative or not finite; they are 0 now"
+            f"environment: {path.name} has {int((~good).sum())} values that are negative or not finite; they are replaced by 0"
         )
         colour = np.where(good, colour, np.float32(0))
     return Environment(np.ascontiguousarray(colour), upright_frame(up))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where to stand and look when a scene has no camera: outside of an object, inside of a room.
+"""The choice of a view for a scene without a camera: from outside for an object, from inside for a room.
 
 Works on a coarse grid of occupied cells, so that a million triangles cost a second. Lengths are in cells, heights
 along +y: the scene is rotated upright first, and nothing depends on its size or place.
@@ -65,7 +65,7 @@ def surface(scene: Scene) -> FloatArray:
 
 
 def framed_camera(scene: Scene) -> tuple[Camera, str]:
-    """A camera that shows the scene, and what that is: "room", "stage" (a room without a wall), "object", "nothing"."""
+    """A camera that shows the scene, and the scene's kind: "room", "stage" (a room without a wall), "object", "nothing"."""
     upright = upright_frame(scene.up)
     corners = _without_strays(surface(scene) @ upright)
     if len(corners) == 0:
@@ -97,7 +97,7 @@ def _without_strays(corners: FloatArray) -> FloatArray:
 
 
 def sky_above(scene: Scene, camera: Camera) -> bool:
-    """Whether the sky shines on what the camera can see, itself perhaps hidden from it by a roof."""
+    """Return whether the sky lights anything that the camera can see, even if a roof hides the sky itself."""
     upright = upright_frame(scene.up)
     corners = _without_strays(surface(scene) @ upright)
     if len(corners) == 0:
@@ -185,7 +185,7 @@ def _stage_view(low: FloatArray, high: FloatArray, side: tuple[int, int]) -> tup
 
 
 def _room_view(grid: Grid, eyes: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-    """Eye and target in a room, along its longest free view; None for what one should see from outside."""
+    """Eye and target in a room, along its longest free view; None for a scene that is better seen from outside."""
     if len(eyes) == 0:
         return None
     angles = np.arange(48) * (2 * math.pi / 48)

@@ -15,7 +15,7 @@ from eclat.loaders.mitsuba import load_material
 from eclat.scene import Material, Mesh, Scene, Value
 
 _BASE_COLOURS = ("reflectance", "diffuse_reflectance", "base_color")
-"""What a kind of material calls the colour of its base."""
+"""The name of the base colour's parameter in each kind of material."""
 
 _LISTED = 24
 """Names in a message, at most."""
@@ -32,7 +32,7 @@ def override_materials(
     materials: Mapping[str, Mapping[str, Any] | Material],
     base_folder: str | os.PathLike[str] | None = None,
 ) -> Scene:
-    """The scene with other materials, whichever file it came from.
+    """The scene with some of its materials replaced; it may come from any kind of file.
 
     Parameters
     ----------

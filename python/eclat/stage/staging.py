@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The scene that a verb works on: what was given, loaded where it is a name, with a camera and light in any case."""
+"""The scene that a verb works on: loaded if it was given by name, and completed with a camera and light."""
 
 from __future__ import annotations
 

@@ -90,7 +90,7 @@ def test_headers_that_lie(header: str, message: str) -> None:
 
 def test_archives_that_are_none_or_unpack_to_more_than_they_can_hold() -> None:
     for data in (b"", b"PK\x05\x06", npz(x=np.ones(9))[:-30], npy(np.ones(3))):
-        with pytest.raises(EclatError, match=r"a\.npz: it is no \.npz archive, or damaged"):
+        with pytest.raises(EclatError, match=r"a\.npz: the file is not an \.npz archive, or is damaged"):
             arrays_from(data, "a.npz")
     file = io.BytesIO()
     np.savez_compressed(file, x=np.zeros(1 << 22))

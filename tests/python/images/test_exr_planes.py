@@ -68,7 +68,7 @@ def test_rec_709_keeps_its_bits_and_impossible_primaries_are_said(tmp_path: Path
     for pixels in both(path):
         np.testing.assert_array_equal(pixels, np.moveaxis(random, 0, -1))
     path = written(tmp_path / "bad.exr", channels, chromaticities=(0.3, 0.3) * 4)
-    with pytest.warns(EclatWarning, match="are no primaries; those of Rec. 709 are used"):
+    with pytest.warns(EclatWarning, match="are not valid primaries; those of Rec. 709 are used"):
         np.testing.assert_array_equal(Image.load(path).pixels, np.moveaxis(random, 0, -1))
 
 

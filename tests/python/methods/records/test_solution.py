@@ -97,7 +97,7 @@ def test_damage_is_named(solution: eclat.Solution, tmp_path: Path, changes: dict
 def test_files_that_are_no_archives_are_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "a.npz"
     path.write_bytes(content)
-    with pytest.raises(eclat.EclatError, match="nothing that Éclat saved, or damaged") as error:
+    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or is damaged") as error:
         eclat.Solution.load(path)
     assert "pickle" not in str(error.value)
     np.save(tmp_path / "array.npy", np.zeros(3))
