@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The frame in which the core works: where its origin lies, so that float32 suffices, and what rounds coarsely in it."""
+"""The core's frame: the choice of its origin, so that float32 suffices, and a check for triangles that round coarsely."""
 
 from __future__ import annotations
 
@@ -45,7 +45,7 @@ def center_of(scene: Scene) -> FloatArray:
 
 
 def warn_of_rounding(scene: Scene, center: FloatArray) -> None:
-    """Name the first mesh with triangles that float32 bends, because they lie too far from the rest of the scene."""
+    """Warn of the first mesh whose triangles float32 deforms because they lie too far from the rest of the scene."""
     _, spread = _median(scene)
     for number, mesh in enumerate(scene.meshes):
         local = np.asarray(mesh.positions, np.float64) - center

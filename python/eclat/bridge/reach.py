@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How far coordinates may reach: the one check of everything that has a place, where it enters the core.
+"""The limits of coordinates: a single check of every position that enters the core.
 
 The core and its ray tracer compute in float32, whose squares end at 3.4e38. A ray that starts beyond is invalid to Embree,
 which stops the process where it was built to check, and answers wrongly where it was not.

@@ -18,7 +18,7 @@ T = TypeVar("T")
 
 
 def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None, progress: _core.Progress) -> T:
-    """`call(progress)` on a thread of its own; an exception in `report`, or Ctrl-C, cancels it and is raised.
+    """Run `call(progress)` on its own thread; an exception in `report`, or Ctrl-C, cancels the call and is raised.
 
     When this returns or raises, the call has ended.
     """

@@ -106,7 +106,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
 
 
 def _how(statistics: dict[str, float], photometric: bool) -> str:
-    """Where the points' light is from, and what lux means here."""
+    """The source of the points' light (records or paths), and the meaning of lux in this scene, as text."""
     parts = []
     if "served" in statistics:
         parts.append(f"{statistics['served']:,.0f} served by records, {statistics['gathered']:,.0f} gathered")

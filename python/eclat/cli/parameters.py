@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What the values of flags look like, and what is said about those that do not."""
+"""The types of flag values, and the messages for values that do not fit them."""
 
 from __future__ import annotations
 

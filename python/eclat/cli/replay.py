@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Runs that are repeated: all of one from its picture's metadata, or a single sample."""
+"""Repeating a run: the whole run from its picture's metadata, or a single sample."""
 
 from __future__ import annotations
 

@@ -125,10 +125,10 @@ COMMON = ("seed", "threads", "keep_partial", "check")
 def _check_cache(flags: dict[str, Any], context: click.Context) -> None:
     """Raise EclatError if `--cache` lacks `--refine`, or is combined with a flag whose value the cache holds."""
     if not flags["refine"]:
-        raise EclatError("--cache requires --refine: records without it are solved anew")
+        raise EclatError("--cache requires --refine: without --refine, `eclat solve` computes all records anew")
     for name, flag in (("settings", "--set"), ("method", "--method"), ("max_depth", "--max-depth")):
         if context.get_parameter_source(name) is not click.core.ParameterSource.DEFAULT:
-            raise EclatError(f"--cache cannot be combined with {flag}: the file brings its own")
+            raise EclatError(f"--cache cannot be combined with {flag}: the file holds the value to use")
 
 
 def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:

@@ -80,7 +80,7 @@ def _channels(prefix: str, letters: str, array: Float32) -> dict[str, Float32]:
 
 
 def _layers(arrays: Mapping[str, Float32], name: str) -> dict[str, Float32]:
-    """Channels joined by what stands before their last dot; the picture itself has the empty name."""
+    """Channels grouped into layers by the part of their names before the last dot; the picture's own name is empty."""
     groups: dict[str, dict[str, Float32]] = {}
     for key, array in arrays.items():
         layer, _, letter = key.rpartition(".")

@@ -31,7 +31,7 @@ Float64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Planes:
-    """What the first part of a file holds: its header, (H, W) channels by name, whether colours were converted."""
+    """The first part of a file: its header, its (H, W) channels by name, and whether colours were converted."""
 
     header: dict[str, Any]
     channels: dict[str, Float32]

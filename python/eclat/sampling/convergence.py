@@ -130,7 +130,7 @@ class Sampling:
         return step
 
     def _pass(self, end: int) -> None:
-        """Take samples until each pixel, or the mean over pixels, has `end`; take fewer if the deadline is near."""
+        """Take samples until each pixel, or the mean over pixels, has `end` of them; take fewer if the deadline is near."""
         half = self.film.radiance if self.taken and end == 2 * self.taken else None
         while self.taken < end and (self.taken == 0 or self._affordable() >= 1):
             step = self._step(end)

@@ -37,9 +37,9 @@ def override_materials(
     Parameters
     ----------
     materials : name of a material of the scene, or of a mesh (`material_names` lists them) → what takes its place: a
-        `Material`, used as it is, or a bsdf as in `load_dict`, `{"type": "roughplastic", "alpha": 0.2}`. Of a bsdf, what it
-        does not say stays as it was: the colour of the base with its texture, opacity, bumps, emission, and on how many
-        sides it acts.
+        `Material`, used as it is, or a bsdf as in `load_dict`, `{"type": "roughplastic", "alpha": 0.2}`. Properties that a
+        bsdf does not give stay as they were: the base colour with its texture, opacity, bumps, emission, and the number
+        of sides on which it acts.
     base_folder : where file names in `materials` begin, by default the current folder.
 
     Raises
