@@ -117,7 +117,8 @@ class Tracer {
         const float survival = std::min(1.0f, max_component(power) / max_component(s.power));
         if (!(u_roulette < survival)) return false;
         s.power = power * (1 / survival);
-        s.by_lobes = true;
+        // Light samples pass straight through panes, so that no chance is needed there.
+        s.by_lobes |= !to->sample.straight;
         if (!to->sample.delta) s.solid_angle = std::max(s.solid_angle, 1 / to->sample.pdf_solid_angle);
         ray = v.point.ray(to->direction);
         return true;

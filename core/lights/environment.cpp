@@ -36,6 +36,14 @@ struct EnvironmentImage::Cell {
     float tx, ty;
 };
 
+/// The bilinear patch between the cell's four texels.
+template <class TexelOf>
+Color EnvironmentImage::blend(const Cell& cell, const TexelOf& texel_of) {
+    const float sx = 1 - cell.tx, sy = 1 - cell.ty;
+    return texel_of(cell.x0, cell.y0) * (sx * sy) + texel_of(cell.x1, cell.y0) * (cell.tx * sy) +
+           texel_of(cell.x0, cell.y1) * (sx * cell.ty) + texel_of(cell.x1, cell.y1) * (cell.tx * cell.ty);
+}
+
 EnvironmentImage::EnvironmentImage(std::span<const float> rgb, uint32_t width, uint32_t height,
                                    const std::array<float, 9>& to_world)
     : width_(width),
@@ -151,9 +159,7 @@ EnvironmentImage::Lookup EnvironmentImage::lookup(Vec3 w) const {
 }
 
 EnvironmentImage::Lookup EnvironmentImage::between(const Cell& cell, float sine) const {
-    const float sx = 1 - cell.tx, sy = 1 - cell.ty;
-    const Color radiance = texel(cell.x0, cell.y0) * (sx * sy) + texel(cell.x1, cell.y0) * (cell.tx * sy) +
-                           texel(cell.x0, cell.y1) * (sx * cell.ty) + texel(cell.x1, cell.y1) * (cell.tx * cell.ty);
+    const Color radiance = blend(cell, [&](uint32_t x, uint32_t y) { return texel(x, y); });
     // The image has 2π × π radians: dω = 2π² sin θ du dv.
     const float density = luminance(radiance) * row_factor_[cell.row];
     return {radiance, density / (2 * pi * pi * std::max(least_sine, sine))};
@@ -163,10 +169,7 @@ Color EnvironmentImage::radiance(Vec3 w) const { return constant_ ? texel(0, 0) 
 
 Color EnvironmentImage::smooth_radiance(Vec3 w) const {
     if (smooth_limit_ == infinity) return radiance(w);
-    const Cell cell = locate(to_uv(w));
-    const float sx = 1 - cell.tx, sy = 1 - cell.ty;
-    return smooth_texel(cell.x0, cell.y0) * (sx * sy) + smooth_texel(cell.x1, cell.y0) * (cell.tx * sy) +
-           smooth_texel(cell.x0, cell.y1) * (sx * cell.ty) + smooth_texel(cell.x1, cell.y1) * (cell.tx * cell.ty);
+    return blend(locate(to_uv(w)), [&](uint32_t x, uint32_t y) { return smooth_texel(x, y); });
 }
 
 float EnvironmentImage::pdf_solid_angle(Vec3 w) const { return lookup(w).pdf_solid_angle; }

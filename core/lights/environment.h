@@ -55,6 +55,8 @@ class EnvironmentImage {
     Lookup between(const Cell& cell, float sine) const;
     Color texel(uint32_t x, uint32_t y) const;
     Color smooth_texel(uint32_t x, uint32_t y) const;
+    template <class TexelOf>
+    static Color blend(const Cell& cell, const TexelOf& texel_of);
     Vec2 to_uv(Vec3 w) const;
     void build_distribution();
 

@@ -26,8 +26,13 @@ struct Texel {
     uint32_t block;
 };
 
+struct Sky {
+    std::vector<Texel> texels;
+    uint32_t blocks = 0;
+};
+
 /// Blocks are about square and as large as a cell; texels larger than that are a block each.
-std::vector<Texel> texels_in_blocks(std::span<const float> rgb, uint32_t width, uint32_t height, uint32_t& blocks) {
+Sky sky_in_blocks(std::span<const float> rgb, uint32_t width, uint32_t height) {
     const double side = std::sqrt(cell_solid_angle);
     const auto bands = static_cast<uint32_t>(std::clamp(std::round(M_PI / side), 1.0, double(height)));
     std::vector<uint32_t> first(bands + 1, 0), count(bands);
@@ -36,9 +41,8 @@ std::vector<Texel> texels_in_blocks(std::span<const float> rgb, uint32_t width, 
         count[band] = static_cast<uint32_t>(std::clamp(std::round(2 * M_PI * sine / side), 1.0, double(width)));
         first[band + 1] = first[band] + count[band];
     }
-    blocks = first[bands];
-    std::vector<Texel> out;
-    out.reserve(size_t(width) * height);
+    Sky sky{{}, first[bands]};
+    sky.texels.reserve(size_t(width) * height);
     for (uint32_t y = 0; y < height; ++y) {
         const double rim = std::cos(M_PI * y / height) - std::cos(M_PI * (y + 1) / height);
         const auto solid_angle = static_cast<float>(2 * M_PI / width * rim);
@@ -46,19 +50,19 @@ std::vector<Texel> texels_in_blocks(std::span<const float> rgb, uint32_t width, 
         for (uint32_t x = 0; x < width; ++x) {
             const float* p = rgb.data() + (size_t(y) * width + x) * 3;
             const auto column = static_cast<uint32_t>(uint64_t(x) * count[band] / width);
-            out.push_back({luminance(Color(p[0], p[1], p[2])), solid_angle, first[band] + column});
+            sky.texels.push_back({luminance(Color(p[0], p[1], p[2])), solid_angle, first[band] + column});
         }
     }
-    return out;
+    return sky;
 }
 
 /// Relative noise of a gather of the image cut at `limit`; infinite where nothing is left of it.
-double relative_noise(std::span<const Texel> texels, uint32_t blocks, double limit) {
+double relative_noise(const Sky& sky, double limit) {
     struct Moments {
         double solid_angle = 0, first = 0, second = 0;
     };
-    std::vector<Moments> of_block(blocks);
-    for (const Texel& t : texels) {
+    std::vector<Moments> of_block(sky.blocks);
+    for (const Texel& t : sky.texels) {
         const double L = std::min<double>(t.luminance, limit);
         Moments& m = of_block[t.block];
         m.solid_angle += t.solid_angle;
@@ -76,18 +80,17 @@ double relative_noise(std::span<const Texel> texels, uint32_t blocks, double lim
 }  // namespace
 
 float smooth_limit(std::span<const float> rgb, uint32_t width, uint32_t height) {
-    uint32_t blocks = 0;
-    const std::vector<Texel> texels = texels_in_blocks(rgb, width, height, blocks);
+    const Sky sky = sky_in_blocks(rgb, width, height);
     double high = 0;
-    for (const Texel& t : texels) high = std::max<double>(high, t.luminance);
-    if (high == 0 || relative_noise(texels, blocks, high) <= tolerated_noise) return INFINITY;
+    for (const Texel& t : sky.texels) high = std::max<double>(high, t.luminance);
+    if (high == 0 || relative_noise(sky, high) <= tolerated_noise) return INFINITY;
     // The noise grows with the limit, from that of an image that is even where it is not black.
     double low = high * 1e-12;
-    if (relative_noise(texels, blocks, low) > tolerated_noise) return 0;
-    constexpr int halvings = 40;
+    if (relative_noise(sky, low) > tolerated_noise) return 0;
+    constexpr int halvings = 16;  // of a range of 10¹²: to 0.04 % of the limit
     for (int i = 0; i < halvings; ++i) {
         const double middle = std::sqrt(low * high);
-        (relative_noise(texels, blocks, middle) <= tolerated_noise ? low : high) = middle;
+        (relative_noise(sky, middle) <= tolerated_noise ? low : high) = middle;
     }
     return static_cast<float>(low);
 }

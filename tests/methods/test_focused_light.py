@@ -58,6 +58,14 @@ def test_light_that_gathers_find_is_not_held_against_them(scene: Scene) -> None:
     assert LIGHT_BY_CHANCE not in statistics(scene)
 
 
+@pytest.mark.parametrize("half_width", [0.01, 0.5])
+def test_light_through_a_pane_needs_no_chance(half_width: float) -> None:
+    """Light samples pass straight through panes; what this one reflects meets nothing."""
+    lamp, floor, _ = lamp_beside(MIRROR, half_width).meshes
+    pane = quad([(0, 1, 4), (4, 1, 4), (4, 1, -4), (0, 1, -4)], Material("thin_dielectric", {"ior": grey(1.5)}))
+    assert LIGHT_BY_CHANCE not in statistics(Scene(meshes=(lamp, floor, pane)))
+
+
 def test_path_says_that_light_of_points_by_mirrors_is_missing() -> None:
     floor, mirror = lamp_beside(MIRROR, 0.01).meshes[1:]
     scene = Scene(meshes=(floor, mirror), lights=(PointLight((0.8, 1.5, 0.0), (1.0, 1.0, 1.0)),))
