@@ -216,8 +216,7 @@ def _numbers(words: list[bytes], kind: str, element: Element, name: str, where: 
         except ValueError:
             got = decoded(word)[:40]
             raise EclatError(
-                f"{where}, element {element.name!r}: expected numbers of type {kind} for {name!r}, "
-                f"got {got!r} as the {i + 1}th"
+                f"{where}, element {element.name!r}, property {name!r}, number {i + 1}: expected type {kind}, got {got!r}"
             ) from None
         values.append(value)
     return np.array(values).astype(kind)

@@ -86,7 +86,7 @@ def _meshes() -> tuple[Mesh, ...]:
 
 
 def _four_sides(solid: Solid) -> Iterator[Solid]:
-    """What stands on the +z side, on all four sides."""
+    """Four copies of a solid that stands on the +z side, one for each side."""
     return (solid.turned(90.0 * k) for k in range(4))
 
 

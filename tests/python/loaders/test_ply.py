@@ -165,8 +165,11 @@ POINTS = "0 0 0\n1 0 0\n0 1 0\n"
         (HEADER + FACES + POINTS + "3 0 1 3\n", r"face 0: expected vertex indices in 0\.\.2, got 3"),
         (HEADER + FACES + POINTS + "3 0 1 -1\n", r"face 0: expected vertex indices in 0\.\.2, got -1"),
         (HEADER + FACES + POINTS + "-3 0 1 2\n", "face 0: expected a length of list 'vertex_indices', got '-3'"),
-        (HEADER + FACES + POINTS + "3 0 1 two\n", "'face': expected numbers of type i4 .*, got 'two' as the 3th"),
-        (HEADER + FACES + POINTS + "3 0 1 1e30\n", "expected numbers of type i4"),
+        (
+            HEADER + FACES + POINTS + "3 0 1 two\n",
+            "'face', property 'vertex_indices', number 3: expected type i4, got 'two'",
+        ),
+        (HEADER + FACES + POINTS + "3 0 1 1e30\n", "number 3: expected type i4"),
         (HEADER + FACES + POINTS.replace("1", "nan") + "3 0 1 2\n", "vertex 1: expected finite coordinates"),
         (HEADER + FACES + POINTS + "3 0 1 1\n", "expected at least one triangle with an area"),
         ("ply\nformat ascii 1.0\nelement face 1\nproperty int vertex_indices\nend_header\n3\n", "expected vertices"),

@@ -58,7 +58,7 @@ def _rigid(to_world: NDArray[np.float64], camera: Element) -> NDArray[np.float64
     axes = [backward, up - backward * (up @ backward) / max(float(backward @ backward), 1e-300)]
     lengths = [float(np.linalg.norm(axis)) for axis in axes]
     if not min(lengths) > 0:
-        raise EclatError(f"{camera.where}: expected a node with three axes, but its scale is 0")
+        raise EclatError(f"{camera.where}: a node scales it to 0, so the camera has no direction")
     z, y = (axis / length for axis, length in zip(axes, lengths, strict=True))
     x = np.cross(y, z)
     result = np.eye(4)

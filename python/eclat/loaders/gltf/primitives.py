@@ -162,7 +162,8 @@ class _Attributes:
         return np.column_stack((_normalized(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
 
     def colors(self) -> Floats | None:
-        """(V, 4) within 0..1, to which the specification clamps them; opaque where the file has no alpha [glTF 2.0, 3.7.2.1]."""
+        """Vertex colours, shape (V, 4), clamped to 0..1 as the specification says; alpha is 1 where the file has none
+        [glTF 2.0, 3.7.2.1]."""
         values = self.read("COLOR_0", ("VEC3", "VEC4"))
         if values is None:
             return None

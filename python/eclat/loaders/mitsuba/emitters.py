@@ -142,7 +142,7 @@ def _rotation(node: Node) -> Matrix:
 
 
 def _sun_radius(node: Node) -> float:
-    """Degrees, from the diameter of version 3 or the scale of 0.6."""
+    """The angular radius of the sun in degrees, from `sun_aperture` (a diameter, Mitsuba 3) or `sun_radius_scale` (0.6)."""
     radius = node.number("sun_aperture", default=2 * SUN_ANGULAR_RADIUS) / 2
     radius *= node.number("sun_radius_scale", default=1.0)
     if not 0 <= radius < 90:

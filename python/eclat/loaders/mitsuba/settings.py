@@ -38,13 +38,16 @@ def _tell_of_integrator(node: Node) -> None:
     if node.boolean("hide_emitters", default=False):
         warn(f"{node.where}: hide_emitters is not supported; the camera sees lamps and sky")
     if node.type == "direct":
-        warn(f"{node.where}: pictures hold indirect light as well, unless you ask for max_depth 2 or the method direct")
+        warn(
+            f"{node.where}: this integrator is not read from files; pictures have indirect light as well, "
+            "unless you ask for max_depth 2 or the method direct"
+        )
     elif node.type in _PATHS:
         depth = node.integer("max_depth", default=-1)
         if depth >= 0:
             warn(f"{node.where}: max_depth {depth} is not read from files; all light is computed unless you ask for it")
     else:
-        warn(f"{node.where}: pictures show all light, not what an integrator of this type would show")
+        warn(f"{node.where}: this integrator is not read from files; pictures show all light")
 
 
 def _tell_of_filter(film: Node) -> None:
