@@ -17,15 +17,8 @@ import pytest
 
 import eclat
 from eclat.scene import Camera, DirectionalLight, Environment, Material, Mesh, Scene, grey, look_at
+from support.quick_methods import QUICK
 
-METHODS = {
-    "direct": eclat.Direct(),
-    "path": eclat.Path(),
-    "irradiance-cache": eclat.IrradianceCache(max_error=0.1),
-    "radiance-cache": eclat.RadianceCache(max_error=0.1),
-    "photon-map": eclat.PhotonMap(photons=20_000, caustic_photons=1000),
-    "radiosity": eclat.Radiosity(patches=300),
-}
 SQUARE = np.array([(-1.0, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
 UP = np.array([(0, 1, 2), (0, 2, 3)])
 SUN = DirectionalLight((0, 0, -1), (math.pi,) * 3)
@@ -37,10 +30,10 @@ def camera(height: float) -> Camera:
 
 
 def mean(scene: Scene, method: str) -> float:
-    return float(eclat.render(scene, METHODS[method], samples=256, size=(8, 8), max_depth=-1).pixels.mean())
+    return float(eclat.render(scene, QUICK[method], samples=256, size=(8, 8), max_depth=-1).pixels.mean())
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", QUICK)
 def test_a_lamp_with_smooth_normals_shines_to_all_of_its_geometric_side(method: str) -> None:
     # Normals lean by 80° to one side. What leaves the lamp is L in each direction above its plane, so the eye sees L at any
     # angle, and a point 1 m before the middle of the square gets L π F with the form factor of a square.
@@ -52,11 +45,11 @@ def test_a_lamp_with_smooth_normals_shines_to_all_of_its_geometric_side(method: 
         seen = Camera(look_at((x, 0, 0.1), (0, 0, 1), (0, 1, 0)), 5)
         assert mean(Scene((lamp, floor), cameras=(seen,)), method) == pytest.approx(2, rel=1e-4)
     form_factor = 4 * math.atan(1 / math.sqrt(2)) / math.sqrt(2) / math.pi
-    found = eclat.irradiance(Scene((lamp, floor)), [(0, 0, 0)], [(0, 0, 1)], METHODS[method])
+    found = eclat.irradiance(Scene((lamp, floor)), [(0, 0, 0)], [(0, 0, 1)], QUICK[method])
     np.testing.assert_allclose(found[0], 2 * math.pi * form_factor, rtol=0.02)
 
 
-@pytest.mark.parametrize("method", METHODS)
+@pytest.mark.parametrize("method", QUICK)
 def test_a_mask_reflects_its_opacity_once_and_lets_the_rest_through(method: str) -> None:
     blind = Mesh(SQUARE, UP, Material("diffuse", {"reflectance": grey(0.9)}, opacity=grey(0.7)))
     assert mean(Scene((blind,), (SUN,), cameras=(camera(5),)), method) == pytest.approx(0.7 * 0.9, rel=0.03)
@@ -67,7 +60,7 @@ def test_a_mask_reflects_its_opacity_once_and_lets_the_rest_through(method: str)
     x, y = np.meshgrid(*[np.linspace(-0.5, 0.5, 50)] * 2)
     points = np.stack((x.ravel(), y.ravel(), np.zeros(x.size)), axis=1)
     lit = eclat.irradiance(
-        Scene((above, floor), (SUN,)), points, np.tile((0.0, 0, 1), (len(points), 1)), METHODS["direct"], samples=16
+        Scene((above, floor), (SUN,)), points, np.tile((0.0, 0, 1), (len(points), 1)), QUICK["direct"], samples=16
     )
     assert lit.mean() == pytest.approx(0.3 * math.pi, rel=0.1)
 

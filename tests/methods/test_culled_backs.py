@@ -14,16 +14,10 @@ import eclat
 from eclat.gltf_export import encode_glb
 from eclat.scene import Camera, DirectionalLight, Environment, Material, Mesh, PointLight, Scene, grey, look_at, rgb
 from support.gltf_files import GltfFile
+from support.quick_methods import QUICK
 
-METHODS = {
-    "direct": eclat.Direct(),
-    "path": eclat.Path(),
-    "irradiance-cache": eclat.IrradianceCache(max_error=0.1),
-    "radiance-cache": eclat.RadianceCache(max_error=0.1),
-    "photon-map": eclat.PhotonMap(photons=20_000, caustic_photons=1000),
-    "radiosity": eclat.Radiosity(patches=300),
-    "radiosity, patches": eclat.Radiosity(patches=300, gather=0),
-}
+METHODS = QUICK | {"radiosity, patches": eclat.Radiosity(patches=300, gather=0)}
+
 SQUARE = np.array([(-1.0, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)])
 HALVES = np.array([(0, 1, 2), (0, 2, 3)])
 

@@ -13,18 +13,10 @@ import eclat
 from eclat.measure.metrics import relative_rmse
 from eclat.scene import Camera, Environment, Material, Mesh, Scene, look_at, rgb
 from eclat.scenes.geometry import box
+from support.quick_methods import QUICK
 
 HEIGHT, WIDTH = 128, 256
 SKY, SUN = 0.3, 5000.0
-
-QUICK = {
-    "direct": eclat.Direct(),
-    "path": eclat.Path(),
-    "irradiance-cache": eclat.IrradianceCache(max_error=0.05),
-    "radiance-cache": eclat.RadianceCache(max_error=0.05),
-    "photon-map": eclat.PhotonMap(photons=20_000, caustic_photons=1000),
-    "radiosity": eclat.Radiosity(patches=500),
-}
 
 
 def sky_with_suns(*places: tuple[int, int]) -> np.ndarray:

@@ -11,16 +11,8 @@ import numpy as np
 import pytest
 
 import eclat
+from support.quick_methods import GLOBAL, QUICK
 
-QUICK = {
-    "direct": eclat.Direct(),
-    "path": eclat.Path(),
-    "irradiance-cache": eclat.IrradianceCache(max_error=0.1),
-    "radiance-cache": eclat.RadianceCache(max_error=0.1),
-    "photon-map": eclat.PhotonMap(photons=20_000, caustic_photons=1000),
-    "radiosity": eclat.Radiosity(patches=300),
-}
-GLOBAL = [name for name in QUICK if name != "direct"]
 CAMERA = {
     "type": "perspective",
     "fov": 40,

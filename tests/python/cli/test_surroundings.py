@@ -38,6 +38,10 @@ def run(*arguments: str, **keywords: Any) -> tuple[int, str]:
     return process.returncode, process.stderr.decode()
 
 
+ENDLESS = [*COMMAND, "render", "cornell-box", "--json", "--method", "path", "--samples", "1000000"]
+"""A render that somebody has to stop."""
+
+
 def closing(descriptor: int) -> Callable[[], None]:
     return lambda: os.close(descriptor)
 
@@ -45,20 +49,12 @@ def closing(descriptor: int) -> Callable[[], None]:
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
 def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
     Path("cornell-box.png").write_bytes(b"old")
-    command = [
-        *COMMAND,
-        "render",
-        "cornell-box",
-        "--json",
-        "--method",
-        "path",
-        "--samples",
-        "1000000",
-        "--size",
-        "64x64",
-    ]
     with subprocess.Popen(
-        command, env=os.environ | {"PYTHONPATH": PATHS}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+        [*ENDLESS, "--size", "64x64"],
+        env=os.environ | {"PYTHONPATH": PATHS},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
@@ -71,20 +67,11 @@ def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
 
 
 def test_a_terminated_run_keeps_what_it_was_told_to_keep() -> None:
-    command = [
-        *COMMAND,
-        "render",
-        "cornell-box",
-        "--json",
-        "--method",
-        "path",
-        "--samples",
-        "1000000",
-        "--size",
-        "32x32",
-    ]
     with subprocess.Popen(
-        [*command, "--keep-partial"], env=os.environ | {"PYTHONPATH": PATHS}, stdout=subprocess.PIPE, text=True
+        [*ENDLESS, "--size", "32x32", "--keep-partial"],
+        env=os.environ | {"PYTHONPATH": PATHS},
+        stdout=subprocess.PIPE,
+        text=True,
     ) as process:
         assert process.stdout is not None
         for line in process.stdout:
