@@ -89,3 +89,15 @@ def test_odd_sizes_and_black() -> None:
 def test_halves_of_unlike_shapes() -> None:
     with pytest.raises(EclatError, match="halves of one shape"):
         judged_halves(*[np.ones((4, 4, 3))] * 3, np.ones((4, 5, 3)))
+
+
+def test_where_both_err_alike_half_of_each_is_shown() -> None:
+    # Bias and noise are independent: with weights of one half the square is half as large.
+    reference = truth(False)
+    a, b = halves(reference, 0.07, 3)
+    found = judged_halves(a, b, 1.05 * blur(a), 1.05 * blur(b))
+    raw = true_squared_error((a + b) / 2, reference)
+    biased = true_squared_error(1.05 * (blur(a) + blur(b)) / 2, reference)
+    assert raw == pytest.approx(biased, rel=0.3)
+    assert 0.3 < found.weight.min() and found.weight.max() < 0.7
+    assert true_squared_error(found.pixels, reference) < 0.65 * min(raw, biased)
