@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat denoise`: takes the noise out of finished pictures, and measures what error is left."""
+"""The command `eclat denoise`, which removes the noise of finished pictures and measures the error that remains."""
 
 from __future__ import annotations
 
@@ -19,34 +19,36 @@ from eclat.measure.error_estimate import error_text
 from eclat.verbs.denoise import denoise
 
 EXAMPLES = {
-    "eclat denoise room.exr": "Writes room_denoised.exr; the layers albedo and normal of room.exr guide the denoiser:",
-    "eclat denoise room.exr -o room.exr -o room.png": "Replaces the picture, and writes one for the screen:",
-    "eclat denoise a.exr b.exr -o room.exr": "Of two pictures with unlike --seed, denoises both and states the error left:",
+    "eclat denoise room.exr": "Denoise one picture and write room_denoised.exr:",
+    "eclat denoise room.exr -o room.exr -o room.png": "Replace the picture, and write another for the screen:",
+    "eclat denoise a.exr b.exr -o room.exr": "Denoise two pictures with different seeds, and measure the remaining error:",
 }
 
 
 @click.command(
     "denoise",
     cls=Command,
-    short_help="Take the noise out of finished pictures.",
+    short_help="Remove the noise of finished pictures.",
     examples=EXAMPLES,
-    help="""Take the noise out of PICTURE with Open Image Denoise (pip install pyoidn).
+    help="""Remove the noise of PICTURE with Open Image Denoise (pip install pyoidn).
 
-    Pictures as EXR hold the layers that tell the denoiser which edges are real. With two pictures of the same scene, rendered
-    with as many samples each and with different values of --seed, each half is judged by the other: the error that is left is
-    measured without a reference, and where the denoiser does more harm than good the samples are kept as they are. What
-    both pictures share, such as the error of one cache, cannot be measured that way.""",
+    An .exr file that `eclat render` wrote gives the best result: its layers albedo and normal show the denoiser where the
+    edges are.
+
+    With OTHER, a second picture of the same scene with the same number of samples and another --seed, the error that
+    remains is measured without a reference, and the samples are kept as they are wherever denoising would increase the
+    error. An error that both pictures share, such as the error of a cache that both read, is not measured.""",
 )
 @click.argument("pictures", metavar="PICTURE [OTHER]", nargs=-1, required=True)
-@output_option("An .exr, .png, .pfm or .npy file; repeatable [PICTURE_denoised.exr].", multiple=True)
-@exposure_option("Stops of exposure of a PNG [0].", 0.0)
+@output_option("File to write: .exr, .png, .pfm or .npy; repeatable [PICTURE_denoised.exr].", multiple=True)
+@exposure_option("Exposure of a .png in stops; each doubles the brightness [0].", 0.0)
 @reporting_options
 def command(**flags: Any) -> None:
-    """Load, denoise, write."""
+    """Load the pictures, denoise them, and write the result."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         names = flags["pictures"]
         if len(names) > 2:
-            raise EclatError(f"PICTURE: expected one picture or two, got {len(names)}")
+            raise EclatError(f"PICTURE: expected one or two pictures, got {len(names)}")
         require_denoiser()
         first = Path(names[0])
         outputs = list(flags["output"]) or [str(first.with_name(f"{first.stem}_denoised.exr"))]

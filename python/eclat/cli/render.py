@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat render`: a picture of a scene."""
+"""The command `eclat render`, which makes a picture of a scene."""
 
 from __future__ import annotations
 
@@ -68,25 +68,28 @@ REACHING_RENDER = (
     "check",
     "refine",
 )
-"""Flags that are arguments of `eclat.render` as they are."""
+"""Flags that are passed to `eclat.render` unchanged, as arguments of the same names."""
 
 EXAMPLES = {
-    "eclat render cornell-box": "A built-in scene, as cornell-box.png in this folder:",
-    "eclat render room.glb -o room.exr -o room.png": "Your own scene, for compositing and for the screen:",
-    "eclat render hall.obj --sun 135,60 --camera-from -8,2,0 --camera-to 0,3,0": "A model without light or camera:",
-    "eclat render room.glb --time 30": "The best that fits into half a minute:",
-    "eclat render room.glb --method path --samples 1024 -o truth.exr": "The unbiased reference:",
-    "eclat render room.glb --cache room.npz --camera 1": "Another view from the records of `eclat solve`:",
+    "eclat render cornell-box": "Render a built-in scene to cornell-box.png in the current folder:",
+    "eclat render room.glb -o room.exr -o room.png": "Render your own scene, for compositing and for the screen:",
+    "eclat render hall.obj --sun 135,60 --camera-from -8,2,0 --camera-to 0,3,0": (
+        "Render a model that has no light and no camera:"
+    ),
+    "eclat render room.glb --time 30": "Render the best picture that half a minute allows:",
+    "eclat render room.glb --method path --samples 1024 -o truth.exr": "Render an unbiased reference:",
+    "eclat render room.glb --cache room.npz --camera 1": "Render another view from a file that `eclat solve` wrote:",
 }
 
 
 _output_options = together(
     output_option(
-        "A file ending in .png, .exr (layers, metadata), .pfm or .npy; repeatable [SCENE.png].", multiple=True
+        "File to write: .png, .exr (with all layers and metadata), .pfm or .npy; repeatable [SCENE.png].",
+        multiple=True,
     ),
     exposure_option(
-        "Exposure of a .png in stops (1 doubles the light), or auto: mid grey on average "
-        "[auto where only --sun or a default gives light, else 0].",
+        "Exposure of a .png in stops (each doubles the brightness), or auto, which makes the average mid-grey "
+        "[auto if all light comes from --sun or a default, else 0].",
         default=None,
         auto=True,
     ),
@@ -95,26 +98,25 @@ _output_options = together(
         type=Name("NAME", "none", "filmic"),
         default="none",
         section="Output",
-        help="Tone mapping of a .png: none clips at white, filmic rolls off [none].",
+        help="Tone mapping of a .png: none clips highlights at white, filmic compresses them smoothly [none].",
     ),
-    keep_partial_option("On Ctrl-C, write the picture of the samples taken so far."),
-    option(
-        "--show-records", is_flag=True, section="Output", help="Draw the positions of the records into the picture."
-    ),
+    keep_partial_option("If you press Ctrl-C, write the picture of the samples taken so far."),
+    option("--show-records", is_flag=True, section="Output", help="Mark the positions of the records in the picture."),
 )
 
 _quality_options = together(
     cache_option(),
-    max_error_option("Relative error at which to stop"),
-    samples_option("Take this many paths per pixel instead"),
-    time_option("Stop after about this many seconds instead."),
+    max_error_option("Stop when the estimated relative error of the picture is below this value"),
+    samples_option("Take this many paths per pixel, instead of as many as --max-error needs"),
+    time_option("Stop after about this many seconds, instead of when --max-error is reached."),
     option(
         "--adaptive/--no-adaptive",
         default=None,
         section=QUALITY,
-        help="More samples where pixels are noisy, --samples on average [with records, without --crop].",
+        help="Give noisy pixels more samples and the others fewer; --samples is then the average "
+        "[on for methods with records, unless --crop is given].",
     ),
-    option("--crop", type=CROP, section=CAMERA, help="Render only these pixels; the rest stays black."),
+    option("--crop", type=CROP, section=CAMERA, help="Render only this rectangle of pixels; the rest stays black."),
     max_depth_option(),
     no_check_option(),
     refine_option("Refine the records until their estimated error meets --max-error."),
@@ -122,10 +124,13 @@ _quality_options = together(
         "--replay-settings",
         metavar="FILE",
         section=QUALITY,
-        help="Repeat the run that made this .exr or .png bit for bit.",
+        help="Repeat the run that made this .exr or .png file, bit for bit.",
     ),
     option(
-        "--replay", type=REPLAY, section=QUALITY, help="Render only this pixel, up to this sample, and print its value."
+        "--replay",
+        type=REPLAY,
+        section=QUALITY,
+        help="Render only this pixel, up to and including this sample, and print the value of the sample.",
     ),
 )
 
@@ -136,10 +141,10 @@ _quality_options = together(
     short_help="Render a picture of a scene.",
     examples=EXAMPLES,
     notes=method_notes,
-    help="""A picture of SCENE: a .gltf, .glb, .obj, .ply or Mitsuba .xml file, or the name of a built-in scene.
+    help="""Render a picture of SCENE: a .gltf, .glb, .obj, .ply or Mitsuba .xml file, or the name of a built-in scene.
 
-    No flag is needed: without any, light is computed by irradiance caching until the picture is within 1 % of the
-    exact one, and written as SCENE.png in the current folder.""",
+    All options have defaults. Without any, the light is computed by irradiance caching until the estimated error of
+    the picture is below 1 %, and the picture is written to SCENE.png in the current folder.""",
 )
 @scene_argument
 @_output_options
@@ -153,7 +158,7 @@ _quality_options = together(
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
-    """Collect, render, write."""
+    """Read the flags and the scene, render the picture, and write the files."""
     from eclat.images.tone import stops_of
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
@@ -187,7 +192,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
 
 
 def _outputs(flags: dict[str, Any]) -> list[str]:
-    """The files to write, known to be writable before any work is done."""
+    """List the files to write, after checking that each can be written."""
     from eclat.images.image import check_output
 
     default = [] if flags["replay"] else [f"{scene_stem(flags['scene'])}.png"]
@@ -198,17 +203,17 @@ def _outputs(flags: dict[str, Any]) -> list[str]:
 
 
 def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
-    """The method's options, or None where a solved cache brings its own."""
+    """Return the method with its options, or None if `--cache` names a file that holds them."""
     if flags["samples"] is not None and flags["time"] is not None:
-        raise EclatError("--time cannot be combined with --samples")
+        raise EclatError("--time cannot be combined with --samples: give one of them")
     if flags["refine"] and flags["time"] is not None:
-        raise EclatError("--time cannot be combined with --refine")
+        raise EclatError("--time cannot be combined with --refine: give one of them")
     if flags["refine"] and flags["cache"]:
         raise EclatError(
-            "--refine cannot be combined with --cache: `eclat solve --cache FILE --refine` refines a cache"
+            "--refine cannot be combined with --cache: to refine a cache, run `eclat solve --cache FILE --refine`"
         )
     if flags["refine"] and not flags["check"]:
-        raise EclatError("--refine cannot be combined with --no-check: the estimated error decides when to stop")
+        raise EclatError("--refine cannot be combined with --no-check: refining stops at an estimated error")
     given = context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT
     check_cache_alone(flags, given and not flags["replay_settings"])
     options = None
@@ -220,7 +225,7 @@ def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
 
 
 def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
-    """Refuse pixels outside the picture, and make `--replay` a crop of one pixel."""
+    """Check that all pixels given lie inside the picture, and turn `--replay` into a crop of one pixel."""
     if flags["replay"]:
         x, y, sample = flags["replay"]
         flags.update(crop=(x, y, x + 1, y + 1), samples=sample + 1, adaptive=False, time=None)
@@ -233,7 +238,7 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
 
 
 def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:
-    """With what else goes into the files."""
+    """Add the settings of the run to the metadata and, with `--show-records`, marks of the records to the picture."""
     image.metadata["settings"] = settings_of(flags, image.metadata)
     return image.show_records(stops) if flags["show_records"] else image
 
@@ -241,7 +246,7 @@ def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:
 def _say_result(
     reporter: Reporter, image: Image, outputs: list[str], chosen: list[str], exposure: float | None
 ) -> None:
-    """One line. `chosen`: options that the clock chose; `exposure`: the stops that were chosen, if any were."""
+    """Print the summary line. `chosen` are the options that `--time` chose, `exposure` the stops that `auto` chose."""
     statistics = image.metadata.get("statistics", {})
     parts = [f"{image.width}x{image.height}", str(image.metadata.get("method", ""))]
     if "seconds" in statistics:

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Radiosity: the patches of a scene as a value, and the method that solves and reads them."""
+"""Radiosity: the method with its options, and its solution, the patches of a scene with the light on them."""
 
 from __future__ import annotations
 
@@ -24,12 +24,13 @@ from eclat.scene import FloatArray, Material, Scene, triangle_areas
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RadiositySolution(Solved):
-    """The patches of a scene and the light on them, for all views.
+    """The patches of a scene and the light on them, which serve all views.
 
-    `patches` is (N, 4) uint32: the triangle, bits (1 the back, 2 unknown light), and two halves of the path that leads
-    to the patch through the halvings of the triangle. `values` is (N, 12) float32: irradiance straight from lights, all
-    irradiance, albedo, emitted radiosity. `local_corners` is (N, 3, 3) float32 in the core's frame. Use the properties to
-    look inside. `max_depth` is what it was solved with.
+    `patches` is (N, 4) uint32. Its columns are the index of the triangle; a set of bits (1: the patch is on the back,
+    2: its light is unknown); and, in two halves, the sequence of halvings that leads from the triangle to the patch.
+    `values` is (N, 12) float32: irradiance straight from lights, total irradiance, albedo and emitted radiosity, with
+    three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`. The properties
+    give these values by name. `max_depth` is the greatest number of edges of a path in the solution; −1 means no limit.
     """
 
     called: ClassVar[str] = "radiosity solution"
@@ -46,40 +47,42 @@ class RadiositySolution(Solved):
     max_depth: int = -1
 
     def __len__(self) -> int:
-        """Patches."""
+        """Return the number of patches."""
         return len(self.patches)
 
     @property
     def triangles(self) -> np.ndarray:
-        """(N,) the triangle that each patch is a part of, counted through all meshes of the scene."""
+        """(N,) index of the triangle that contains each patch, counted over all meshes of the scene."""
         return self.patches[:, 0]
 
     @property
     def is_back(self) -> np.ndarray:
-        """(N,) whether a patch lies on the back of its triangle."""
+        """(N,) True for patches on the back of their triangle."""
         back: np.ndarray = (self.patches[:, 1] & _core.PATCH_IS_BACK) != 0
         return back
 
     @property
     def is_unknown(self) -> np.ndarray:
-        """(N,) whether a patch is not shown, but its surroundings: it lies inside a solid and has no light, or a wall that
-        stands on it parts it and only the light of the largest part is known."""
+        """(N,) True for patches whose light is unknown, which take the light of their surroundings in pictures.
+        These patches lie inside a solid, where no light arrives, or a wall stands across them, so that only the light
+        of the largest part is known.
+        """
         unknown: np.ndarray = (self.patches[:, 1] & _core.PATCH_IS_UNKNOWN) != 0
         return unknown
 
     @property
     def corners(self) -> FloatArray:
-        """(N, 3, 3) world positions of the patches' corners, in the order of their triangle."""
+        """(N, 3, 3) world positions of the patches' corners in metres, in the same orientation as the triangle."""
         return self.local_corners.astype(np.float64) + self.center
 
     @property
     def areas(self) -> FloatArray:
-        """(N,) area of each patch, m²."""
+        """(N,) areas of the patches in m²."""
         return triangle_areas(self.local_corners)
 
     @property
     def normals(self) -> FloatArray:
-        """(N, 3) unit normals, on the patch's side."""
+        """(N, 3) unit normals, which point to the side of the triangle that the patch is on."""
         a, b, c = np.moveaxis(self.local_corners.astype(np.float64), 1, 0)
         normal = np.cross(b - a, c - a)
         normal /= np.linalg.norm(normal, axis=1, keepdims=True)
@@ -88,12 +91,12 @@ class RadiositySolution(Solved):
 
     @property
     def direct(self) -> np.ndarray:
-        """(N, 3) irradiance straight from lights, W·m⁻²."""
+        """(N, 3) irradiance straight from lights in W·m⁻²."""
         return self.values[:, 0:3]
 
     @property
     def irradiance(self) -> np.ndarray:
-        """(N, 3) irradiance, W·m⁻²."""
+        """(N, 3) total irradiance in W·m⁻²."""
         return self.values[:, 3:6]
 
     @property
@@ -103,17 +106,19 @@ class RadiositySolution(Solved):
 
     @property
     def emitted(self) -> np.ndarray:
-        """(N, 3) radiosity of the patches' own light, W·m⁻²: π times the emitted radiance."""
+        """(N, 3) radiosity of the light that the patches emit, in W·m⁻²: π times the emitted radiance."""
         return self.values[:, 9:12]
 
     @property
     def radiosity(self) -> np.ndarray:
-        """(N, 3) all light that leaves the patches, W·m⁻²; over π it is their radiance."""
+        """(N, 3) radiosity of all light that leaves the patches, in W·m⁻²; divided by π it is their radiance."""
         leaving: np.ndarray = self.emitted + self.albedo * self.irradiance
         return leaving
 
     def field(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
-        """The solution as the core reads it. Raises EclatError if its patches are not those of the scene."""
+        """Make the compiled core's form of the solution.
+        Raises EclatError if the patches do not belong to the scene.
+        """
         patches, values = np.ascontiguousarray(self.patches), np.ascontiguousarray(self.values)
         try:
             return _core.RadiosityField(compiled(scene).core, patches, values, threads)
@@ -154,9 +159,9 @@ class RadiositySolution(Solved):
 
 
 def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySolution:
-    """Radiosity of the whole scene. Warns of materials that are not diffuse, naming what is done with them.
-
-    Raises EclatError where the options ask for more than five million patches.
+    """Compute the radiosity of the whole scene.
+    Warns which materials are not diffuse and how radiosity treats them.
+    Raises EclatError if the options ask for more than five million patches.
     """
     started, counted, prepared = clock.perf_counter(), _core.Progress(), compiled(scene)
     _tell_of_gloss(scene)
@@ -164,7 +169,7 @@ def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySo
     core_options.patch_size = options.patch_size or 0.0
     core_options.patches, core_options.refinements = options.patches, options.refinements
     core_options.tolerance, core_options.solver = options.tolerance, core_enum(_core.RadiositySolver, options.solver)
-    # A final gather adds an edge of its own before it meets a patch.
+    # A final gather adds one edge to each path before the path reaches a patch.
     core_options.bounces = -1 if work.max_depth < 0 else max(0, work.max_depth - (2 if options.gather else 1))
     core_options.seed, core_options.threads = work.seed, work.threads
     try:
@@ -181,7 +186,7 @@ def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySo
 
 
 def _tell_of_gloss(scene: Scene) -> None:
-    """Warn of materials that radiosity treats as diffuse or ignores."""
+    """Warn which materials radiosity treats as diffuse, and which it treats as opaque."""
     reflecting, transmitting = set(), set()
     for mesh in scene.meshes:
         for material in _parts(mesh.material):
@@ -194,13 +199,13 @@ def _tell_of_gloss(scene: Scene) -> None:
                 reflecting.add(material.name or material.kind)
     if reflecting:
         warn(
-            f"radiosity is diffuse: what {_listed(reflecting)} would reflect is passed on as by diffuse surfaces; "
-            "what the camera sees of their gloss is traced"
+            f"radiosity treats all surfaces as diffuse: {_listed(reflecting)} will light other surfaces as diffuse "
+            "surfaces do; gloss that the camera sees directly is traced"
         )
     if transmitting:
         warn(
-            f"radiosity is diffuse: no light passes through {_listed(transmitting)} to other surfaces, "
-            "but what comes straight from lamps or the sky through clear panes"
+            f"radiosity treats all surfaces as diffuse: no light will pass through {_listed(transmitting)} to other "
+            "surfaces, except light that comes straight from lamps or the sky through clear panes"
         )
 
 
@@ -218,31 +223,35 @@ def _listed(names: set[str]) -> str:
 
 @dataclass(frozen=True)
 class Radiosity(Method):
-    """Radiosity: surfaces in patches that exchange light diffusely, solved once for all views."""
+    """Radiosity: surfaces are divided into patches that exchange diffuse light, solved once for all views."""
 
     name: ClassVar[str] = "radiosity"
     cannot: ClassVar[str] = (
-        "All reflection is taken for diffuse on its way from surface to surface: there are no caustics, and no light passes "
-        "through glass. Straight from patches (`gather=0`) shadows are as sharp as these are small. In scenes of many small "
-        "triangles light that reaches corners through gaps is coarse."
+        "Radiosity treats every reflection from one surface to another as diffuse, so there are no caustics, and no light "
+        "passes through glass. If the patches are shown directly (`gather=0`), shadows are blurred over the size of a "
+        "patch. In scenes of many small triangles, light that reaches corners through gaps is inaccurate."
     )
     solved: ClassVar[type[Solved] | None] = RadiositySolution
 
     patches: int = 20_000
-    """About how many patches there are in the end, not counting the one that each side of a triangle has at the start."""
+    """Approximate number of patches that are added by subdivision. It does not count the first patch on each side of
+    each triangle."""
     patch_size: float | None = None
-    """Longest edge of a patch in metres, instead of a number of patches; patches are smaller where light changes
-    quickly."""
+    """Longest edge of a patch in metres, instead of a number of patches. Where the light changes quickly, patches are
+    smaller."""
     refinements: int = 2
-    """How often patches are divided where the light of neighbours differs: at the edges of shadows and in corners."""
+    """How many times patches are subdivided further where the light of neighbouring patches differs, such as at the
+    edges of shadows and in corners."""
     tolerance: float = 0.003
-    """Irradiance above which a link is refined, relative to the mean radiosity, 0.0001..1. It is raised if there would be
-    too many links: `statistics["tolerance"]` of the solution is the value that was used."""
+    """Irradiance above which a link between two patches is refined, relative to the mean radiosity, 0.0001..1. If there
+    would be too many links, the value is raised; `statistics["tolerance"]` of the solution is the value that was
+    used."""
     solver: Literal["gathering", "shooting"] = "gathering"
-    """Whether all patches gather from all others at once, or the brightest patches send their light first (progressive
-    refinement)."""
+    """Order of the light exchange. With `gathering`, all patches collect light from all others at once; with
+    `shooting`, the brightest patches send their light first (progressive refinement)."""
     gather: int = 4
-    """Number of rays of the final gather per sample of a pixel; 0 shows the patches directly, smoothly interpolated."""
+    """Number of rays of the final gather per sample of a pixel. With 0, the patches are shown directly and interpolated
+    smoothly."""
 
     def __post_init__(self) -> None:
         check_types(self)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A denoised picture whose error is measured, without a reference.
+"""The error of a denoised picture, measured without a reference.
 
 Symbol    name here    meaning
   A, B    a, b         two halves of the samples of a picture: unbiased, with independent noise
@@ -8,22 +8,24 @@ Symbol    name here    meaning
   m       mean         (d(A) + d(B)) / 2
   R       –            the picture without noise, which nobody knows
 
-d(A) is independent of B, so that the mean of (d(A) − B)² is that of (d(A) − R)² and the variance of B, and likewise with A
-and B exchanged. (A − B)² has the variances of both. Hence
+d(A) is independent of B. The expectation of (d(A) − B)² is therefore that of (d(A) − R)² plus the variance of B; the
+same is true with A and B exchanged. The expectation of (A − B)² is the sum of both variances. Hence
 
     ½ [(d(A) − B)² + (d(B) − A)² − (A − B)²] − ¼ (d(A) − d(B))²
 
-has the expectation of (m − R)²: it is an unbiased estimate of the squared error of m, whatever the denoiser does. It needs
-the independence of the halves and nothing else. What both halves share, the error of a cache that both read, it cannot see.
+has the same expectation as (m − R)²: it is an unbiased estimate of the squared error of m for any denoiser. It assumes
+only that the halves are independent. It does not include errors that both halves share, such as the error of a cache
+that both read.
 
-Where the denoiser does more harm than good, the picture as sampled is kept: with s = w m + (1 − w) (A + B) / 2 the formula
-holds as well, if d(A) is replaced by w d(A) + (1 − w) A, and so does a parabola in w through its values for w = 0, ½ and 1.
-The best w is found in windows of `WINDOW` pixels and varies smoothly between them. Choosing pixel by pixel would pick lucky
-estimates, which would then be too low.
+Where the denoiser increases the error, the sampled picture is kept. The picture shown is s = w m + (1 − w) (A + B) / 2,
+with a weight w in 0..1. The formula above gives the error of s if w d(A) + (1 − w) A takes the place of d(A), and
+likewise for B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight of least
+error is found in windows of `WINDOW` × `WINDOW` pixels and interpolated between their centres. A choice for each pixel
+would select estimates that are low by chance, and the estimated error would then be too low.
 
-The estimate of the squared difference is unbiased; that it is relative adds a bias. R² + c is taken from what is shown, so
-that where a denoiser carries much light into dark pixels their relative error is told too low, by a quarter in the worst
-picture of the tests.
+The estimate of the squared error is unbiased, but the estimate of the relative error is not, because it divides by R² +
+c and takes R from the picture shown. Where a denoiser spreads much light into dark pixels, the estimated relative error
+is too low, by a quarter for the worst picture in the tests.
 """
 
 from __future__ import annotations
@@ -40,16 +42,18 @@ from eclat.measure.metrics import RELATIVE_C
 
 Float64 = NDArray[np.float64]
 WINDOW = 32
-"""Pixels along a side of the windows in which one weight is chosen; a thousand pixels make the choice hardly lucky."""
+"""Side of the windows in which one weight is chosen, in pixels. The estimate over such a window, of about a thousand
+pixels, is precise enough that choosing the least one hardly biases it."""
 
 
 @dataclass(frozen=True, eq=False)
 class DenoisedHalves:
-    """The picture to show, with its estimated error.
+    """The mean of two denoised halves, with its estimated error.
 
-    `pixels` is (H, W, 3); `weight`, (H, W) in 0..1, is the denoiser's part of it. `squared_error` is the estimated mean of
-    (s − R)² / (R² + c) over pixels and channels, which may come out below 0, and `deviation` its standard error, from how
-    much windows differ. `raw_squared_error` is that of the picture as sampled, (A + B) / 2.
+    `pixels` is the picture s to show, (H, W, 3). `weight` is the weight of the denoised picture in it, (H, W) in 0..1.
+    `squared_error` is the estimated mean of (s − R)² / (R² + c) over pixels and channels; noise can make it negative.
+    `deviation` is the standard error of `squared_error`, computed from the differences between windows.
+    `raw_squared_error` is the estimated squared error of the picture before denoising, (A + B) / 2.
     """
 
     pixels: Float64
@@ -60,33 +64,33 @@ class DenoisedHalves:
 
     @property
     def error(self) -> float:
-        """Relative error of the picture, the measure of `metrics.relative_rmse`."""
+        """Relative error of the picture (see `metrics.relative_rmse`); 0 if the estimated square is negative."""
         return math.sqrt(max(0.0, self.squared_error))
 
     @property
     def error_deviation(self) -> float:
-        """Standard error of `error`; that of an error which is not told from 0 is the root of the square's."""
+        """Standard error of `error`; the square root of `deviation` if the error is indistinguishable from 0."""
         return min(math.sqrt(self.deviation), self.deviation / (2 * self.error) if self.error > 0 else math.inf)
 
 
 def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b: ArrayLike) -> DenoisedHalves:
-    """The mean of two halves of a picture, denoised where that reduces the error, and the error that remains.
+    """Denoise the mean of two halves of a picture where that reduces the error, and estimate the error that remains.
 
     Parameters
     ----------
-    a, b : (H, W, 3) linear radiance, means of equally many samples, whose noise must be independent: of two seeds. Halves
-        of one Sobol' sequence are not.
-    denoised_a, denoised_b : (H, W, 3) the same without noise; each must depend on its own half alone, also for what guides
-        the denoiser.
+    a, b : (H, W, 3) linear radiance; each is a mean of the same number of samples. Their noise must be independent, so
+        they must be rendered with different seeds; two halves of one Sobol' sequence are not independent.
+    denoised_a, denoised_b : (H, W, 3) a and b after denoising. Each must depend on its own half alone; the layers that
+        guide the denoiser must come from the same half too.
 
     Raises
     ------
-    EclatError : shapes differ.
+    EclatError : the arrays differ in shape or are not (H, W, 3).
     """
     halves = tuple(np.asarray(picture, np.float64) for picture in (a, b, denoised_a, denoised_b))
     shapes = [half.shape for half in halves]
     if len(shapes[0]) != 3 or shapes[0][2] != 3 or len(set(shapes)) != 1:
-        raise EclatError(f"denoise: expected halves of one shape (height, width, 3), got {shapes}")
+        raise EclatError(f"denoise: expected four arrays of the same shape (height, width, 3), got shapes {shapes}")
     a, b, denoised_a, denoised_b = halves
     products = (np.minimum(denoised_a, denoised_b) ** 2, a * b)
     scale = _scale(*products, 0.5)
@@ -102,16 +106,19 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
 
 
 def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float) -> Float64:
-    """R² + c as far as it is known: where the denoised halves are shown, the square of the darker one, since at edges, where
-    most of the error is, denoisers carry light to the dark side; elsewhere the product of the halves, over 3 × 3 pixels, which
-    is not too large by their noise. In a furnished room the former gives 96 to 98 % of the error that the true R² gives, the
-    product of the denoised halves 87 to 91 %."""
+    """Estimate R² + c, (H, W, 3).
+    Where the denoised halves are shown, R² is the square of the darker half: most of the error is at edges, where
+    denoisers spread light to the dark side. Where the samples are shown, R² is the product of the halves averaged over
+    3 × 3 pixels, which their noise does not make too large. For a picture of a furnished room, the error computed with
+    the darker half is 96 to 98 % of the error computed with the true R²; with the product of the denoised halves it is
+    87 to 91 %.
+    """
     square = np.maximum(weight * denoised + (1 - weight) * _mean_of_nine(sampled), 0.0)
     return np.asarray(np.maximum(square + RELATIVE_C * square.mean(), np.finfo(np.float64).tiny))
 
 
 def _squared_error(halves: tuple[Float64, ...], weight: Float64 | float, scale: Float64) -> Float64:
-    """(H, W) the formula above, relative, for a weight of the denoiser; single pixels may well be below 0."""
+    """Compute the relative squared error (H, W) for a weight of the denoiser; noise makes single pixels negative."""
     a, b, denoised_a, denoised_b = halves
     shown_a, shown_b = (weight * d + (1 - weight) * x for d, x in ((denoised_a, a), (denoised_b, b)))
     squares = (shown_a - b) ** 2 + (shown_b - a) ** 2 - (a - b) ** 2
@@ -120,16 +127,17 @@ def _squared_error(halves: tuple[Float64, ...], weight: Float64 | float, scale: 
 
 
 def _mean_of_nine(values: Float64) -> Float64:
-    """The mean of each pixel and its eight neighbours; edges repeat."""
+    """Average each pixel with its eight neighbours; pixels beyond the border repeat those at the border."""
     padded = np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge")
     return np.asarray(sliding_window_view(padded, (3, 3), axis=(0, 1)).mean(axis=(-1, -2)))
 
 
 def _best_weights(errors: list[Float64]) -> Float64:
-    """(H, W) weights in 0..1 that make the error of each window least, smooth between the windows' centres.
+    """Compute the weights (H, W) in 0..1 that minimise the error of each window, interpolated between their centres.
 
-    `errors` are those for the weights 0, ½ and 1: with f the error as a parabola in w,
-    w = (3 f(0) − 4 f(½) + f(1)) / (4 f(0) − 8 f(½) + 4 f(1)). A window's own estimate counts with those of its neighbours.
+    `errors` are the squared errors f for the weights 0, ½ and 1. As a function of w, f is a parabola, which is least at
+    w = (3 f(0) − 4 f(½) + f(1)) / (4 f(0) − 8 f(½) + 4 f(1)). The estimate of each window is averaged with those of its
+    neighbours.
     """
     raw, half, full = (_blurred(_window_means(error)) for error in errors)
     slope, bend = 3 * raw - 4 * half + full, 4 * raw - 8 * half + 4 * full
@@ -139,7 +147,7 @@ def _best_weights(errors: list[Float64]) -> Float64:
 
 
 def _window_means(values: Float64, total: bool = False) -> Float64:
-    """Means, or sums, over windows of `WINDOW` pixels; the last of a row or column may be smaller."""
+    """Compute the mean, or with `total` the sum, of each window; the last window of a row or column may be smaller."""
     rows, columns = (np.arange(0, size, WINDOW) for size in values.shape)
     sums = np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1)
     if total:
@@ -148,7 +156,7 @@ def _window_means(values: Float64, total: bool = False) -> Float64:
 
 
 def _blurred(windows: Float64) -> Float64:
-    """Each window's mean with its neighbours', weights 1, 2, 1 along both axes."""
+    """Average each window with its neighbours, with the weights 1, 2, 1 along both axes."""
     for axis in (0, 1):
         padded = np.pad(windows, [(1, 1) if axis == k else (0, 0) for k in (0, 1)], mode="edge")
         count = windows.shape[axis]
@@ -158,7 +166,7 @@ def _blurred(windows: Float64) -> Float64:
 
 
 def _between_centres(windows: Float64, shape: tuple[int, ...]) -> Float64:
-    """Bilinear interpolation between the windows' centres."""
+    """Interpolate bilinearly between the centres of the windows, to an array of the given shape."""
     for axis in (0, 1):
         at = (np.arange(shape[axis]) + 0.5) / WINDOW - 0.5
         low = np.clip(np.floor(at).astype(int), 0, windows.shape[axis] - 1)

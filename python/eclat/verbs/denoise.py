@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb denoise: a finished picture without its noise, and what error is left."""
+"""The verb `denoise`, which removes the noise of finished pictures and measures the error that remains."""
 
 from __future__ import annotations
 
@@ -16,23 +16,26 @@ from eclat.sampling.denoised_halves import judged_halves
 
 
 def denoise(picture: Image, other: Image | None = None) -> Image:
-    """The picture without its noise, by Open Image Denoise (`pip install pyoidn`).
+    """Remove the noise of a picture with Open Image Denoise (`pip install pyoidn`).
 
     Parameters
     ----------
-    picture : a picture that `render` made; its layers `albedo` and `normal` tell the denoiser which edges are real.
-    other : a second picture of the same scene with as many samples and another seed. Each of the two is then judged by the
-        other, which measures the error that is left without a reference (`sampling.denoised_halves`), and where denoising
-        does more harm than good the samples are kept. What both share, the error of one cache, cannot be measured that way.
+    picture : a picture that `render` made. Its layers `albedo` and `normal` show the denoiser where the edges of
+        objects and textures are.
+    other : a second picture of the same scene, with as many samples and another seed. The error of each denoised
+        picture is then measured against the noisy samples of the other one, without a reference
+        (`sampling.denoised_halves`), and where denoising would increase the error, the samples are kept as they are. An
+        error that both pictures share, such as the error of a cache that both read, is not measured.
 
     Returns
     -------
-    An Image whose layer `noisy` is the picture as it was. With `other` its statistics hold `estimated_error`,
-    `estimated_error_low` and `_high` (95 %) of what is shown, and `noise_before`, that of the mean of both pictures.
+    An Image whose layer `noisy` is the picture before denoising. With `other`, the statistics hold `estimated_error`,
+    the error of the result, with `estimated_error_low` and `estimated_error_high`, the ends of its 95 % confidence
+    interval; and `noise_before`, the error of the mean of both pictures before denoising.
 
     Raises
     ------
-    EclatError : Open Image Denoise is not installed, pictures of unlike sizes, or twice the same picture.
+    EclatError : Open Image Denoise is not installed, or the two pictures differ in size or are the same picture.
     """
     if other is None:
         layers = picture.layers | {"noisy": picture.pixels}
@@ -41,9 +44,9 @@ def denoise(picture: Image, other: Image | None = None) -> Image:
         )
     if picture.pixels.shape != other.pixels.shape:
         sizes = " and ".join(f"{image.width}x{image.height}" for image in (picture, other))
-        raise EclatError(f"denoise: expected pictures of one size, got {sizes}")
+        raise EclatError(f"denoise: expected two pictures of the same size, got {sizes}")
     if np.array_equal(picture.pixels, other.pixels):
-        raise EclatError("denoise: expected pictures of unlike seeds, got the same picture twice")
+        raise EclatError("denoise: expected two pictures rendered with different seeds, got the same picture twice")
     found = judged_halves(picture.pixels, other.pixels, _denoised(picture), _denoised(other))
     low, high = (max(0.0, found.squared_error + sign * 1.96 * found.deviation) ** 0.5 for sign in (-1, 1))
     statistics = {

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb render: a picture of a scene."""
+"""The verb `render`, which makes a picture of a scene."""
 
 from __future__ import annotations
 
@@ -43,7 +43,7 @@ from eclat.verbs.solve import require_check
 FILTERS = ("box", "tent")
 
 Region = tuple[int, int, int, int]
-"""(x0, y0, x1, y1) in pixels, exclusive."""
+"""A rectangle of pixels (x0, y0, x1, y1); x1 and y1 are exclusive."""
 
 
 def render(
@@ -71,43 +71,55 @@ def render(
 
     Parameters
     ----------
-    scene : a scene, or the name of a file or of a built-in scene. If it has no camera or no light, one is added with a
-        warning, as on the command line. The other verbs do the same.
-    what : a method, its class or its name (prepared on the fly), what was solved before, or None for irradiance caching.
-        A class or a name takes `max_error`, where the method has one.
-    samples : paths per pixel; the mean over all pixels if `adaptive`. None takes as many as `max_error` needs.
-    max_error : relative error at which the noise of the picture, estimated from its passes, is small enough; the
-        samples are doubled until then, at most to `convergence.MOST_SAMPLES`. With records solved on the fly it is the
-        error of the whole picture. Noise may then take what the estimated error of the records leaves of it, and at
-        least half.
-    time : stop after about this many seconds instead. The clock then decides how fine the records are and how many
-        samples are taken (`time_budget`). The metadata hold both choices, which reproduce the picture bit for bit.
-    size, crop : (width, height), and (x0, y0, x1, y1) in pixels, exclusive; the rest of the picture stays black.
-    max_depth : edges of a path: 1 emission, 2 direct light, −1 unlimited. A solution must have been solved with the
-        same value.
+    scene : a scene, the path of a scene file, or the name of a built-in scene. If the scene has no camera or no light,
+        `render` adds one and warns, as do the command line and the other verbs.
+    what : a method with its options, the class or the name of a method, or a solution that `solve` returned. A method
+        is prepared for this picture first. None chooses irradiance caching. For a class or a name, the method's option
+        `max_error`, if it has one, is set to `max_error`.
+    samples : number of paths per pixel; with `adaptive`, the mean number over all pixels. With None, samples are taken
+        until the noise is below `max_error`.
+    max_error : relative error of the picture, at which sampling stops. The noise is estimated from the passes over the
+        picture, and the number of samples is doubled until the noise is small enough or `convergence.MOST_SAMPLES` is
+        reached. If records are solved for this picture, `max_error` bounds the error of the whole picture: the noise
+        may take the part that the estimated error of the records leaves, and always at least half.
+    time : stop after about this many seconds instead. The elapsed time then decides how fine the records are and how
+        many samples are taken (`time_budget`). The metadata store both decisions; a render with these settings
+        reproduces the picture bit for bit.
+    size : (width, height) of the picture in pixels. None takes the size that the camera has, or 1280 × 720.
+    crop : the rectangle (x0, y0, x1, y1) of pixels to render, x1 and y1 exclusive; all other pixels stay black.
+    camera : the index of one of the scene's cameras, or a camera.
+    max_depth : greatest number of edges of a path: 1 shows emission only, 2 adds direct light, −1 sets no limit. A
+        solution must have been solved with the same value.
+    seed : seed of the random numbers. The same seed gives the same picture, bit for bit.
+    threads : number of threads; None uses all processors. The number does not change the picture.
     filter : the pixel filter, "box" or "tent".
-    adaptive : give noisy pixels more samples and the others fewer (`adaptive_sampling`); `samples` is then the mean.
-        None turns this on if a cache is read and there is no `crop`. Adaptive sampling biases the picture a little, so
-        `Path` uses it only on request.
-    keep_partial : on Ctrl-C, give the KeyboardInterrupt an attribute `partial`: an Image of the samples taken so far,
-        whose metadata hold their number as `samples_done`. The attribute is absent until every pixel has a sample.
-    check : if records are solved on the fly, estimate their error as `solve` does. The statistics of the picture then
-        hold `estimated_error` with `_low` and `_high` (95 %) of the whole picture, and `cache_error`, the error of the
-        records alone. The first includes the noise of the samples if there are at least two.
-    refine : if records are solved on the fly, refine them until their estimated error meets their `max_error`.
-    tile_order : the order in which tiles are rendered, as a permutation. It does not change the picture, as tests
-        check.
+    adaptive : whether noisy pixels get more samples and the others fewer (`adaptive_sampling`). None means True for
+        methods with records if there is no `crop`, and otherwise False. Adaptive sampling biases the picture a little,
+        so `Path` uses it only on request.
+    keep_partial : whether Ctrl-C keeps what is finished. The KeyboardInterrupt then has an attribute `partial`, an
+        Image of the samples taken so far, whose metadata give their number as `samples_done`. The attribute is absent
+        until every pixel has a sample.
+    check : whether the error of records that are solved for this picture is estimated, as `solve` does. The statistics
+        of the picture then hold `cache_error`, the error of the records alone, and `estimated_error`, the error of the
+        whole picture, with `estimated_error_low` and `estimated_error_high`, the ends of its 95 % confidence interval.
+        The error of the whole picture includes the noise of the samples if there are at least two samples.
+    refine : whether records that are solved for this picture are refined until their estimated error is below their
+        `max_error`.
+    progress : a function that is called with the progress of the work, or None.
+    tile_order : the order in which tiles are rendered, as a permutation of their indices. The order does not change
+        the picture; tests use this argument to check that.
 
     Returns
     -------
-    Image with the layers direct, indirect, albedo, normal and depth, and with records also record_density. Radiance
-    caching adds gloss_cached and gloss_traced: the shares of a pixel's samples in which records served all visible
-    glossy lobes, and in which some lobes were traced. Samples that are not finite are left out with a warning; the
-    metadata count them as `bad_samples`.
+    An Image with the layers direct, indirect, albedo, normal and depth; methods with records add record_density.
+    Radiance caching adds gloss_cached, the share of a pixel's samples in which records gave the light of all visible
+    glossy lobes, and gloss_traced, the share in which some lobes were traced. Samples whose value is not finite are
+    left out with a warning, and the metadata count them as `bad_samples`.
 
     Raises
     ------
-    EclatError : arguments are out of range, the method is unknown, or a solution is for another scene or depth.
+    EclatError : an argument is out of range, the method is unknown, or a solution belongs to another scene or another
+        `max_depth`.
 
     Examples
     --------
@@ -132,7 +144,7 @@ def render(
     if refine and source.options.for_whole_scene:
         raise EclatError(f"refine: expected a method with records, got {source.options.name}")
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
-    # A given solution may have been checked for another view.
+    # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
     if estimate is not None:
         goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
@@ -147,8 +159,8 @@ def render(
     with picture.kept(sampling):
         sampling.run(goal)
     if samples is None and deadline is None and sampling.noise > goal.max_error:
-        noise = f"the noise is still {sampling.noise:.2g}, not {goal.max_error:.2g}"
-        warn(f"after {sampling.taken:,} samples {noise}: stopped there")
+        noise = f"the noise is still {sampling.noise:.2g}, above the wanted {goal.max_error:.2g}"
+        warn(f"render: stopped after {sampling.taken:,} samples, where {noise}")
     image = picture.image(film, sampling, sampling.taken)
     picture.tell_bad_samples(image, film, sampling.taken)
     return image
@@ -170,7 +182,7 @@ def _checked_filter(name: str) -> _core.Filter:
 
 
 class _SampleTaker:
-    """Add samples to a film, with one estimator for all samples or one for each."""
+    """Adds samples to a film, with one estimator for all samples or a new estimator for each sample."""
 
     def __init__(
         self,
@@ -188,7 +200,7 @@ class _SampleTaker:
             self._estimator = prepared.radiance_estimator(scene, work)
 
     def samples(self, first: Counts, end: Counts, report: ProgressReport | None) -> float:
-        """Take samples [first, end) of each pixel or of all pixels; return the number of rays traced."""
+        """Take samples [first, end) of each pixel, which may differ between pixels; return the number of rays."""
         counted = _core.Progress()
         run("render", lambda p: self._take(first, end, p), report, counted)
         return float(counted.rays)
@@ -205,7 +217,7 @@ class _SampleTaker:
 
 @dataclass(frozen=True, eq=False)
 class _Picture:
-    """What a picture shows, and the settings it was requested with."""
+    """The scene, view and settings of one picture, from which its Image with layers and metadata is made."""
 
     scene: Scene
     prepared: Prepared
@@ -214,12 +226,12 @@ class _Picture:
     work: Work
     adaptive: bool
     estimate: ErrorEstimate | None
-    """The estimated error of what was prepared for this view."""
+    """The estimated error of the records that were solved for this view, or None."""
     started: float
 
     @contextmanager
     def kept(self, sampling: Sampling) -> Iterator[None]:
-        """Attach the picture of the finished samples to a KeyboardInterrupt, if the caller wants it."""
+        """Attach the picture of the samples taken so far to a KeyboardInterrupt, if `keep_partial` was given."""
         try:
             yield
         except KeyboardInterrupt as stop:
@@ -230,7 +242,7 @@ class _Picture:
             raise
 
     def image(self, film: _core.Film, sampling: Sampling, taken: int) -> Image:
-        """The film's picture after the given number of samples, with its layers and metadata."""
+        """Make the Image of a film that holds `taken` samples per pixel, with its layers and metadata."""
         radiance, direct = film.radiance, film.direct
         layers = {
             "direct": direct, "indirect": radiance - direct,
@@ -267,7 +279,7 @@ class _Picture:
         return statistics
 
     def tell_bad_samples(self, image: Image, film: _core.Film, taken: int) -> None:
-        """Count the samples that were not finite and were left out, in the metadata and in a warning."""
+        """Report the samples that were left out because they were not finite, in the metadata and in a warning."""
         if not film.bad_count:
             return
         x, y, sample = film.bad_samples[0]
@@ -275,7 +287,7 @@ class _Picture:
         image.metadata["bad_samples"] = {"count": int(film.bad_count), "first": [x, y, sample]}
         warn(
             f"{film.bad_count:,} of {taken * (x1 - x0) * (y1 - y0):,} samples were not finite and are left out; "
-            f"first at pixel ({x}, {y}), sample {sample}\n"
-            f"         replay: the same eclat.render(…) with samples={sample + 1}, "
+            f"the first is sample {sample} of pixel ({x}, {y})\n"
+            f"         to repeat it, call eclat.render(…) with the same arguments and samples={sample + 1}, "
             f"crop=({x}, {y}, {x + 1}, {y + 1}), size=({self.view.size[0]}, {self.view.size[1]})"
         )

@@ -106,7 +106,7 @@ def test_glass_is_told() -> None:
     from eclat.scenes.geometry import box, mesh
 
     pane = mesh([box((0, 0, 0), (1, 1, 0.1))], Material("dielectric", name="pane"), "pane")
-    with pytest.warns(eclat.EclatWarning, match="no light passes through pane to other surfaces"):
+    with pytest.warns(eclat.EclatWarning, match="no light will pass through pane to other surfaces"):
         eclat.solve(eclat.Scene((pane,)), eclat.Radiosity(patches=20))
 
 

@@ -87,7 +87,7 @@ def test_odd_sizes_and_black() -> None:
 
 
 def test_halves_of_unlike_shapes() -> None:
-    with pytest.raises(EclatError, match="halves of one shape"):
+    with pytest.raises(EclatError, match="arrays of the same shape"):
         judged_halves(*[np.ones((4, 4, 3))] * 3, np.ones((4, 5, 3)))
 
 

@@ -52,7 +52,7 @@ def test_what_cannot_be_judged_is_refused(box: tuple[eclat.Image, eclat.Image, n
     a, b, _ = box
     with pytest.raises(eclat.EclatError, match="same picture twice"):
         eclat.denoise(a, a)
-    with pytest.raises(eclat.EclatError, match="pictures of one size, got 128x128 and 64x128"):
+    with pytest.raises(eclat.EclatError, match="two pictures of the same size, got 128x128 and 64x128"):
         eclat.denoise(a, eclat.Image(b.pixels[:, :64]))
 
 

@@ -101,8 +101,9 @@ def test_samples_that_are_not_finite_are_counted_and_told_with_their_replay(
     with pytest.warns(eclat.EclatWarning) as warnings:
         image = eclat.render(cornell, eclat.Path(), samples=20, size=(8, 8), seed=7)
     assert str(warnings[0].message) == (
-        "3 of 1,280 samples were not finite and are left out; first at pixel (4, 7), sample 19\n"
-        "         replay: the same eclat.render(…) with samples=20, crop=(4, 7, 5, 8), size=(8, 8)"
+        "3 of 1,280 samples were not finite and are left out; the first is sample 19 of pixel (4, 7)\n"
+        "         to repeat it, call eclat.render(…) with the same arguments and samples=20, "
+        "crop=(4, 7, 5, 8), size=(8, 8)"
     )
     assert image.metadata["bad_samples"] == {"count": 3, "first": [4, 7, 19]}
 
