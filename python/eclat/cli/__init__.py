@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The command line: the table of commands, and what becomes of errors.
-
-Exit codes: 0 done, 1 standard output was closed early, 2 the user's mistake (reported on standard error), 130 Ctrl-C,
-143 SIGTERM, 129 SIGHUP: all three stop a command in the same way, which leaves no half-written file.
+"""The command line: the table of commands, and the handling of errors.
+The exit codes are 0 for success, 1 if standard output was closed early, 2 for a mistake of the user (reported on
+standard error), 130 for Ctrl-C, 143 for SIGTERM and 129 for SIGHUP. Ctrl-C and these two signals stop a command in the
+same way, without leaving a half-written file.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ COMMANDS: dict[str, str] = {
     "info": "eclat.cli.info",
     "scenes": "eclat.cli.scenes",
 }
-"""Name → module, whose `command` it is."""
+"""Maps the name of each command to the module that defines it as `command`."""
 
 CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
@@ -53,17 +53,17 @@ def group() -> None:
     """Render global illumination by irradiance caching, path tracing and other methods.
 
     \b
-    eclat scenes                    lists the scenes that need no file
-    eclat render cornell-box        makes cornell-box.png
-    eclat render room.glb -o room.exr --max-error 0.02
-    eclat compare cornell-box       all methods on one page, with their errors
+    eclat scenes                    lists the built-in scenes
+    eclat render cornell-box        renders a built-in scene to cornell-box.png
+    eclat render room.glb --time 30 renders your own scene in half a minute
+    eclat compare cornell-box       compares all methods and their errors on one page
 
-    Every command has its own help with examples: eclat render --help
+    Every command has its own help, with examples: eclat render --help
     """
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run the command line; returns the exit code and never raises for what a user can cause."""
+    """Run the command line and return its exit code; errors that a user can cause are reported, not raised."""
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     with _stopped_by_signals() as received:
         try:
@@ -78,9 +78,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _stopped_by_signals() -> Iterator[list[int]]:
-    """Makes SIGTERM and SIGHUP interrupt as Ctrl-C does; gives the list of those that came.
-
-    Signals that someone ignores (nohup) or handles stay theirs.
+    """Let SIGTERM and SIGHUP stop the command as Ctrl-C does; yield the list of the signals received so far.
+    Signals that the calling process ignores (as nohup does) or handles itself are left as they are.
     """
     received: list[int] = []
 
@@ -101,7 +100,8 @@ def _stopped_by_signals() -> Iterator[list[int]]:
 
 
 def _exit_code(error: BaseException, signals: Sequence[int]) -> int:
-    """The message for an error that ended a command, and the exit code. Errors that no user can cause are raised again."""
+    """Report the error that ended a command and return the exit code; errors that no user can cause are raised
+    again."""
     try:
         raise error
     except click.exceptions.Exit as stop:
@@ -111,7 +111,7 @@ def _exit_code(error: BaseException, signals: Sequence[int]) -> int:
         return 128 + signals[0] if signals else INTERRUPTED
     except click.UsageError as error:
         command = error.ctx.command_path if error.ctx else "eclat"
-        say_error(f"{printable(message_of(error))}\n       try: {command} --help")
+        say_error(f"{printable(message_of(error))}\n       for help, run: {command} --help")
         return MISTAKE
     except (EclatError, click.ClickException) as error:
         say_error(printable(message_of(error)))
@@ -123,7 +123,7 @@ def _exit_code(error: BaseException, signals: Sequence[int]) -> int:
         _give_up_standard_output()
         return BROKEN_PIPE
     except OSError as error:
-        # Files that cannot be read or written are EclatErrors by now: what is left is standard output.
+        # Files that cannot be read or written have raised an EclatError, so this error comes from standard output.
         reason = error.strerror or str(error)
         say_error(f"{error.filename}: {reason}" if error.filename else f"standard output: cannot be written: {reason}")
         _give_up_standard_output()
@@ -131,6 +131,7 @@ def _exit_code(error: BaseException, signals: Sequence[int]) -> int:
 
 
 def _give_up_standard_output() -> None:
-    """Python would complain once more when it flushes it at exit."""
+    """Replace standard output by the null device, because Python would report the error again when it flushes at
+    exit."""
     with suppress(OSError, ValueError, AttributeError):
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())

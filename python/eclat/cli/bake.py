@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat bake`: light maps for viewers that compute no light."""
+"""The command `eclat bake`, which computes light maps for viewers that do not compute light themselves."""
 
 from __future__ import annotations
 
@@ -37,36 +37,38 @@ from eclat.files.atomic_file import check_writable
 MAP = "Map"
 
 EXAMPLES = {
-    "eclat bake room.glb": "Writes room_lit.glb, room_lit.lightmap.exr and room_lit.lightmap.json:",
-    "eclat bake room.glb -o lit.glb --texel-size 0.01": "One texel per centimetre:",
-    "eclat bake room.glb --method radiosity": "By another method:",
-    "eclat bake room.glb --cache room.npz": "From what `eclat solve --view-independent` wrote:",
-    "eclat bake room.glb --flatten": "Writes room_flat.glb, which any viewer shows as it is:",
-    "eclat bake room.glb --component indirect": "Indirect light only; the file keeps its lights for the viewer:",
+    "eclat bake room.glb": "Write room_lit.glb, room_lit.lightmap.exr and room_lit.lightmap.json:",
+    "eclat bake room.glb -o lit.glb --texel-size 0.01": "Use one texel per centimetre:",
+    "eclat bake room.glb --method radiosity": "Use another method:",
+    "eclat bake room.glb --cache room.npz": "Use a file that `eclat solve --view-independent` wrote:",
+    "eclat bake room.glb --flatten": "Write room_flat.glb, which viewers without support for light maps can show:",
+    "eclat bake room.glb --component indirect": "Bake only indirect light, and leave the lights to the viewer:",
 }
 
 
 @click.command(
     "bake",
     cls=Command,
-    short_help="Light maps: the light on all surfaces, in a file for the browser.",
+    short_help="Bake the light on all surfaces into light maps, for viewers in the browser.",
     examples=EXAMPLES,
     notes=method_notes,
     help="""Compute the irradiance of all surfaces of SCENE and write it as a light map.
 
-    The .glb holds the scene and, on a second set of texture coordinates, its light map in 8 bits (MOZ_lightmap). The
-    .exr beside it holds the same irradiance unclipped, in W/m² (lux in a photometric scene), the .json what both mean.
-    Light sources are left out of the file, since the map holds their light; emissive surfaces stay emissive.""",
+    Three files are written. The .glb file holds the scene with a light map of 8 bits per channel on a second set of
+    texture coordinates (MOZ_lightmap). The .exr file holds the same irradiance unclipped, in W/m² (lux in a photometric
+    scene). The .json file describes the units and the layout of both. The .glb contains no light sources, because the
+    light map holds their light; emissive surfaces stay emissive.""",
 )
 @scene_argument
-@output_option("A name that ends in .glb [SCENE_lit.glb].")
+@output_option("The .glb file to write [SCENE_lit.glb].")
 @option(
     "--flatten",
     is_flag=True,
     section="Output",
-    help="Write a .glb for viewers without support for light maps: unlit materials hold all light as colour [SCENE_flat.glb].",
+    help="Write a .glb for viewers without support for light maps: the colour of its unlit materials includes all "
+    "light [SCENE_flat.glb].",
 )
-@exposure_option("Exposure for --flatten in stops [chosen so that few texels are white].", None)
+@exposure_option("Exposure for --flatten in stops [chosen so that few texels are clipped at white].", None)
 @option(
     "--texel-size",
     type=Number(float, 0, 1e6, above=True, unit="of metres"),
@@ -78,22 +80,23 @@ EXAMPLES = {
     type=Name("NAME", "total", "direct", "indirect"),
     default="total",
     section=MAP,
-    help="total, direct or indirect light [total].",
+    help="Light to bake: total, direct or indirect [total].",
 )
 @option(
     "--gutter",
     type=Number(int, 2, 64),
     default=2,
     section=MAP,
-    help="Texels between charts; 2 to the n for viewers that read n levels of a mip map [2].",
+    help="Distance between charts in texels. For viewers that use n levels of a mip map, it should be 2 to the power "
+    "of n [2].",
 )
 @option(
     "--sides",
     type=Name("NAME", "auto", "front", "both"),
     default="auto",
     section=MAP,
-    help="auto: both sides of two-sided sheets, each with its own light, but not the inside of solids; front: the front's "
-    "light on both sides; both: two for all that is two-sided [auto].",
+    help="Sides of two-sided surfaces to bake. auto bakes both sides of thin sheets and only the outside of solids; "
+    "front bakes the front and shows its light on both sides; both bakes both sides of every two-sided surface [auto].",
 )
 @option(
     "--max-size",
@@ -102,15 +105,16 @@ EXAMPLES = {
     section=MAP,
     help="Largest width and height of the light map in texels [4096].",
 )
-@samples_option("Of the lights, and paths of `path`, per texel", default=256)
-@max_error_option("Of a cached method: relative error of indirect light")
+@samples_option("Samples per texel: of the lights, and paths with --method path", default=256)
+@max_error_option("Relative error of the indirect light, for methods with records")
 @max_depth_option()
 @option(
     "--charts-timeout",
     type=Number(float, 0, 1e6),
     default=60.0,
     section=QUALITY,
-    help="Seconds after which flat pieces of surfaces become charts instead of xatlas' larger ones [60].",
+    help="Seconds that xatlas may take to find charts; after that each flat piece of a surface becomes a chart, which "
+    "gives smaller charts [60].",
 )
 @cache_option()
 @method_option
@@ -121,13 +125,13 @@ EXAMPLES = {
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
-    """Load, bake, save."""
+    """Load the scene, bake its light maps, and write the files."""
     from eclat.lightmap.lightmap import output_names
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         flat = flags["flatten"]
         if flags["exposure"] is not None and not flat:
-            raise EclatError("--exposure requires --flatten: light maps hold irradiance")
+            raise EclatError("--exposure requires --flatten: light maps hold irradiance, to which no exposure applies")
         names = output_names(flags["output"] or f"{scene_stem(flags['scene'])}_{'flat' if flat else 'lit'}.glb")
         for name in names[:1] if flat else names:
             check_writable(name)
@@ -179,7 +183,7 @@ def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat:
 
 
 def _errors(statistics: dict[str, float]) -> str:
-    """The estimated errors of texels before they are fitted, as text."""
+    """Describe the estimated errors of the texels before the fit."""
     names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
     return "".join(
         f", {what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0

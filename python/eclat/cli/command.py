@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Commands whose help has sections and examples, and whose errors suggest the nearest name for a misspelt one."""
+"""Commands whose help has sections and examples, and whose errors suggest the nearest known name for a misspelt one."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ class Option(click.Option):
 
 
 def option(*names: str, section: str, **keywords: Any) -> Callable[[F], F]:
-    """`click.option`, under the headline `section` of the help."""
+    """Make a `click.option` that the help lists under the heading `section`."""
     return click.option(*names, cls=Option, section=section, **keywords)
 
 
 def together(*decorators: Callable[[F], F]) -> Callable[[F], F]:
-    """Flags as one decorator, listed in the order in which the help shows them."""
+    """Combine options into one decorator; the help shows them in the order given."""
 
     def decorate(function: F) -> F:
         for decorator in reversed(decorators):
@@ -40,7 +40,9 @@ def together(*decorators: Callable[[F], F]) -> Callable[[F], F]:
 
 
 class Command(click.Command):
-    """A command with `examples` (command line → what it does) and `notes` (more sections of the help)."""
+    """A command with examples and further sections in its help.
+    `examples` maps command lines to descriptions; `notes` returns the entries of further sections by heading.
+    """
 
     def __init__(
         self,
@@ -57,11 +59,11 @@ class Command(click.Command):
         sections: dict[str, list[tuple[str, str]]] = {}
         for parameter in self.get_params(ctx):
             record = parameter.get_help_record(ctx)
-            # The scene is explained by the text above.
+            # The text at the top of the help describes the arguments.
             if record is not None and not isinstance(parameter, click.Argument):
                 section = parameter.section if isinstance(parameter, Option) else "Other"
                 sections.setdefault(section, []).append(record)
-        # The help flag and the like come last, wherever they were declared.
+        # General flags such as --help come last, wherever they were declared.
         sections["Other"] = sections.pop("Other", [])
         if self.examples:
             with formatter.section("Examples"):
@@ -79,13 +81,13 @@ class Command(click.Command):
         except click.NoSuchOption as error:
             raise _unknown_option(error, self, ctx) from None
         except click.UsageError as error:
-            # Some of click's own do not say whose help to read.
+            # Some errors of click lack the context that names the command whose help to read.
             error.ctx = error.ctx or ctx
             raise
 
 
 def _unknown_option(error: click.NoSuchOption, command: click.Command, context: click.Context) -> click.UsageError:
-    """Our words; dashes, which all flags share, do not count as likeness."""
+    """Make the error for an unknown option, with the nearest known one; leading dashes do not count as similarity."""
     known = [name for parameter in command.get_params(context) for name in parameter.opts if name.startswith("--")]
     hint = did_you_mean(error.option_name.lstrip("-"), [name.removeprefix("--") for name in known])
     hint = hint.replace("'", "'--", 1)
@@ -93,7 +95,7 @@ def _unknown_option(error: click.NoSuchOption, command: click.Command, context: 
 
 
 class Group(click.Group):
-    """The table of commands, each imported only when it is used or listed."""
+    """The group of all commands, each of which is imported only when it is run or listed."""
 
     def __init__(self, *arguments: Any, table: Mapping[str, str], **keywords: Any) -> None:
         super().__init__(*arguments, **keywords)

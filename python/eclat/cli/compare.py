@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat compare`: all methods on one scene, on one page."""
+"""The command `eclat compare`, which compares all methods on one scene and writes an HTML page."""
 
 from __future__ import annotations
 
@@ -37,41 +37,46 @@ if TYPE_CHECKING:
     from eclat.verbs.compare import Comparison, Reference
 
 EXAMPLES = {
-    "eclat compare cornell-box": "All methods, as cornell-box.html in this folder:",
-    "eclat compare room.glb --methods path,irradiance-cache --time 20": "Two methods at equal times up to 20 s:",
-    "eclat compare room.glb --reference a.exr --reference b.exr": "Against pictures of `eclat render --method path`:",
+    "eclat compare cornell-box": "Compare all methods and write cornell-box.html in the current folder:",
+    "eclat compare room.glb --methods path,irradiance-cache --time 20": "Compare two methods at equal times up to 20 s:",
+    "eclat compare room.glb --reference a.exr --reference b.exr": (
+        "Compare with pictures that `eclat render --method path` made:"
+    ),
 }
 
 
 @click.command(
     "compare",
     cls=Command,
-    short_help="Measure all methods on one scene, on one HTML page.",
+    short_help="Compare the errors and times of all methods on one scene, on an HTML page.",
     examples=EXAMPLES,
     help="""Render SCENE by several methods and write one self-contained HTML page.
 
-    It shows pictures, signed error maps and FLIP, and measures error, time, rays and records at several levels of
-    effort: at each level four times the samples (or seconds) of the one before, and half the wanted error. The truth
-    is two independent path-traced pictures.""",
+    The page shows pictures, signed error maps and FLIP, and the error, time, rays and records of each method at several
+    levels of effort. Each level takes four times the samples (or seconds) of the level before and asks for half its
+    error. The reference is the mean of two independent path-traced pictures.""",
 )
 @scene_argument
-@output_option("A file ending in .html [SCENE.html].")
-@exposure_option("Stops [found from the reference].", default=None)
+@output_option("The .html file to write [SCENE.html].")
+@exposure_option("Exposure of the pictures in stops [computed from the reference].", default=None)
 @option("--methods", metavar="A,B,…", section="Method", help="The methods to compare, separated by commas [all].")
-@option("--levels", type=Number(int, 1, 10), default=4, section="Quality", help="Levels of effort [4].")
+@option("--levels", type=Number(int, 1, 10), default=4, section="Quality", help="Number of levels of effort [4].")
 @samples_option("Paths per pixel at the last level", default=64)
-@max_error_option("Of caches at the last level")
-@time_option("Give every method this many seconds at the last level instead.")
+@max_error_option("Relative error that methods with records aim at on the last level")
+@time_option("Give every method this many seconds at the last level, instead of --samples.")
 @max_depth_option()
 @samples_option(
-    "Paths per pixel in each of two references", default=256, name="--reference-samples", section="Reference"
+    "Paths per pixel of each of the two reference pictures",
+    default=256,
+    name="--reference-samples",
+    section="Reference",
 )
 @option(
     "--reference",
     metavar="FILE",
     multiple=True,
     section="Reference",
-    help="Use this .exr as the reference instead; give the option twice for two independent references.",
+    help="Use this .exr as the reference instead; give the option twice to use two independent pictures.",
 )
 @camera_options
 @light_options
@@ -79,7 +84,7 @@ EXAMPLES = {
 @work_options
 @reporting_options
 def command(**flags: Any) -> None:
-    """Compare and write the page."""
+    """Run the comparison and write its page."""
     from eclat.report.compare_page import compare_page, page_facts, percent
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
@@ -123,9 +128,10 @@ def _reference(flags: dict[str, Any]) -> Reference | None:
     if not names:
         return None
     if len(names) > 2:
-        raise EclatError(f"--reference: expected one file or two, got {len(names)}")
+        raise EclatError(f"--reference: expected one or two files, got {len(names)}")
     images = [Image.load(name) for name in names]
     sizes = {(image.width, image.height) for image in images}
     if len(sizes) > 1 or (flags["size"] and flags["size"] not in sizes):
-        raise EclatError("--reference: expected pictures of one size, which --size must not contradict")
+        got = " and ".join(f"{image.width}x{image.height}" for image in images)
+        raise EclatError(f"--reference: expected pictures of the same size, and of --size if that is given, got {got}")
     return Reference(images[0], images[-1])

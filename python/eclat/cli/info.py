@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat info`: what a scene holds."""
+"""The command `eclat info`, which lists the contents of a scene."""
 
 from __future__ import annotations
 
@@ -21,8 +21,8 @@ if TYPE_CHECKING:
     from eclat.scene import Camera, Scene
 
 EXAMPLES = {
-    "eclat info room.glb": "Meshes, materials, lights, cameras, and what was replaced or ignored:",
-    "eclat info room.glb --json": "The same as JSON, for programs:",
+    "eclat info room.glb": "List meshes, materials, lights and cameras, with the warnings of the loader:",
+    "eclat info room.glb --json": "List the same as JSON, for programs:",
 }
 
 _LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalLight: "directional"}
@@ -31,21 +31,21 @@ _LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalL
 @click.command(
     "info",
     cls=Command,
-    short_help="List what a scene contains, and what was replaced or ignored.",
+    short_help="List the contents of a scene, and what the loader replaced or ignored.",
     examples=EXAMPLES,
     help="List the contents of SCENE: meshes, materials by kind, lights, cameras and bounds, and the loader's warnings.",
 )
 @scene_argument
 @reporting_options
 def command(**flags: Any) -> None:
-    """Load and describe."""
+    """Load the scene and describe it."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         description = describe(eclat.load(flags["scene"]))
         reporter.result(_text(description), **description)
 
 
 def describe(scene: Scene) -> dict[str, Any]:
-    """The contents of a scene, in types that JSON can represent."""
+    """Describe the contents of a scene in types that JSON can represent."""
     import numpy as np
 
     materials = {id(mesh.material): mesh.material for mesh in scene.meshes}

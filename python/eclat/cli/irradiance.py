@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat irradiance`: how much light falls on points."""
+"""The command `eclat irradiance`, which computes how much light falls on given points."""
 
 from __future__ import annotations
 
@@ -31,10 +31,12 @@ from eclat.files.atomic_file import check_writable, write_file
 from eclat.measure.photometry import LUMENS_PER_WATT, illuminance
 
 EXAMPLES = {
-    "echo 0 0.8 0 0 0 1 | eclat irradiance cornell-box": "One point, from standard input:",
-    "eclat irradiance room.glb --points desks.csv -o desks-lux.csv": "All desks:",
-    "eclat irradiance room.glb --points desks.csv --cache room.npz": "From records that `eclat solve` wrote:",
-    "eclat irradiance room.glb --points grid.npy --component indirect -o grid.npy": "Points and results as NumPy arrays:",
+    "echo 0 0.8 0 0 0 1 | eclat irradiance cornell-box": "Compute the irradiance of one point from standard input:",
+    "eclat irradiance room.glb --points desks.csv -o desks-lux.csv": "Compute the irradiance of all points of a file:",
+    "eclat irradiance room.glb --points desks.csv --cache room.npz": "Use records that `eclat solve` wrote:",
+    "eclat irradiance room.glb --points grid.npy --component indirect -o grid.npy": (
+        "Read points and write results as NumPy arrays:"
+    ),
 }
 
 
@@ -44,24 +46,31 @@ EXAMPLES = {
     short_help="Compute the light that falls on points, in W/m² and lux.",
     examples=EXAMPLES,
     notes=method_notes,
-    help="""Irradiance at points of SCENE, on the side that their normals face, in W/m² (lux in a photometric scene).
+    help="""Compute the irradiance at points of SCENE, in W/m² (lux in a photometric scene).
 
-    Points come one a line, x y z nx ny nz, with spaces or commas between (as for Radiance's rtrace), or as a NumPy
-    array of six columns. A heading and lines that begin with # are skipped. Results come in the same order: RGB
-    irradiance and illuminance in lux. Points need not lie on a surface.""",
+    A point is given by its position and normal, and receives the light from the side that the normal points to. It need
+    not lie on a surface. The points are read from a text with one point x y z nx ny nz per line, separated by spaces or
+    commas (as for Radiance's rtrace), or from a NumPy array with six columns. A heading and lines that begin with # are
+    skipped. The results are RGB irradiance and illuminance in lux, in the order of the points.""",
 )
 @scene_argument
-@option("--points", metavar="FILE", default="-", section="Input", help="Text, .csv or .npy [- is standard input].")
-@output_option("A .csv or .npy file [standard output].", default="-")
+@option(
+    "--points",
+    metavar="FILE",
+    default="-",
+    section="Input",
+    help="Points to read: a text, .csv or .npy file [-, standard input].",
+)
+@output_option("The .csv or .npy file to write [-, standard output].", default="-")
 @option(
     "--component",
     type=Name("NAME", "total", "direct", "indirect"),
     default="total",
     section="Quality",
-    help="total, direct or indirect light [total].",
+    help="Light to compute: total, direct or indirect [total].",
 )
-@samples_option("Of the lights, and paths of `path`, per point", default=1024)
-@max_error_option("Of a cached method: relative error of indirect light")
+@samples_option("Samples per point: of the lights, and paths with --method path", default=1024)
+@max_error_option("Relative error of the indirect light, for methods with records")
 @max_depth_option()
 @cache_option()
 @method_option
@@ -72,14 +81,14 @@ EXAMPLES = {
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
-    """Read, ask, write."""
+    """Read the points, compute their irradiance, and write the results."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         output = flags["output"]
         _check_output(output, flags["as_json"])
         check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)
         what: Any = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
         if not flags["settings"] and context.get_parameter_source("method") is click.core.ParameterSource.DEFAULT:
-            what = None  # records or, for few points, paths
+            what = None  # `eclat.irradiance` then uses records or, for few points, paths
         points, normals = read_points(flags["points"])
         scene = load_scene(flags)
         if flags["cache"]:
@@ -106,12 +115,12 @@ def command(context: click.Context, /, **flags: Any) -> None:
 
 
 def _how(statistics: dict[str, float], photometric: bool) -> str:
-    """The source of the points' light (records or paths), and the meaning of lux in this scene, as text."""
+    """Describe how the irradiance was computed, from records or paths, and in which units it is."""
     parts = []
     if "served" in statistics:
-        parts.append(f"{statistics['served']:,.0f} served by records, {statistics['gathered']:,.0f} gathered")
+        parts.append(f"{statistics['served']:,.0f} read from records, {statistics['gathered']:,.0f} gathered")
     if "paths" in statistics:
-        parts.append(f"each by {statistics['paths']:,.0f} paths, which take fewer rays than records would")
+        parts.append(f"{statistics['paths']:,.0f} paths per point, which take fewer rays than records would")
     if statistics.get("direct_error", 0) > 0:
         parts.append(f"light straight from lamps within {100 * statistics['direct_error']:.2g} %")
     if "estimated_error" in statistics:
@@ -123,7 +132,7 @@ def _how(statistics: dict[str, float], photometric: bool) -> str:
 def _check_output(output: str, as_json: bool) -> None:
     if output == "-":
         if as_json:
-            raise EclatError("--json requires a file by -o: standard output then holds events only")
+            raise EclatError("--json requires -o FILE: with --json, standard output holds only events")
         return
     if Path(output).suffix.lower() not in (".csv", ".npy"):
         raise EclatError(f"{output}: expected a name that ends in .csv or .npy")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The method and its settings on the command line, derived from the options classes."""
+"""The options `--method` and `--set` of the command line, derived from the classes of the methods."""
 
 from __future__ import annotations
 
@@ -26,39 +26,42 @@ DEFAULT_METHOD = "irradiance-cache"
 
 
 def set_option(function: F) -> F:
-    """`--set name=value`."""
+    """Add the option `--set NAME=VALUE`."""
     return option(
         "--set",
         "settings",
         metavar="NAME=VALUE",
         multiple=True,
         section=METHOD,
-        help="Set an option of the method, listed below; repeatable. The defaults suit most scenes.",
+        help="Set an option of the method to a value; repeatable. All options are listed below; their defaults suit most "
+        "scenes.",
     )(function)
 
 
 def method_option(function: F) -> F:
-    """`--method`."""
+    """Add the option `--method NAME`."""
     return option(
         "--method",
         metavar="NAME",
         default=DEFAULT_METHOD,
         section=METHOD,
-        help=f"The method that computes light, listed below [{DEFAULT_METHOD}].",
+        help=f"Method that computes the light; all methods are listed below [{DEFAULT_METHOD}].",
     )(function)
 
 
 def options_of(method: str, settings: Sequence[str] = (), **defaults: object) -> Method:
-    """The options object of `method`.
+    """Make the method called `method`, with its options.
 
     Parameters
     ----------
-    settings : `name=value` each, the name of a field in kebab-case (or snake_case).
-    defaults : values of fields that `settings` do not name; those that the method lacks or that are None are left out.
+    settings : texts `name=value`, where the name is that of an option in kebab-case or snake_case.
+    defaults : values of options that `settings` do not name. Values that are None, and options that the method does not
+        have, are ignored.
 
     Raises
     ------
-    EclatError : unknown method or name, a value of another type or out of range, the same name twice.
+    EclatError : the method or an option is unknown, a value has the wrong type or is out of range, or an option is
+        given twice.
     """
     from eclat.methods import METHODS, make_options
 
@@ -79,14 +82,14 @@ def options_of(method: str, settings: Sequence[str] = (), **defaults: object) ->
             hint = did_you_mean(name, known)
             raise EclatError(f"--set: unknown option {name.replace('_', '-')} for {method}{hint.replace('_', '-')}")
         if name in seen:
-            raise EclatError(f"--set: expected {name.replace('_', '-')} once, got it twice")
+            raise EclatError(f"--set: {name.replace('_', '-')} is given twice, expected it once")
         seen.add(name)
         values[name] = _value(name, text.strip(), known[name])
     return make_options(method, **values)
 
 
 def method_notes(*, that_solve: bool = False) -> dict[str, list[tuple[str, str]]]:
-    """Help on methods (all, or those that have something to solve) and their options."""
+    """Describe the methods, all or only those with a solution, and their options, as sections of the help."""
     from eclat.methods import METHODS
 
     chosen = {name: cls for name, cls in METHODS.items() if cls.solved is not None or not that_solve}
@@ -106,7 +109,7 @@ def method_notes(*, that_solve: bool = False) -> dict[str, list[tuple[str, str]]
 
 
 def field_explanations(cls: type) -> dict[str, str]:
-    """The docstring of each field, read from the source of its class because Python does not keep it."""
+    """Collect the docstrings of the fields of a class from its source, because Python does not keep them."""
     explained: dict[str, str] = {}
     for base in reversed(cls.__mro__):
         if not is_dataclass(base):
@@ -120,7 +123,7 @@ def field_explanations(cls: type) -> dict[str, str]:
 
 
 def type_text(kind: Any) -> str:
-    """How values of a field's type are written."""
+    """Describe how values of the type `kind` are written on the command line."""
     if typing.get_origin(kind) is typing.Literal:
         return " | ".join(typing.get_args(kind))
     if isinstance(kind, type) and kind is not type(None):
@@ -130,13 +133,13 @@ def type_text(kind: Any) -> str:
 
 
 def value_text(value: object) -> str:
-    """A field's value as one would write it."""
+    """Format an option's value as it is written on the command line."""
     return str(value).lower() if value is None or isinstance(value, bool) else str(value)
 
 
 def _value(name: str, text: str, kind: Any) -> object:
     word = {"none": None, "on": "true", "yes": "true", "off": "false", "no": "false"}.get(text.lower(), text)
-    # Only "none" is a word of all types; the others would be taken from the names of a Literal.
+    # "none" is valid for all types. The other words are replaced only for bool, since a Literal may have such a name.
     candidate = word if kind is bool or word is None else text
     try:
         return msgspec.convert(candidate, kind, strict=False)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The types of flag values, and the messages for values that do not fit them."""
+"""The types of the values of command-line options, and the messages for invalid values."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ from eclat.errors import did_you_mean
 
 
 class _Type(click.ParamType[Any]):
-    """A type whose messages say what was expected and what was got."""
+    """A parameter type whose error messages state what was expected and what was got."""
 
     expected = ""
 
@@ -22,7 +22,7 @@ class _Type(click.ParamType[Any]):
 
 
 class Number(_Type):
-    """An integer or a finite number within limits, both included unless `above` is given."""
+    """An integer or a finite number in the range `low`..`high`; with `above`, the lower limit itself is excluded."""
 
     def __init__(
         self,
@@ -51,7 +51,7 @@ class Number(_Type):
 
 
 class Exposure(Number):
-    """Stops, or the word "auto"."""
+    """An exposure in stops, or the word "auto"."""
 
     def __init__(self) -> None:
         super().__init__(float, -64, 64)
@@ -62,7 +62,7 @@ class Exposure(Number):
 
 
 class Depth(Number):
-    """Edges of a path: at least 1, or −1 for no limit."""
+    """A greatest number of edges of a path: at least 1, or −1 for no limit."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         depth = super().convert(value, param, ctx)
@@ -72,7 +72,7 @@ class Depth(Number):
 
 
 class Numbers(_Type):
-    """A fixed count of numbers with commas between them."""
+    """A fixed number of numbers, separated by commas."""
 
     def __init__(self, name: str, expected: str, count: int, kind: type[int] | type[float] = float) -> None:
         self.name, self.expected, self.count, self.kind = name, expected, count, kind
@@ -85,7 +85,7 @@ class Numbers(_Type):
         return given
 
     def accepts(self, numbers: tuple[float, ...]) -> bool:
-        """Return whether the numbers, whose count is right, are also valid together."""
+        """Return whether the numbers are valid; their count has been checked."""
         return True
 
 
@@ -121,7 +121,7 @@ class _Size(_Type):
 
 class _Environment(_Type):
     name = "FILE|r,g,b"
-    expected = "an image file or a radiance r,g,b of numbers from 0"
+    expected = "an image file or a radiance r,g,b, each at least 0"
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str | tuple[float, ...]:
         text = _spelled(value, ",")
@@ -135,7 +135,7 @@ class _Environment(_Type):
 
 
 class Name(_Type):
-    """One of some names, with the nearest one when it is misspelt."""
+    """One of a set of names; the error for another name suggests the nearest one."""
 
     def __init__(self, name: str, *names: str) -> None:
         self.name, self.names = name, names
@@ -149,14 +149,14 @@ class Name(_Type):
 
 
 def _spelled(value: Any, separator: str) -> str:
-    """The value as one would type it, also where it comes as a list from a file."""
+    """Format a value as it is typed on the command line; values stored in a file may be lists."""
     return separator.join(map(str, value)) if isinstance(value, list | tuple) else str(value)
 
 
 def _number(text: Any, kind: type[int] | type[float]) -> float | None:
-    """The finite number that `text` spells, else None."""
+    """Read a finite number from `text`; return None if it is not one."""
     try:
-        # Underscores and the like are Python's, not the user's; a huge integer is no size, seed or count.
+        # Python would accept 1_000 too. An integer of more than 40 digits is not a size, a seed or a count.
         if "_" in str(text) or len(str(text)) > 40:
             return None
         number = kind(str(text))
@@ -169,5 +169,5 @@ SIZE = _Size()
 CROP = _Crop("x0,y0,x1,y1", "x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,300,200", 4, int)
 POINT = Numbers("x,y,z", "three numbers x,y,z", 3)
 SUN = _Sun("AZIMUTH,ELEVATION", "azimuth,elevation in degrees with an elevation from -90 to 90, such as 135,40", 2)
-REPLAY = _Replay("x,y,SAMPLE", "a pixel and the number of its sample, x,y,sample, such as 412,77,19", 3, int)
+REPLAY = _Replay("x,y,SAMPLE", "a pixel and the index of one of its samples, x,y,sample, such as 412,77,19", 3, int)
 ENVIRONMENT = _Environment()

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`--keep-partial`: what an interrupted command leaves behind."""
+"""The option `--keep-partial`, with which an interrupted command writes what it has finished."""
 
 from __future__ import annotations
 
@@ -13,13 +13,13 @@ from eclat.cli.reporting import Reporter
 
 
 def keep_partial_option(help: str) -> Callable[[F], F]:
-    """`--keep-partial`."""
+    """Make the option `--keep-partial`."""
     return option("--keep-partial", is_flag=True, section="Output", help=help)
 
 
 @contextmanager
 def keeping_partial(wanted: bool, keep: Callable[[Any], None], reporter: Reporter) -> Iterator[None]:
-    """On Ctrl-C, pass the interrupt's `partial` result to `keep` if that is wanted, then raise the interrupt again."""
+    """On a KeyboardInterrupt, pass its `partial` result to `keep` if `wanted`, and raise the interrupt again."""
     try:
         yield
     except KeyboardInterrupt as stop:
@@ -27,5 +27,5 @@ def keeping_partial(wanted: bool, keep: Callable[[Any], None], reporter: Reporte
         if wanted and partial is not None:
             keep(partial)
         elif wanted:
-            reporter.note("there is nothing to keep yet")
+            reporter.note("--keep-partial: nothing was written, because nothing was finished yet")
         raise

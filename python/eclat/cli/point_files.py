@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Points with normals from text or NumPy files, and their irradiance as CSV or NumPy files."""
+"""Reading points with normals from text or NumPy files, and writing their irradiance as CSV or NumPy files."""
 
 from __future__ import annotations
 
@@ -15,18 +15,22 @@ from eclat.errors import EclatError
 from eclat.files.arrays import array_from, is_array_file
 from eclat.loaders.text_files import utf8
 
-EXPECTED = "six numbers x y z nx ny nz"
+SIX_NUMBERS = "six numbers x y z nx ny nz"
+"""The content of a line with a point, as error messages describe it."""
+
 HEADING = "irradiance_r,irradiance_g,irradiance_b,lux"
+"""The heading of the CSV file of results."""
 
 Float64 = NDArray[np.float64]
 
 
 def read_points(name: str) -> tuple[Float64, Float64]:
-    """Points and normals, (N, 3) each, from the file `name` or, for `-`, from standard input.
+    """Read points and normals, (N, 3) each, from the file `name`, or from standard input if it is `-`.
 
     Raises
     ------
-    EclatError : no such file, a line that is not six finite numbers, a zero normal, no points at all.
+    EclatError : the file cannot be read or holds no points, a line does not hold six finite numbers, or a normal is
+        zero.
     """
     data = _read(name)
     label = "standard input" if name == "-" else name
@@ -37,20 +41,20 @@ def read_points(name: str) -> tuple[Float64, Float64]:
         lines, table = _from_text(data, label)
         places = "line"
     if len(table) == 0:
-        raise EclatError(f"{label}: expected points, one a line, got none")
+        raise EclatError(f"{label}: expected points, one per line, got none")
     lengths = np.linalg.norm(table[:, 3:], axis=1)
     bad = ~np.isfinite(table).all(axis=1) | ~(lengths > 0) | ~np.isfinite(lengths)
     if bad.any():
         row = int(np.argmax(bad))
         got = " ".join(f"{value:g}" for value in table[row])
         raise EclatError(
-            f"{label}, {places} {lines[row]}: expected a finite point and a normal that is not zero, got {got}"
+            f"{label}, {places} {lines[row]}: expected a finite position and a normal that is not zero, got {got}"
         )
     return table[:, :3], table[:, 3:]
 
 
 def encode_irradiance(table: NDArray[np.float32], suffix: str) -> bytes:
-    """(N, 4) RGB irradiance and lux as a .npy file, or else as CSV with as many digits as float32 needs."""
+    """Encode a table (N, 4) of RGB irradiance and lux as a .npy file, or as CSV with all digits of float32."""
     file = io.BytesIO()
     if suffix == ".npy":
         np.save(file, table, allow_pickle=False)
@@ -61,7 +65,7 @@ def encode_irradiance(table: NDArray[np.float32], suffix: str) -> bytes:
 
 def _read(name: str) -> bytes:
     if name == "-" and sys.stdin is None:
-        raise EclatError("standard input: expected points, but it is closed")
+        raise EclatError("standard input: expected points, but standard input is closed")
     try:
         return sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
     except FileNotFoundError:
@@ -74,12 +78,14 @@ def _read(name: str) -> bytes:
 def _from_npy(data: bytes, label: str) -> Float64:
     table = array_from(data, label)
     if table.dtype.kind not in "fiu" or table.ndim != 2 or table.shape[1] != 6:
-        raise EclatError(f"{label}: expected an array of six columns x y z nx ny nz, got {table.dtype} {table.shape}")
+        raise EclatError(
+            f"{label}: expected an array with six columns x y z nx ny nz, got {table.dtype} of shape {table.shape}"
+        )
     return np.asarray(table, dtype=np.float64)
 
 
 def _from_text(data: bytes, label: str) -> tuple[list[int], Float64]:
-    """Line numbers (from 1) and rows of a text."""
+    """Read the line numbers (from 1) and the rows of six numbers of a text."""
     lines: list[int] = []
     rows: list[list[float]] = []
     for number, line in enumerate(utf8(data, label).decode("utf-8", errors="replace").splitlines(), 1):
@@ -90,11 +96,11 @@ def _from_text(data: bytes, label: str) -> tuple[list[int], Float64]:
             row = [float(field) for field in fields]
         except ValueError:
             row = []
-            # Only a first line without any number can be a heading.
+            # A line without any number is a heading if it comes before all points.
             if not rows and not any(_is_number(field) for field in fields):
                 continue
         if len(row) != 6:
-            raise EclatError(f"{label}, line {number}: expected {EXPECTED}, got {line.strip()[:80]!r}")
+            raise EclatError(f"{label}, line {number}: expected {SIX_NUMBERS}, got {line.strip()[:80]!r}")
         lines.append(number)
         rows.append(row)
     return lines, np.array(rows, dtype=np.float64).reshape(-1, 6)

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The progress of long calls, shown to people as a bar or to programs as lines of JSON.
-
-Both classes are the `progress` argument of `solve`, `render` and `irradiance`: they are called as
-`progress(phase, fraction, statistics)` about ten times a second, with `fraction` (0..1) of that phase. A fraction that
-falls means that more is to be done than was expected (pictures whose error falls slowly), or that the phase began anew.
+"""The progress of long calls, shown to people as a bar and to programs as lines of JSON.
+Instances of both classes are passed as the argument `progress` of `solve`, `render` and `irradiance`, which call it as
+`progress(phase, fraction, statistics)` about ten times a second. `fraction` is the finished share (0..1) of the phase.
+A fraction that falls means that more work is left than was expected (the error of a picture falls slowly), or that the
+phase has started again.
 """
 
 from __future__ import annotations
@@ -24,19 +24,20 @@ from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
 _CONTROL = re.compile("[\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""What JSON leaves as it is though terminals, or readers of lines, obey it."""
+"""Characters that JSON does not escape, but that control terminals or break lines."""
 
 SHOW_AFTER = 2.0
-"""Seconds before a bar appears: shorter calls need none."""
+"""Seconds before the bar appears; shorter calls need no bar."""
 
 RATE_WINDOW = 2.0
-"""Seconds over which rays per second are averaged: calm enough to read, quick enough to follow a new phase."""
+"""Seconds over which the rays per second are averaged: long enough to read the number, short enough to follow a new
+phase."""
 
 Clock = Callable[[], float]
 
 
 class Meter:
-    """Rays per second and seconds left, from reports as they come."""
+    """Computes the rays per second and the seconds left from reports of progress."""
 
     def __init__(self, clock: Clock = time.monotonic) -> None:
         self._clock = clock
@@ -46,12 +47,12 @@ class Meter:
         self._counts: deque[tuple[float, float]] = deque()
 
     def update(self, phase: str, fraction: float, rays: float) -> None:
-        """Take one report into account."""
+        """Add one report: the phase, the finished share of it (0..1), and the number of rays so far."""
         now = self._clock()
         if phase != self._phase or fraction < self._fraction:
             self._phase, self._started, self._first_fraction = phase, now, fraction
             self._counts.clear()
-        # A count that falls belongs to another call.
+        # The number of rays falls when another call begins.
         if self._counts and rays < self._counts[-1][1]:
             self._counts.clear()
         self._fraction = fraction
@@ -61,7 +62,7 @@ class Meter:
 
     @property
     def rays_per_second(self) -> float | None:
-        """Over the last `RATE_WINDOW` seconds, None before two reports."""
+        """Rays per second over the last `RATE_WINDOW` seconds; None before the second report."""
         if len(self._counts) < 2:
             return None
         (first, before), (last, after) = self._counts[0], self._counts[-1]
@@ -69,15 +70,14 @@ class Meter:
 
     @property
     def seconds_left(self) -> float | None:
-        """Seconds until this phase ends if its pace stays the same; None where nothing is done yet."""
+        """Seconds until this phase ends, if its pace stays the same; None if nothing is finished yet."""
         spent, done = self._clock() - self._started, self._fraction - self._first_fraction
         return spent * (1.0 - self._fraction) / done if done > 0 and spent > 0 else None
 
 
 class ProgressBar:
-    """A line with phase, bar, rays per second and time left; only on a terminal, only after `SHOW_AFTER` seconds.
-
-    It vanishes when the `with` block ends, however that happens.
+    """A line with the phase, a bar, the rays per second and the time left.
+    It is shown only on a terminal and only after `SHOW_AFTER` seconds, and removed when the `with` block ends.
     """
 
     def __init__(self, console: Console | None = None, clock: Clock = time.monotonic) -> None:
@@ -111,11 +111,11 @@ class ProgressBar:
             rate=rate_text(self._meter.rays_per_second),
             left=left_text(self._meter.seconds_left),
         )
-        # Reports come often enough; rich's own refreshing thread would only compete for the processor.
+        # The bar is refreshed at each report; rich's own refreshing thread would take processor time from the renderer.
         self._bar.refresh()
 
     def close(self) -> None:
-        """Take the bar off the screen."""
+        """Remove the bar from the screen."""
         if self._bar is not None:
             self._bar.stop()
             self._bar = None
@@ -135,15 +135,15 @@ class ProgressBar:
 
 
 class JsonEvents:
-    """One JSON object a line, flushed at once; each has `event` and `time` (seconds since the start).
-
-    `progress`: phase, fraction, seconds_left, rays_per_second (null while unknown), statistics. Other events are the
-    command line's: `warning` and `error` (message), `result` (what the command found or wrote). Numbers that are not
-    finite become null, since JSON has none.
+    """Writes events as JSON objects, one per line, and flushes each line at once.
+    Every object has the fields `event` and `time` (seconds since the start). The event `progress` has phase, fraction,
+    seconds_left and rays_per_second (null while unknown), and statistics. The command line adds the events `warning`
+    and `error`, with a message, and `result`, with what the command computed or wrote. Numbers that are not finite are
+    written as null, because JSON cannot represent them.
     """
 
     def __init__(self, stream: TextIO | None = None, clock: Clock = time.monotonic) -> None:
-        self._stream = stream or sys.stdout or io.StringIO()  # None where standard output is closed
+        self._stream = stream or sys.stdout or io.StringIO()  # sys.stdout is None if standard output is closed
         self._clock = clock
         self._begun = clock()
         self._meter = Meter(clock)
@@ -162,14 +162,14 @@ class JsonEvents:
     def emit(self, event: str, **fields: Any) -> None:
         """Write one event."""
         record = {"event": event, "time": round(self._clock() - self._begun, 3), **fields}
-        # JSON spells out what is below a space itself, and leaves other control characters as they are.
+        # `json.dumps` escapes the control characters below the space, but not the others.
         text = json.dumps(_finite(record), ensure_ascii=False, allow_nan=False)
         self._stream.write(_CONTROL.sub(lambda c: f"\\u{ord(c[0]):04x}", text) + "\n")
         self._stream.flush()
 
 
 def rate_text(rays_per_second: float | None) -> str:
-    """`12.3 Mrays/s`; empty where unknown."""
+    """Format rays per second as in `12.3 Mrays/s`; the text is empty if the number is unknown."""
     if rays_per_second is None:
         return ""
     for unit, size in (("G", 1e9), ("M", 1e6), ("k", 1e3)):
@@ -179,7 +179,7 @@ def rate_text(rays_per_second: float | None) -> str:
 
 
 def left_text(seconds: float | None) -> str:
-    """`1:05 left`, `2:00:00 left`; empty where unknown or beyond a hundred hours."""
+    """Format seconds as in `1:05 left` or `2:00:00 left`; the text is empty if unknown or a hundred hours or more."""
     if seconds is None or not seconds < 360_000:
         return ""
     minutes, rest = divmod(math.ceil(seconds), 60)

@@ -119,7 +119,7 @@ _quality_options = together(
     option("--crop", type=CROP, section=CAMERA, help="Render only this rectangle of pixels; the rest stays black."),
     max_depth_option(),
     no_check_option(),
-    refine_option("Refine the records until their estimated error meets --max-error."),
+    refine_option("Refine the records until their estimated error is below --max-error."),
     option(
         "--replay-settings",
         metavar="FILE",

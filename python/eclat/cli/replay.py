@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Repeating a run: the whole run from its picture's metadata, or a single sample."""
+"""Repeating a run from the metadata of its picture, either the whole picture or one sample of a pixel."""
 
 from __future__ import annotations
 
@@ -35,14 +35,15 @@ REPEATED = (
     ),
     *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "materials"),
 )
-"""The flags that a picture's values depend on, by name; the scene is given anew, since files move."""
+"""Names of the flags that determine the values of a picture. The scene is not among them: it is given again, since
+files are moved."""
 
 _WITH_SETTINGS = (".exr", ".png")
-"""Pictures that hold metadata."""
+"""Suffixes of picture files that store metadata."""
 
 
 def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[str, Any]:
-    """What `--replay-settings` needs to make the same picture: the flags, with the samples that were really taken."""
+    """Collect the flags with which `--replay-settings` makes the same picture, with the number of samples taken."""
     settings = {name: flags[name] for name in REPEATED}
     chosen = chosen_by_clock(flags, metadata)
     if chosen:
@@ -51,13 +52,14 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
     if taken is not None:
         settings["samples"], settings["time"] = int(taken), None
         settings["adaptive"] = bool(metadata.get("adaptive"))
-    # Through JSON, so that it is the same whether it comes from a file or from memory.
+    # Converting to JSON and back gives the same types that reading from a file gives.
     plain: dict[str, Any] = json.loads(json.dumps(settings))
     return plain
 
 
 def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> list[str]:
-    """The options of records that `--time` chose, as values of `--set` that choose the same without a clock."""
+    """List the options that `--time` chose for the records, as values of `--set`, which give the same records without
+    it."""
     from eclat.methods import METHODS
 
     options = metadata.get("options", {})
@@ -68,21 +70,21 @@ def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> li
 
 
 def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
-    """The flags stored in a picture.
+    """Read the flags that are stored in a picture.
 
     Raises
     ------
-    EclatError : the file holds none, or a flag is also given by hand.
+    EclatError : the file holds no settings, or one of these flags is also given on the command line.
     """
     given = click.core.ParameterSource.COMMANDLINE
     for name in REPEATED:
         if context.get_parameter_source(name) is given:
             flag = next(parameter.opts[-1] for parameter in context.command.params if parameter.name == name)
-            raise EclatError(f"--replay-settings cannot be combined with {flag}: it repeats all settings")
+            raise EclatError(f"--replay-settings cannot be combined with {flag}: the file holds the value to use")
     settings = _metadata(path).get("settings")
     if not isinstance(settings, dict) or not set(REPEATED) <= set(settings):
         raise EclatError(
-            f"{path}: expected the settings of a run in the metadata, which `eclat render` writes; got none"
+            f"{path}: expected a picture that `eclat render` wrote, with the settings of its run in the metadata, got none"
         )
     flags: dict[str, Any] = {}
     for parameter in context.command.params:
@@ -92,7 +94,9 @@ def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
 
 
 def _checked(path: str, parameter: click.Parameter, value: Any, context: click.Context) -> Any:
-    """The value after the same checks as on the command line, since files can be edited. Raises EclatError."""
+    """Check a stored value as if it were given on the command line, because files can be edited.
+    Raises EclatError if the value is not valid.
+    """
     where = f"{path}, setting {parameter.name!r}"
     flag = isinstance(parameter.type, click.types.BoolParamType)
     several = parameter.multiple if isinstance(parameter, click.Option) else False
@@ -105,11 +109,13 @@ def _checked(path: str, parameter: click.Parameter, value: Any, context: click.C
     except click.UsageError as error:
         raise EclatError(f"{where}: {' '.join(error.message.split())}") from None
     except (TypeError, ValueError, AttributeError, LookupError, ArithmeticError) as error:
-        raise EclatError(f"{where}: expected what its flag takes, got {json.dumps(value)[:60]} ({error})") from None
+        raise EclatError(
+            f"{where}: expected a value that its option accepts, got {json.dumps(value)[:60]} ({error})"
+        ) from None
 
 
 def _is_plain_list(value: Any) -> bool:
-    """Whether it is a list of numbers and texts, or (of flags that take several) of such lists."""
+    """Return whether the value is a list of numbers and texts, or a list of such lists, as for repeatable options."""
     if not isinstance(value, list):
         return False
     items = [item for part in value for item in (part if isinstance(part, list) else [part])]
@@ -117,20 +123,20 @@ def _is_plain_list(value: Any) -> bool:
 
 
 def say_replay_of_bad_samples(reporter: Reporter, image: Image, scene: str, outputs: Sequence[str]) -> None:
-    """Where samples were not finite: the command that replays the first of them with all settings of the picture."""
+    """If samples were not finite, print the command that repeats the first of them with the settings of the picture."""
     files = [name for name in outputs if Path(name).suffix.lower() in _WITH_SETTINGS]
     bad = image.metadata.get("bad_samples")
     if bad and files:
         place = ",".join(map(str, bad["first"]))
         words = ("eclat", "render", scene, "--replay-settings", files[0], "--replay", place)
-        reporter.warn(f"to replay the first of these samples: {shlex.join(words)}")
+        reporter.warn(f"to repeat the first of these samples, run: {shlex.join(words)}")
 
 
 def say_replayed_sample(reporter: Reporter, image: Image, replay: tuple[int, int, int]) -> None:
-    """The value of the pixel whose sample was replayed."""
+    """Print the value of the pixel whose sample was repeated."""
     x, y, sample = replay
     value = [float(channel) for channel in image.pixels[y, x]]
-    # The pixel itself is the mean of what was finite.
+    # The value of the pixel is the mean of the finite samples.
     bad = image.metadata.get("bad_samples")
     finite = bad is None
     verdict = "finite" if bad is None else f"{bad['count']} NOT FINITE, the first is number {bad['first'][2]}"

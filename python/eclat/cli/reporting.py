@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The output of a command while it works: a bar and text for people, or lines of JSON for programs.
-
-Results go to standard output; bar, warnings and errors go to standard error. With `--json` standard output holds
-nothing but events (`eclat.cli.progress.JsonEvents`), one a line; errors are printed on standard error as well.
+"""The output of a command: a progress bar and text for people, or lines of JSON for programs.
+Results go to standard output; the bar, warnings and errors go to standard error. With `--json`, standard output holds
+only events (`eclat.cli.progress.JsonEvents`), one per line, and errors are also printed on standard error.
 """
 
 from __future__ import annotations
@@ -26,21 +25,23 @@ reporting_options = together(
         "-q",
         is_flag=True,
         section="Reporting",
-        help="No progress bar and no summary; warnings and errors stay.",
+        help="Show no progress bar and no summary; warnings and errors are still shown.",
     ),
     option(
         "--json",
         "as_json",
         is_flag=True,
         section="Reporting",
-        help="Progress, warnings and results as JSON, one object a line, on standard output.",
+        help="Write progress, warnings and results to standard output as JSON, one object per line.",
     ),
 )
-"""`--quiet` and `--json`."""
+"""Adds the options `--quiet` and `--json`."""
 
 
 class Reporter:
-    """Use as `with Reporter(quiet, as_json) as reporter:` around all that a command does."""
+    """Prints the progress, warnings, results and errors of a command.
+    All that a command does is enclosed in `with Reporter(quiet, as_json) as reporter:`.
+    """
 
     def __init__(self, quiet: bool = False, as_json: bool = False) -> None:
         self.quiet = quiet
@@ -51,13 +52,13 @@ class Reporter:
 
     @property
     def progress(self) -> Callable[[str, float, dict[str, float]], None] | None:
-        """For the `progress` argument of long calls."""
+        """The value for the argument `progress` of long calls; None if progress is not shown."""
         if self.events is not None:
             return None if self.quiet else self.events
         return self._bar
 
     def end_progress(self) -> None:
-        """Take the bar off the screen, before something else is written there."""
+        """Remove the bar from the screen, before something else is written there."""
         if self._bar is not None:
             self._bar.close()
 
@@ -70,7 +71,7 @@ class Reporter:
             click.echo(printable(text, lines=True))
 
     def note(self, text: str) -> None:
-        """Say something beside a result that stands on standard output."""
+        """Print a remark on standard error, beside a result on standard output."""
         self.end_progress()
         if not self.quiet and self.events is None:
             click.echo(f"eclat: {printable(text)}", err=True)
@@ -120,7 +121,7 @@ class Reporter:
 
 
 def message_of(error: EclatError | click.ClickException) -> str:
-    """One message of ours, whatever raised it."""
+    """Return the message of an error of Éclat or of click, in the form in which all errors are printed."""
     if isinstance(error, click.BadParameter) and not isinstance(error, click.MissingParameter) and error.param:
         return f"{error.param.opts[-1]}: {error.message}"
     if isinstance(error, click.ClickException):
@@ -130,6 +131,6 @@ def message_of(error: EclatError | click.ClickException) -> str:
 
 
 def say_error(message: str) -> None:
-    """`eclat: message` on standard error, where that still works."""
+    """Print `eclat: message` on standard error; do nothing if standard error cannot be written."""
     with suppress(OSError):
         click.echo(f"eclat: {printable(message, lines=True)}", err=True)

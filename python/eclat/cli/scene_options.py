@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The scene and the flags that change it before it is rendered, shared by the commands."""
+"""The argument SCENE and the options that change the scene before it is rendered, which several commands share."""
 
 from __future__ import annotations
 
@@ -26,43 +26,47 @@ material_option = option(
     metavar="NAME=KIND,…",
     multiple=True,
     section=SURFACES,
-    help="Replace the material of the mesh or material called NAME by a Mitsuba bsdf with its properties, such as "
-    "floor=roughplastic,distribution=ggx,alpha=0.2; repeatable. Properties that you do not give keep their values; "
-    "`eclat info` lists names.",
+    help="Replace the material called NAME, or that of the mesh called NAME, by a Mitsuba bsdf with its properties, as "
+    "in floor=roughplastic,distribution=ggx,alpha=0.2; repeatable. Properties that you do not give keep their values. "
+    "`eclat info` lists the names.",
 )
-"""`--material`."""
+"""Adds the option `--material`."""
 
 light_options = together(
     option(
         "--sun",
         type=SUN,
         section=LIGHT,
-        help="Replace the scene's suns and environment by sun and sky; degrees, azimuth from north.",
+        help="Replace the scene's suns and environment by a sun and a sky; both angles are in degrees, the azimuth is "
+        "measured from north.",
     ),
     option(
         "--environment",
         type=ENVIRONMENT,
         section=LIGHT,
-        help="Replace the scene's environment by an image or a constant radiance.",
+        help="Replace the scene's environment by an image file or by a constant radiance R,G,B.",
     ),
 )
-"""Flags that replace the scene's sun and surroundings."""
+"""Adds the options that replace the scene's suns and environment."""
 
 camera_options = together(
     option(
-        "--camera", metavar="N|NAME", section=CAMERA, help="One of the scene's cameras [0]; `eclat info` lists them."
+        "--camera",
+        metavar="N|NAME",
+        section=CAMERA,
+        help="Use this camera of the scene, given by its number or its name; `eclat info` lists all cameras [0].",
     ),
     option("--camera-from", type=POINT, section=CAMERA, help="Place the camera at this position."),
     option(
         "--camera-to", type=POINT, section=CAMERA, help="Point the camera at this position [the middle of the scene]."
     ),
-    option("--camera-up", type=POINT, section=CAMERA, help="The direction that is up in the picture [the scene's up]."),
+    option("--camera-up", type=POINT, section=CAMERA, help="Direction that points up in the picture [the scene's up]."),
     option(
         "--fov", type=Number(float, 0, 179.9, above=True), section=CAMERA, help="Vertical field of view in degrees."
     ),
-    option("--size", type=SIZE, section=CAMERA, help="Width and height in pixels [the scene's, else 1280x720]."),
+    option("--size", type=SIZE, section=CAMERA, help="Width and height in pixels [the camera's, else 1280x720]."),
 )
-"""Flags that choose or replace the camera."""
+"""Adds the options that choose or replace the camera."""
 
 work_options = together(
     option(
@@ -70,35 +74,40 @@ work_options = together(
         type=Number(int, 0, 2**32 - 1),
         default=0,
         section=WORK,
-        help="Seed of the random numbers; another seed gives other noise [0].",
+        help="Seed of the random numbers; another seed gives different noise [0].",
     ),
     option(
         "--threads",
         type=Number(int, 1, 1024),
         section=WORK,
-        help="Number of threads [all processors]; it does not change the result.",
+        help="Number of threads; it does not change the result [all processors].",
     ),
 )
-"""Seed and threads."""
+"""Adds the options `--seed` and `--threads`."""
 
 
 def scene_argument(function: F) -> F:
-    """The one positional argument."""
+    """Add the argument SCENE."""
     return click.argument("scene", metavar="SCENE")(function)
 
 
 def scene_stem(name: str) -> str:
-    """The name, without a suffix, of files made from this scene."""
+    """Return the name, without a suffix, for files that are made from this scene."""
     return Path(name).stem or "scene"
 
 
 def load_scene(flags: Mapping[str, Any]) -> Scene:
-    """The scene that the flags ask for, with a camera and light in any case. Raises EclatError."""
+    """Load the scene with the changes that the flags ask for; if it has no camera or no light, add one.
+    Raises EclatError if the scene cannot be loaded or a flag does not fit it.
+    """
     return load_scene_to_show(flags)[0]
 
 
 def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal["auto"]]:
-    """The same, and the exposure of its pictures: that of the flags, else "auto" under light that no file chose, else 0."""
+    """Load the scene as `load_scene` does, and choose the exposure of its pictures.
+    The exposure is that of the flags if given; otherwise "auto" if all light comes from `--sun` or a default, and 0 if
+    not.
+    """
     from eclat.stage.defaults import complete, wants_exposure
 
     scene = eclat.load(flags["scene"])
@@ -122,13 +131,15 @@ def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
         except EclatError as error:
             raise EclatError(f"--material: {error}") from None
         if name in materials:
-            raise EclatError(f"--material: expected {name} once, got it twice")
+            raise EclatError(f"--material: {name} is given twice, expected it once")
         materials[name] = bsdf
     return materials
 
 
 def camera_index(scene: Scene, wanted: str | None) -> int:
-    """The number of the camera called `wanted`, which is its number or its name. Raises EclatError."""
+    """Return the index of the camera that `wanted` names by its index or its name; None means 0.
+    Raises EclatError if the scene has no such camera.
+    """
     if wanted is None:
         return 0
     names = [camera.name for camera in scene.cameras]

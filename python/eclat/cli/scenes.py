@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat scenes`: the built-in scenes."""
+"""The command `eclat scenes`, which lists the built-in scenes."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from eclat.cli.command import Command
 from eclat.cli.reporting import Reporter, reporting_options
 
 EXAMPLES = {
-    "eclat scenes": "List them:",
-    "eclat render atrium": "Use one wherever a scene file is asked for:",
+    "eclat scenes": "List the built-in scenes:",
+    "eclat render atrium": "Render one of them; its name can be given instead of a scene file:",
 }
 
 
@@ -26,7 +26,7 @@ EXAMPLES = {
 )
 @reporting_options
 def command(**flags: Any) -> None:
-    """One line each."""
+    """Print the name and a description of each scene, one per line."""
     from eclat.scenes import NAMES
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:

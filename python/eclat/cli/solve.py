@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""`eclat solve`: the records of a scene, computed once and kept."""
+"""The command `eclat solve`, which computes the solution of a method for a scene and writes it to a file."""
 
 from __future__ import annotations
 
@@ -30,53 +30,56 @@ from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable
 
 EXAMPLES = {
-    "eclat solve room.glb": "Writes room.npz:",
-    "eclat solve room.glb -o fine.npz --max-error 0.005": "Finer records:",
-    "eclat solve room.glb --method radiance-cache": "Glossy surfaces from records as well:",
-    "eclat solve room.glb --method radiosity": "Radiosity of all surfaces, for all views:",
-    "eclat render room.glb --cache fine.npz --samples 64": "Render from these records; the scene must be the same:",
-    "eclat solve room.glb --cache room.npz --refine --max-error 0.003": "Refine records up to --max-error:",
-    "eclat solve room.glb --view-independent": "For every view, including views that you have not chosen yet:",
-    "eclat solve room.glb --points desks.csv": "For points with normals, as `eclat irradiance` takes them:",
+    "eclat solve room.glb": "Compute the records for the view of the scene's first camera, and write room.npz:",
+    "eclat solve room.glb -o fine.npz --max-error 0.005": "Compute more accurate records:",
+    "eclat solve room.glb --method radiance-cache": "Compute records for glossy surfaces too:",
+    "eclat solve room.glb --method radiosity": "Compute the radiosity of all surfaces, which serves all views:",
+    "eclat render room.glb --cache fine.npz --samples 64": "Render with these records; the scene must be the same:",
+    "eclat solve room.glb --cache room.npz --refine --max-error 0.003": (
+        "Refine existing records until their estimated error is below --max-error:"
+    ),
+    "eclat solve room.glb --view-independent": "Compute records on all surfaces, which serve all views:",
+    "eclat solve room.glb --points desks.csv": "Compute records for points with normals, as `eclat irradiance` reads them:",
 }
 
 
 @click.command(
     "solve",
     cls=Command,
-    short_help="Compute what a method learns about a scene, and keep it.",
+    short_help="Compute the records, photons or patches of a scene, and keep them in a file.",
     examples=EXAMPLES,
     notes=lambda: method_notes(that_solve=True),
-    help="""Compute the records that a view of SCENE needs (or points, or all surfaces), and keep them.
+    help="""Compute the records that a view of SCENE needs, and keep them in a file.
 
-    With --method photon-map or radiosity: photons, or the light of all patches, for the whole scene. The file is a NumPy
-    .npz archive; --cache of `eclat render`, `irradiance` and `bake` and `eclat.load_solved` read it. A scene that has
-    changed since is refused.""",
+    With --points or --view-independent, records are computed for points or for all surfaces instead. With --method
+    photon-map or radiosity, the file holds the photons or patches of the whole scene. It is a NumPy .npz archive, which
+    `eclat render`, `eclat irradiance` and `eclat bake` read with --cache, and Python reads with `eclat.load_solved`. It
+    can be used only with the scene that it was computed for, unchanged.""",
 )
 @scene_argument
-@output_option("A file ending in .npz [SCENE.npz].")
-@keep_partial_option("On Ctrl-C, write the records of the finished passes, marked as incomplete.")
+@output_option("The .npz file to write [SCENE.npz].")
+@keep_partial_option("If you press Ctrl-C, write the records of the finished passes, marked as incomplete.")
 @option(
     "--view-independent",
     is_flag=True,
     section="Input",
-    help="Place records on all surfaces instead of only those that one view needs.",
+    help="Place records on all surfaces, instead of only where one view needs them.",
 )
 @option(
     "--points",
     metavar="FILE",
     section="Input",
-    help="Compute records for the points in this file (x y z nx ny nz; text, .csv or .npy).",
+    help="Compute records for the points in this file: x y z nx ny nz per point, as text, .csv or .npy.",
 )
-@max_error_option("Relative error of indirect light")
+@max_error_option("Wanted relative error of the indirect light")
 @max_depth_option()
 @no_check_option()
-@refine_option("Refine until the estimated error meets --max-error.")
+@refine_option("Refine the records until their estimated error is below --max-error.")
 @option(
     "--cache",
     metavar="FILE",
     section="Input",
-    help="With --refine: the file of records to refine, written by `eclat solve`.",
+    help="File of records, written by `eclat solve`, that --refine refines.",
 )
 @method_option
 @set_option
@@ -87,7 +90,7 @@ EXAMPLES = {
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
-    """Solve and save."""
+    """Solve the scene and write the solution."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         output = flags["output"] or f"{scene_stem(flags['scene'])}.npz"
         if Path(output).suffix.lower() != ".npz":
@@ -119,11 +122,11 @@ def command(context: click.Context, /, **flags: Any) -> None:
 
 
 COMMON = ("seed", "threads", "keep_partial", "check")
-"""Flags that are arguments of `eclat.solve` and `eclat.refine` as they are."""
+"""Flags that are passed to `eclat.solve` and `eclat.refine` unchanged, as arguments of the same names."""
 
 
 def _check_cache(flags: dict[str, Any], context: click.Context) -> None:
-    """Raise EclatError if `--cache` lacks `--refine`, or is combined with a flag whose value the cache holds."""
+    """Raise EclatError if `--cache` is given without `--refine`, or with an option whose value the file determines."""
     if not flags["refine"]:
         raise EclatError("--cache requires --refine: without --refine, `eclat solve` computes all records anew")
     for name, flag in (("settings", "--set"), ("method", "--method"), ("max_depth", "--max-depth")):
@@ -137,15 +140,18 @@ def _check_purpose(flags: dict[str, Any], method: eclat.Method) -> None:
         known = [name for name, cls in eclat.METHODS.items() if cls.solved is not None]
         raise EclatError(f"--method: expected one of {', '.join(known)}, got {flags['method']!r}")
     if flags["refine"] and not flags["check"]:
-        raise EclatError("--refine cannot be combined with --no-check: the estimated error decides when to stop")
+        raise EclatError("--refine cannot be combined with --no-check: refining stops at an estimated error")
     if method.for_whole_scene:
         for name in ("points", "view_independent", "camera", "size", "cache", "refine", "keep_partial"):
             if flags[name]:
                 flag = name.replace("_", "-")
                 raise EclatError(
-                    f"--{flag}: expected a method with records, since {method.name} is for the whole scene"
+                    f"--{flag}: expected a method with records, got {method.name}, which is solved for the whole scene"
                 )
     if flags["points"] and flags["view_independent"]:
-        raise EclatError("--points cannot be combined with --view-independent")
+        raise EclatError("--points cannot be combined with --view-independent: give one of them")
     if (flags["points"] or flags["view_independent"]) and (flags["camera"] is not None or flags["size"] is not None):
-        raise EclatError("--camera and --size cannot be combined with --points or --view-independent")
+        raise EclatError(
+            "--camera and --size cannot be combined with --points or --view-independent: these records serve no "
+            "particular view"
+        )

@@ -139,7 +139,7 @@ def test_materials_change_by_name(api: FakeApi, capsys: Output) -> None:
     assert main(["render", "cornell-box", "--material", "flor=plastic"]) == 2
     assert "eclat: material 'flor': expected one of" in (text := errors(capsys)) and "did you mean 'floor'?" in text
     assert main(["render", "cornell-box", "--material", "floor=plastic", "--material", "floor=diffuse"]) == 2
-    assert errors(capsys) == "eclat: --material: expected floor once, got it twice\n"
+    assert errors(capsys) == "eclat: --material: floor is given twice, expected it once\n"
     assert main(["render", "cornell-box", "--material", "floor"]) == 2
     assert "eclat: --material: expected NAME=KIND,property=value,…" in errors(capsys)
 
@@ -183,7 +183,7 @@ BAD_VALUES = {
     "--crop 0,0,9,9 --size 8x8": "--crop: expected pixels inside the picture of 8x8, got 0,0,9,9",
     "--crop 0,0,513,1": "--crop: expected pixels inside the picture of 512x512, got 0,0,513,1",
     "--replay 512,0,1": "--replay: expected pixels inside the picture of 512x512, got 512,0,1",
-    "--replay 1,2": "--replay: expected a pixel and the number of its sample, x,y,sample, such as 412,77,19, got '1,2'",
+    "--replay 1,2": "--replay: expected a pixel and the index of one of its samples, x,y,sample, such as 412,77,19, got '1,2'",
     "--camera-from nan,0,0": "--camera-from: expected three numbers x,y,z, got 'nan,0,0'",
     "--camera-to 1,2": "--camera-to: expected three numbers x,y,z, got '1,2'",
     "--camera 7": "--camera: expected one of 0 'camera', got '7'",
@@ -192,8 +192,8 @@ BAD_VALUES = {
     "--sun 10,91": (
         "--sun: expected azimuth,elevation in degrees with an elevation from -90 to 90, such as 135,40, got '10,91'"
     ),
-    "--environment 1,2": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,2'",
-    "--environment 1,-2,3": "--environment: expected an image file or a radiance r,g,b of numbers from 0, got '1,-2,3'",
+    "--environment 1,2": "--environment: expected an image file or a radiance r,g,b, each at least 0, got '1,2'",
+    "--environment 1,-2,3": "--environment: expected an image file or a radiance r,g,b, each at least 0, got '1,-2,3'",
     "--exposure 65": "--exposure: expected a number from -64 to 64 or auto, got '65'",
     "--tone-mapping filmc": "--tone-mapping: expected one of none, filmic, got 'filmc'; did you mean 'filmic'?",
     "--method pth": "--method: expected one of direct, path, irradiance-cache, radiance-cache, photon-map, radiosity, "
@@ -202,7 +202,7 @@ BAD_VALUES = {
     "--set max-eror=1": "--set: unknown option max-eror for irradiance-cache; did you mean 'max-error'?",
     "--set rows=many": "--set: rows: expected integer | none, got 'many'",
     "--set weight=wart": "--set: weight: expected tabellion | ward | split-sphere, got 'wart'",
-    "--set rows=5 --set rows=6": "--set: expected rows once, got it twice",
+    "--set rows=5 --set rows=6": "--set: rows is given twice, expected it once",
     "--set rows=1": "IrradianceCache: rows must be between 2 and 256, got 1",
     "--method path --show-records": "--show-records: expected a method with records, got path",
     "--cache a.npz --set rows=5": (
@@ -257,7 +257,7 @@ def test_bad_command_lines(arguments: str, message: str | None, capsys: Output) 
 def test_usage_errors_name_the_help(capsys: Output) -> None:
     for flag in ("--sampels", "--samples"):
         assert main(["render", "x", flag]) == 2
-        assert errors(capsys).splitlines()[1] == "       try: eclat render --help"
+        assert errors(capsys).splitlines()[1] == "       for help, run: eclat render --help"
 
 
 def test_an_unwritable_output_is_said_before_any_work(api: FakeApi, capsys: Output) -> None:
@@ -289,7 +289,9 @@ def test_keep_partial_writes_what_the_interrupt_carries(api: FakeApi, keep: bool
 def test_keep_partial_says_when_there_is_nothing(api: FakeApi, capsys: Output) -> None:
     api.raises = KeyboardInterrupt()
     assert main(["render", "cornell-box", "--keep-partial"]) == 130
-    assert errors(capsys) == "eclat: there is nothing to keep yet\neclat: interrupted\n"
+    assert errors(capsys) == (
+        "eclat: --keep-partial: nothing was written, because nothing was finished yet\neclat: interrupted\n"
+    )
     assert os.listdir() == []
 
 
@@ -316,7 +318,9 @@ def test_json_reports_errors_and_interrupts(api: FakeApi, capsys: Output) -> Non
 
 def test_json_needs_standard_output_for_itself(capsys: Output) -> None:
     assert main(["irradiance", "cornell-box", "--json"]) == 2
-    assert capsys.readouterr().err == ("eclat: --json requires a file by -o: standard output then holds events only\n")
+    assert capsys.readouterr().err == (
+        "eclat: --json requires -o FILE: with --json, standard output holds only events\n"
+    )
 
 
 def test_quiet_keeps_warnings(capsys: Output) -> None:
@@ -345,7 +349,9 @@ def test_settings_repeat_a_run(api: FakeApi, capsys: Output) -> None:
     assert set(Image.load("a.exr").metadata["settings"]) == set(REPEATED)
     capsys.readouterr()
     assert main(["render", "cornell-box", "--replay-settings", "a.exr", "--seed", "3"]) == 2
-    assert errors(capsys) == ("eclat: --replay-settings cannot be combined with --seed: it repeats all settings\n")
+    assert errors(capsys) == (
+        "eclat: --replay-settings cannot be combined with --seed: the file holds the value to use\n"
+    )
 
 
 def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
@@ -355,7 +361,7 @@ def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
     assert "--size: expected a width and a height" in errors(capsys)
     Image(np.zeros((1, 1, 3), np.float32), metadata={"settings": [1]}).save("a.exr")
     assert main(["render", "cornell-box", "--replay-settings", "a.exr"]) == 2
-    assert "a.exr: expected the settings of a run in the metadata" in errors(capsys)
+    assert "a.exr: expected a picture that `eclat render` wrote" in errors(capsys)
 
 
 @pytest.mark.parametrize(
@@ -391,7 +397,7 @@ def test_samples_that_are_not_finite_come_with_the_command_that_replays_them(api
         main(["render", "cornell-box", "--method", "path", "--size", "8x6", "-q", "-o", "a.npy", "-o", "a b.exr"]) == 0
     )
     words = "render cornell-box --replay-settings 'a b.exr' --replay 4,2,19"
-    assert errors(capsys) == f"eclat: warning: to replay the first of these samples: eclat {words}\n"
+    assert errors(capsys) == f"eclat: warning: to repeat the first of these samples, run: eclat {words}\n"
     api.metadata["bad_samples"]["count"] = 1
     assert main(shlex.split(words)) == 0
     assert (api.calls[1]["crop"], api.calls[1]["samples"], api.calls[1]["size"]) == ((4, 2, 5, 3), 20, (8, 6))
@@ -536,7 +542,7 @@ def test_irradiance_from_a_solved_file_says_what_served_each_point() -> None:
             out, said = process.communicate(timeout=60)
         assert process.returncode == 0
     assert len(out.splitlines()) == 3
-    assert said.startswith("eclat: 2 points, 1 served by records, 1 gathered, light straight from lamps within ")
+    assert said.startswith("eclat: 2 points, 1 read from records, 1 gathered, light straight from lamps within ")
     assert said.endswith(" %, RGB in W/m², lux by 179 lm/W\n")
 
 

@@ -41,13 +41,16 @@ def test_ways_to_write_the_same(tmp_path: Path, text: str | bytes) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", ": expected points, one a line, got none"),
-        ("x y z\n", ": expected points, one a line, got none"),
+        ("", ": expected points, one per line, got none"),
+        ("x y z\n", ": expected points, one per line, got none"),
         ("1 2 3 0 0 1\n1 2 3\n", ", line 2: expected six numbers x y z nx ny nz, got '1 2 3'"),
         ("1 2 3 0 0 z\n", ", line 1: expected six numbers x y z nx ny nz, got '1 2 3 0 0 z'"),
         ("1 2 3 0 0 1\nx y z\n", ", line 2: expected six numbers x y z nx ny nz, got 'x y z'"),
-        ("# a\n1 2 nan 0 0 1\n", ", line 2: expected a finite point and a normal that is not zero, got 1 2 nan 0 0 1"),
-        ("1 2 3 0 0 0\n", ", line 1: expected a finite point and a normal that is not zero, got 1 2 3 0 0 0"),
+        (
+            "# a\n1 2 nan 0 0 1\n",
+            ", line 2: expected a finite position and a normal that is not zero, got 1 2 nan 0 0 1",
+        ),
+        ("1 2 3 0 0 0\n", ", line 1: expected a finite position and a normal that is not zero, got 1 2 3 0 0 0"),
     ],
 )
 def test_bad_lines_are_named(tmp_path: Path, text: str, message: str) -> None:
@@ -63,7 +66,9 @@ def test_numpy_files(tmp_path: Path) -> None:
     np.testing.assert_array_equal(points, [[0, 1, 2], [6, 7, 8]])
     file = io.BytesIO()
     np.save(file, np.zeros((2, 3)))
-    with pytest.raises(EclatError, match=r"expected an array of six columns x y z nx ny nz, got float64 \(2, 3\)"):
+    with pytest.raises(
+        EclatError, match=r"expected an array with six columns x y z nx ny nz, got float64 of shape \(2, 3\)"
+    ):
         read(tmp_path, file.getvalue())
     with pytest.raises(EclatError, match=r"expected a \.npy file of numbers"):
         read(tmp_path, b"\x93NUMPY\x01\x00")

@@ -102,7 +102,7 @@ def test_closed_streams(descriptor: int) -> None:
     if descriptor == 0:
         keywords["stdin"] = None
         code, complaint = run("irradiance", "cornell-box", "--points", "-", **keywords)
-        assert (code, complaint) == (2, "eclat: standard input: expected points, but it is closed\n")
+        assert (code, complaint) == (2, "eclat: standard input: expected points, but standard input is closed\n")
     else:
         keywords["stdout"] = None
         assert run("info", "cornell-box", **keywords)[0] == 0
