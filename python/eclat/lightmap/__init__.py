@@ -1,4 +1,5 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Light maps: charts of all surfaces in one image (`atlas`), the points that its texels stand for (`texels`), what lies
-between charts (`gutters`), and the result as a value and as files (`lightmap`)."""
+"""Light maps. `atlas` places the charts of all surfaces in one image, `texels` finds the surface point of each texel,
+`gathering` computes their light, `gutters` fills the texels between charts, and `lightmap` holds the result and writes
+its files."""

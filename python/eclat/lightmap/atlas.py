@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Where each triangle lies in the light map: charts without overlap, cut by xatlas or, if it fails, by
-`planar_charts`."""
+"""The layout of a light map: every triangle is placed in a chart, and charts do not overlap. xatlas computes the
+charts; if it fails, `planar_charts` does."""
 
 from __future__ import annotations
 
@@ -24,26 +24,27 @@ from eclat.errors import EclatError, warn
 from eclat.lightmap.planar_charts import unwrap_planar
 from eclat.scene import FloatArray, Mesh, triangle_areas
 
-PROGRAM = Path(__file__).with_name("xatlas_process.py")
-"""What unwraps, in a process of its own."""
+XATLAS_PROGRAM = Path(__file__).with_name("xatlas_process.py")
+"""The program that computes charts with xatlas in a separate process."""
 
 TYPICAL_TEXELS = 1 << 18
-"""Texels on surfaces where nobody chose their size: a map of about 700 × 700."""
+"""Number of texels on surfaces if the caller gives no texel size; the map then has about 700 × 700 texels."""
 
 TYPICAL_FILL = 0.5
-"""The share of an atlas that charts usually cover."""
+"""Share of the texels of an atlas that charts usually cover, 0..1."""
 
-LEAST_DIGITS = 2
-"""Digits to which the default texel size is rounded, so that it can be said."""
+SIGNIFICANT_DIGITS = 2
+"""Number of significant digits of the default texel size, which is rounded so that it is easy to read."""
 
 
 @dataclass(frozen=True, eq=False)
 class Unwrapped:
-    """A mesh in the atlas.
+    """The charts of one mesh in the atlas.
 
-    `vertices` (V,): the vertex of the mesh that each is a copy of; a vertex on a cut has one copy for each side.
-    `triangles` (T, 3) refer to these, in the mesh's order. `uvs` (V, 2) in texels: (0, 0) is the image's top left
-    corner, (0.5, 0.5) the centre of its first texel. `charts` (V,): the chart of each, −1 for triangles without area.
+    `vertices` (V,) are the indices of the mesh's vertices that these vertices copy; a vertex on a cut has one copy for
+    each side. `triangles` (T, 3) are indices into them, in the order of the mesh. `uvs` (V, 2) are positions in texels:
+    (0, 0) is the top left corner of the image, and (0.5, 0.5) the centre of its first texel. `charts` (V,) are the
+    indices of the vertices' charts, −1 for vertices of triangles without area.
     """
 
     vertices: NDArray[np.int64]
@@ -54,7 +55,7 @@ class Unwrapped:
 
 @dataclass(frozen=True, eq=False)
 class Atlas:
-    """All charts in one image of `width` × `height` texels. `method`: "xatlas" or "planar"."""
+    """The charts of all meshes in one image of `width` × `height` texels. `method` is "xatlas" or "planar"."""
 
     width: int
     height: int
@@ -62,35 +63,34 @@ class Atlas:
     method: str
 
 
-NOTHING = Unwrapped(np.zeros(0, np.int64), np.zeros((0, 3), np.int64), np.zeros((0, 2)), np.zeros(0, np.int64))
-"""What a mesh without triangles gets."""
+NO_CHARTS = Unwrapped(np.zeros(0, np.int64), np.zeros((0, 3), np.int64), np.zeros((0, 2)), np.zeros(0, np.int64))
+"""The charts of a mesh without triangles."""
 
 
 def areas(mesh: Mesh) -> FloatArray:
-    """(T,) areas of the triangles, m²."""
+    """Compute the areas (T,) of the triangles in m²."""
     return triangle_areas(np.asarray(mesh.positions)[np.asarray(mesh.triangles)])
 
 
 def default_texel_size(area: float) -> float:
-    """The texel size in metres with which surfaces of `area` m² take about `TYPICAL_TEXELS`."""
+    """Return the texel size in metres at which surfaces of `area` m² take about `TYPICAL_TEXELS` texels."""
     if area <= 0:
         return 1.0
     size = math.sqrt(area / TYPICAL_TEXELS)
-    digits = LEAST_DIGITS - 1 - math.floor(math.log10(size))
+    digits = SIGNIFICANT_DIGITS - 1 - math.floor(math.log10(size))
     return float(round(size, digits))
 
 
 def check_texel_count(area: float, texel_size: float, max_size: int) -> None:
-    """Raise EclatError before any work if charts of `area` m² cannot fit into an image of `max_size` × `max_size`
-    texels."""
+    """Raise EclatError if charts of `area` m² cannot fit into an image of `max_size` × `max_size` texels."""
     if not (math.isfinite(texel_size) and texel_size > 0):
         raise EclatError(f"texel_size must be a finite number of metres above 0, got {texel_size}")
     room = max_size * max_size * TYPICAL_FILL
     if area / texel_size**2 > room:
         enough = math.sqrt(area / room)
         raise EclatError(
-            f"a texel size of {texel_size:g} m takes {area / texel_size**2:,.0f} texels for {area:,.4g} m² of surfaces, "
-            f"more than a light map of {max_size} x {max_size} holds; {enough * 1.05:.2g} m fits"
+            f"texel_size: {area:,.4g} m² of surfaces at {texel_size:g} m per texel take {area / texel_size**2:,.0f} texels, "
+            f"more than a light map of {max_size} x {max_size} holds; a texel size of {enough * 1.05:.2g} m fits"
         )
 
 
@@ -103,33 +103,33 @@ def unwrap(
     timeout: float = 60.0,
     progress: ProgressReport | None = None,
 ) -> Atlas:
-    """An atlas of the meshes, which must have normals, at `texel_size` metres a texel.
+    """Make an atlas of the meshes, which must have normals, at `texel_size` metres per texel.
 
     Parameters
     ----------
     gutter : number of texels between those that bilinear filtering reads for two charts.
-    max_size : largest width and height.
-    timeout : seconds after which xatlas is stopped; 0 skips it.
+    max_size : largest width and height in texels.
+        timeout : seconds after which xatlas is stopped; 0 skips it.
 
     Raises
     ------
-    EclatError : the charts do not fit.
+    EclatError : the charts do not fit into `max_size` × `max_size` texels.
     """
     found = None
     if timeout > 0 and any(len(mesh.triangles) for mesh in meshes):
         found = _by_xatlas([m for m in meshes if len(m.triangles)], texel_size, gutter, max_size, timeout, progress)
     if found is not None:
-        # The library refuses meshes without triangles.
+        # xatlas refuses meshes without triangles.
         cut = iter(found.meshes)
-        found = replace(found, meshes=tuple(next(cut) if len(m.triangles) else NOTHING for m in meshes))
+        found = replace(found, meshes=tuple(next(cut) if len(m.triangles) else NO_CHARTS for m in meshes))
     if found is None:
         width, height, unwrapped = unwrap_planar(meshes, texel_size, gutter)
         found = Atlas(width, height, tuple(Unwrapped(*u) for u in unwrapped), "planar")
     if max(found.width, found.height) > max_size:
         factor = max(found.width, found.height) / max_size
         raise EclatError(
-            f"the light map would be {found.width} x {found.height} texels, more than {max_size} x {max_size}; "
-            f"a texel size of {texel_size * factor * 1.05:.2g} m fits"
+            f"texel_size: at {texel_size:g} m per texel the light map has {found.width} x {found.height} texels, "
+            f"more than {max_size} x {max_size}; a texel size of {texel_size * factor * 1.05:.2g} m fits"
         )
     return found
 
@@ -142,11 +142,11 @@ def _by_xatlas(
     timeout: float,
     progress: ProgressReport | None,
 ) -> Atlas | None:
-    """The atlas of xatlas; None, with a warning, if xatlas fails, takes too long or leaves triangles out."""
+    """Compute the atlas with xatlas; warn and return None if xatlas fails, takes too long or leaves triangles out."""
     arrays: dict[str, np.ndarray] = {
         "count": np.array(len(meshes)),
         "texels_per_unit": np.array(1 / texel_size),
-        # Bilinear filtering reads one texel around each chart, for which the library makes room by itself.
+        # Bilinear filtering reads one texel around each chart; xatlas itself leaves space for it.
         "padding": np.array(gutter),
         "max_chart_size": np.array(max_size - 2 * gutter - 2),
     }
@@ -158,7 +158,9 @@ def _by_xatlas(
         arrays[f"triangles{i}"] = np.ascontiguousarray(mesh.triangles, np.uint32)
     output, problem = _run_child(arrays, timeout, progress)
     if output is None:
-        warn(f"xatlas {problem}; every flat piece of a surface becomes a chart of its own, which takes more texels")
+        warn(
+            f"light map: xatlas {problem}; each flat piece of a surface becomes a chart instead, which takes more texels"
+        )
         return None
     width, height = (int(n) for n in output["size"])
     unwrapped = tuple(
@@ -172,7 +174,10 @@ def _by_xatlas(
     )
     lost = _area_without_chart(meshes, unwrapped)
     if lost > 0:
-        warn(f"xatlas left out {lost:.3g} m² of surfaces; every flat piece of a surface becomes a chart of its own")
+        warn(
+            f"light map: xatlas left out {lost:.3g} m² of surfaces; each flat piece of a surface becomes a chart instead, "
+            "which takes more texels"
+        )
         return None
     return Atlas(width, height, unwrapped, "xatlas")
 
@@ -180,11 +185,11 @@ def _by_xatlas(
 def _run_child(
     arrays: dict[str, np.ndarray], timeout: float, progress: ProgressReport | None
 ) -> tuple[dict[str, np.ndarray] | None, str]:
-    """The child's arrays, or None and a text that says what went wrong."""
-    command = [sys.executable, str(PROGRAM)]
+    """Run xatlas in a child process; return its arrays, or None and a text that describes the failure."""
+    command = [sys.executable, str(XATLAS_PROGRAM)]
     started = time.monotonic()
     with tempfile.TemporaryFile() as data:
-        # A file is used instead of a pipe, because `communicate` forgets unwritten input after a time-out (CPython
+        # The input is a file instead of a pipe, because `communicate` drops unwritten input after a time-out (CPython
         # 3.11).
         np.savez(data, **arrays)  # type: ignore[arg-type]
         data.seek(0)
@@ -216,7 +221,7 @@ def _run_child(
 
 
 def _area_without_chart(meshes: Sequence[Mesh], unwrapped: Sequence[Unwrapped]) -> float:
-    """The area in m² of triangles that have area in the world but none in the atlas. Rounding errors do not count."""
+    """Compute the area in m² of the triangles without a chart; triangles of negligible area do not count."""
     lost = 0.0
     for mesh, charts in zip(meshes, unwrapped, strict=True):
         if len(charts.triangles) != len(mesh.triangles) or not np.isfinite(charts.uvs).all():

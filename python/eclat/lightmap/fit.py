@@ -1,16 +1,16 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A least-squares fit of texel values, so that what viewers read comes close to the gathered irradiance.
-
-Viewers read the map by bilinear lookups, B(x; p) at place p of the texel values x. The fit finds the values that
-minimise
+"""A least-squares fit of the texel values, after which bilinear lookups come close to the gathered irradiance.
+Viewers read the map by bilinear lookups: B(x; p) is the lookup at position p in a map of texel values x. The fit finds
+the values that minimise
 
     Σₖ (B(x; pₖ) − Eₖ)²  +  κ Σₖ (xₖ − Eₖ)²  +  σ Σₛ (B(x; aₛ) − B(x; bₛ))²
 
-where Eₖ is the irradiance gathered for texel k at place pₖ. The first sum matters where pₖ is not the texel's centre,
-which lies outside the surface: the texel becomes what makes the lookup at its border right. The second keeps the
-solution unique and near what was gathered. The third joins the two sides of each seam [Iwanicki13]. The normal
-equations are solved by conjugate gradients [Hestenes52].
+where Eₖ is the irradiance that was gathered for texel k at position pₖ. The first sum makes the lookups at these
+positions right. It matters at the border of a surface, where the centre of a texel lies outside the surface and pₖ is
+therefore another point. The second sum makes the solution unique and keeps it near the gathered values. The third sum
+makes lookups on the two sides of each seam agree [Iwanicki13]. The normal equations are solved by conjugate gradients
+[Hestenes52].
 """
 
 from __future__ import annotations
@@ -24,32 +24,35 @@ from eclat.scene import FloatArray
 
 Ints = NDArray[np.int64]
 
-KEEP = 0.05
-"""κ: so small that a border's texel follows its lookups, unless they read it with less weight than about a fifth."""
+GATHERED_WEIGHT = 0.05
+"""κ, the weight of the gathered value of a texel relative to lookups. It is so small that a texel at a border follows
+its lookups, unless they read it with a weight below about a fifth (0.2² ≈ κ)."""
 
-JOIN = 4.0
-"""σ: seams are seen as lines, so that a step there weighs more than the same error inside."""
+SEAM_WEIGHT = 4.0
+"""σ, the weight of a seam relative to lookups (tuned by eye). It is above 1 because a step at a seam is visible as a
+line, and disturbs more than the same error inside a chart."""
 
 TOLERANCE = 1e-5
-"""The iteration ends at this residual, relative to the first one."""
+"""Norm of the residual, relative to the right-hand side, at which the iteration ends."""
 
-MOST_ITERATIONS = 200
+MAX_ITERATIONS = 200
 
 
 @dataclass(frozen=True)
 class Rows:
-    """Sparse rows with equally many entries: Σⱼ weights[i, j] · x[columns[i, j]]."""
+    """A sparse matrix with the same number of entries in each row; row i times x is Σⱼ weights[i, j] · x[columns[i,
+    j]]."""
 
     columns: Ints
     weights: FloatArray
 
     def times(self, x: FloatArray) -> FloatArray:
-        """The product with x (columns, C), shape (rows, C)."""
+        """Multiply by x, of shape (columns, C); the product has the shape (rows, C)."""
         product: FloatArray = np.einsum("ij,ijc->ic", self.weights, x[self.columns])
         return product
 
     def transposed_times(self, y: FloatArray, count: int) -> FloatArray:
-        """The product of the transpose with y (rows, C), shape (count, C)."""
+        """Multiply the transpose by y, of shape (rows, C); the product has the shape (count, C)."""
         entries = self.weights[:, :, None] * y[:, None, :]
         flat = self.columns.ravel()
         return np.column_stack(
@@ -58,8 +61,10 @@ class Rows:
 
 
 def bilinear(numbers: Ints, places: FloatArray) -> Rows:
-    """The lookups at `places` (N, 2), in texels, of an image whose texel (row, column) is unknown `numbers[row, column]`;
-    −1 stands for none, and the others share its weight."""
+    """Make the matrix of bilinear lookups at `places` (N, 2), in texels.
+    `numbers` (H, W) is the index of each texel among the unknowns, or −1 for a texel without a value, whose weight the
+    other texels of the lookup share. If more than half of the weight is lost, the row is 0.
+    """
     height, width = numbers.shape
     corner = np.floor(places - 0.5).astype(np.int64)
     fraction = places - 0.5 - corner
@@ -76,33 +81,34 @@ def bilinear(numbers: Ints, places: FloatArray) -> Rows:
 
 
 def differences(a: Rows, b: Rows) -> Rows:
-    """The rows a − b. A row is 0 if one of its two sides is missing."""
+    """Subtract two matrices row by row. A row of the result is 0 if the row of either matrix is 0."""
     both = ((a.weights.max(axis=1) > 0) & (b.weights.max(axis=1) > 0))[:, None]
     return Rows(np.hstack((a.columns, b.columns)), np.hstack((a.weights, -b.weights)) * both)
 
 
 def fit(gathered: FloatArray, lookups: Rows, seams: Rows) -> FloatArray:
-    """Texel values (N, C) of at least 0 that fit the irradiance `gathered` (N, C); `lookups` has a row for each
-    value."""
+    """Fit texel values (N, C), none of them negative, to the irradiance `gathered` (N, C).
+    `lookups` has one row for each gathered value; the rows of `seams` are the differences of lookups across seams.
+    """
     count = len(gathered)
 
     def normal(x: FloatArray) -> FloatArray:
-        total = lookups.transposed_times(lookups.times(x), count) + KEEP * x
+        total = lookups.transposed_times(lookups.times(x), count) + GATHERED_WEIGHT * x
         if len(seams.columns):
-            total = total + JOIN * seams.transposed_times(seams.times(x), count)
+            total = total + SEAM_WEIGHT * seams.transposed_times(seams.times(x), count)
         return total
 
-    right = lookups.transposed_times(gathered, count) + KEEP * gathered
+    right = lookups.transposed_times(gathered, count) + GATHERED_WEIGHT * gathered
     x = gathered.astype(np.float64)
     residual = right - normal(x)
     direction, squared = residual.copy(), (residual**2).sum(axis=0)
     enough = TOLERANCE**2 * (right**2).sum(axis=0)
-    for _ in range(MOST_ITERATIONS):
+    for _ in range(MAX_ITERATIONS):
         if (squared <= enough).all():
             break
         along = normal(direction)
         curvature = (direction * along).sum(axis=0)
-        # A channel that has converged or is dark no longer changes.
+        # A channel that has converged, or that is dark everywhere, does not change any more.
         step = np.where(squared > enough, squared / np.where(curvature > 0, curvature, 1), 0.0)
         x = x + step * direction
         residual = residual - step * along

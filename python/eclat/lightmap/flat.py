@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A lit scene for viewers that do not support light maps: one texture of unlit materials holds the light of all
-surfaces.
-
-A texel holds ρ/π · E + Lₑ, scaled to what a screen shows. Unlit materials [KHR_materials_unlit] show their colour as it
-is, in any viewer. Textures of the scene are reduced to the resolution of the map, and gloss is shown as if it were
-diffuse.
+"""A lit scene for viewers that do not support light maps: one texture, used by unlit materials, holds the light that
+all surfaces reflect and emit.
+A texel holds the radiance ρ/π · E + Lₑ, for the albedo ρ, the irradiance E and the emitted radiance Lₑ, scaled to the
+range of a screen. Viewers show unlit materials [KHR_materials_unlit] in exactly their colour. The textures of the scene
+are reduced to the resolution of the map, and glossy surfaces are treated as diffuse.
 """
 
 from __future__ import annotations
@@ -32,8 +31,8 @@ from eclat.lightmap.sides import reflects_diffusely
 from eclat.lightmap.texels import Ints, Texels, corners_of, rasterize
 from eclat.scene import DEFAULTS, FloatArray, Scene, Value
 
-WHITE = 0.95
-"""Share of the texels that are darker than white where nobody chose an exposure."""
+WHITE_QUANTILE = 0.95
+"""Share of the lit texels that are darker than white (0..1) if the caller gives no exposure; the others are clipped."""
 
 
 class LitParts(Protocol):
@@ -45,25 +44,24 @@ class LitParts(Protocol):
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """Meshes with their places in the map."""
+        """The meshes with their coordinates in the map."""
 
     @property
     def irradiance(self) -> NDArray[np.float32]:
-        """(H, W, 3)."""
+        """The irradiance of all texels, (H, W, 3)."""
 
     @property
     def gutter(self) -> int:
-        """Texels between charts."""
+        """The distance between charts in texels."""
 
 
 def encode_flat(lightmap: LitParts, exposure: float | None, tone_mapping: str, generator: str) -> bytes:
-    """A binary glTF file with unlit materials.
-
-    `exposure` is in stops; None chooses it so that few texels are white. `tone_mapping` is a key of `TONE_MAPPINGS`.
-    Raises EclatError if either is out of range.
+    """Encode a binary glTF file with unlit materials.
+    `exposure` is in stops; None chooses it so that few texels are clipped at white. `tone_mapping` is a key of
+    `TONE_MAPPINGS`. Raises EclatError if either is out of range.
     """
     check_display(0.0 if exposure is None else exposure, tone_mapping)
-    radiance, opacity = _shine(lightmap)
+    radiance, opacity = _radiance_and_opacity(lightmap)
     scale = _scale(radiance) if exposure is None else 2.0**exposure
 
     def shown(linear: FloatArray) -> FloatArray:
@@ -97,7 +95,7 @@ def _unlit(document: Document, part: Part, texture: int, shown: Callable[[FloatA
     json: Json = {"name": material.name, "extensions": {document.use("KHR_materials_unlit"): {}}}
     surface: Json = {"metallicFactor": 0.0, "baseColorTexture": {"index": texture}}
     if material.emission is not None and not reflects_diffusely(material):
-        # Such surfaces have no texels of their own.
+        # Surfaces that emit but do not reflect have no texels in the map.
         glow = np.array([constant_of(material.emission)])
         if material.emission.texture is not None:
             glow = glow * texels(material.emission).mean(axis=(0, 1))
@@ -110,8 +108,8 @@ def _unlit(document: Document, part: Part, texture: int, shown: Callable[[FloatA
     return json | {"pbrMetallicRoughness": surface}
 
 
-def _shine(lightmap: LitParts) -> tuple[FloatArray, FloatArray]:
-    """Radiance (H, W, 3) and opacity (H, W) of all texels, gutters included."""
+def _radiance_and_opacity(lightmap: LitParts) -> tuple[FloatArray, FloatArray]:
+    """Compute the radiance (H, W, 3) and the opacity (H, W) of all texels, including those between charts."""
     height, width = lightmap.irradiance.shape[:2]
     size = np.array([width, height])
     unwrapped = tuple(
@@ -138,7 +136,9 @@ def _shine(lightmap: LitParts) -> tuple[FloatArray, FloatArray]:
 def _surface(
     part: Part, found: Texels, mine: np.ndarray, first: int, irradiance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Radiance (N, 3) and opacity (N,) of some texels of one part."""
+    """Compute the radiance (N, 3) and the opacity (N,) of the texels `mine` of one part.
+    `first` is the number of the part's first triangle; `irradiance` is (N, 3).
+    """
     mesh, material = part.mesh, as_metallic_roughness(part.mesh.material)
     corners = np.asarray(mesh.triangles)[found.triangles[mine] - first]
 
@@ -159,7 +159,7 @@ def _surface(
 
 
 def evaluate(value: Value, uvs: list[FloatArray]) -> FloatArray:
-    """The values (N, 3) of a parameter at texture coordinates; `uvs` holds both sets, (N, 2) each."""
+    """Evaluate a parameter at N points, (N, 3); `uvs` holds both sets of their texture coordinates, (N, 2) each."""
     constant = np.broadcast_to(np.array(constant_of(value)), (len(uvs[0]), 3))
     if value.texture is None:
         return constant
@@ -192,4 +192,4 @@ def _wrapped(index: Ints, size: int, how: str) -> Ints:
 def _scale(radiance: FloatArray) -> float:
     largest = radiance.max(axis=2)
     lit = largest[largest > 0]
-    return 1 / float(np.quantile(lit, WHITE)) if len(lit) else 1.0
+    return 1 / float(np.quantile(lit, WHITE_QUANTILE)) if len(lit) else 1.0

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The light of each texel, gathered by any method at points of the texel that a viewer may see."""
+"""Computing the light of each texel, by any method, at those points of the texel that a viewer may see."""
 
 from __future__ import annotations
 
@@ -13,7 +13,7 @@ import numpy as np
 
 from eclat.bridge.arguments import thread_count
 from eclat.bridge.running import ProgressReport
-from eclat.lightmap.probes import buried_or_behind
+from eclat.lightmap.probes import inside_or_behind
 from eclat.lightmap.solids import Mask
 from eclat.lightmap.texels import Corners, Texels, at_texel_points
 from eclat.methods import Direct, Path, Source
@@ -21,19 +21,20 @@ from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
 from eclat.verbs.irradiance import Component, asks_for_indirect, irradiance
 
-DARK = 0.05
-"""Share of the usual irradiance below which a texel counts as dark, since it lies behind a surface."""
+DARK_SHARE = 0.05
+"""Irradiance, relative to the mean of the scene, below which a point that may lie behind a surface is treated as lying
+there."""
 
-DOUBTFUL_PATHS = 16
-"""For a point that may be dark behind a surface."""
+CHECK_PATHS = 16
+"""Number of paths by which the irradiance of a point that may lie behind a surface is estimated."""
 
-USUAL_POINTS = 1000
-"""Points that tell what is usual in the scene."""
+REFERENCE_POINTS = 1000
+"""Approximate number of other points from which the mean irradiance of the scene is estimated."""
 
 
 @dataclass(frozen=True)
 class Settings:
-    """The arguments of `eclat.irradiance` beside points and method. `samples` is the number per texel."""
+    """The arguments of `eclat.irradiance` other than the points and the method. `samples` is the number per texel."""
 
     component: Component
     samples: int
@@ -43,7 +44,7 @@ class Settings:
     progress: ProgressReport | None
 
     def keywords(self, component: Component | None = None, samples: int | None = None) -> dict[str, Any]:
-        """The values as keyword arguments, some of them replaced."""
+        """Return the values as keyword arguments, with the component and the number of samples replaced if given."""
         return {
             "component": self.component if component is None else component,
             "samples": self.samples if samples is None else max(1, samples),
@@ -55,9 +56,11 @@ class Settings:
 
 
 @dataclass(frozen=True, eq=False)
-class Points:
-    """Sample points (N, n, 3) of N texels, the first at its centre, the others in a grid: positions, unit normals of
-    shading and of triangles; places in the map (N, n, 2)."""
+class TexelPoints:
+    """The n sample points of each of N texels: the first is at the centre, the others form a grid.
+    `positions`, the unit shading `normals` and the unit `face_normals` are (N, n, 3); the positions `uvs` in the map,
+    in texels, are (N, n, 2).
+    """
 
     positions: FloatArray
     normals: FloatArray
@@ -66,10 +69,12 @@ class Points:
 
 
 @dataclass(frozen=True, eq=False)
-class Gathered:
-    """`values` (N, 3) of texels and the `places` (N, 2) in the map that they are for; `seen` (N,): texels of which a
-    viewer may see anything, the others being 0. `counts` holds `rays`, and the errors
-    `direct_error` and `estimated_error` as `eclat.irradiance` states them."""
+class GatheredTexels:
+    """The irradiance of N texels.
+    `values` (N, 3) is the irradiance at the positions `places` (N, 2) in the map, in texels. `seen` (N,) is False for
+    texels that no viewer can see, whose values are 0. `counts` holds the number of `rays`, and the errors
+    `direct_error` and `estimated_error` that `eclat.irradiance` states.
+    """
 
     values: FloatArray
     places: FloatArray
@@ -77,8 +82,9 @@ class Gathered:
     counts: dict[str, float]
 
 
-def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Points:
-    """The centre and `supersampling`² more points of each texel, all moved into its triangle."""
+def sample_points(corners: Corners, texels: Texels, supersampling: int) -> TexelPoints:
+    """Make the sample points of each texel: its centre and a grid of `supersampling`² points, moved into its
+    triangle."""
     steps = (np.arange(supersampling) + 0.5) / supersampling
     offsets = [(0.5, 0.5), *((u, v) for v in steps for u in steps)]
     found = [
@@ -88,39 +94,40 @@ def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Point
     def joined(name: str) -> FloatArray:
         return np.stack([getattr(at, name) for at in found], axis=1)
 
-    return Points(joined("positions"), joined("normals"), joined("face_normals"), joined("uvs"))
+    return TexelPoints(joined("positions"), joined("normals"), joined("face_normals"), joined("uvs"))
 
 
-def in_the_open(scene: Scene, solid: Sequence[Mask], points: Points, settings: Settings) -> Mask:
-    """A mask (N, n) of the points that a viewer may see. It excludes points in solids, and dark points behind one-sided
-    surfaces, like the foot of a wall that passes through the floor."""
+def visible_points(scene: Scene, solid: Sequence[Mask], points: TexelPoints, settings: Settings) -> Mask:
+    """Compute a mask (N, n) of the points that a viewer may see.
+    It excludes points inside solids, and dark points behind one-sided surfaces, such as those at the foot of a wall
+    that passes through the floor. `solid` marks the triangles of each mesh that bound solids.
+    """
     shape = points.positions.shape[:2]
     places, normals = points.positions.reshape(-1, 3), points.normals.reshape(-1, 3)
-    buried, behind = buried_or_behind(scene, solid, places, points.face_normals.reshape(-1, 3), settings.threads)
+    buried, behind = inside_or_behind(scene, solid, places, points.face_normals.reshape(-1, 3), settings.threads)
     doubtful = np.flatnonzero(behind & ~buried)
     others = np.flatnonzero(~behind & ~buried)
     free = ~buried
     if len(doubtful) and len(others):
-        # Records may give a point behind a wall the light in front of it. Paths do not make this error.
-        asked = np.concatenate((doubtful, others[:: max(1, len(others) // USUAL_POINTS)]))
-        keywords = settings.keywords("total", DOUBTFUL_PATHS)
+        # Paths are used, because records might give a point behind a wall the light in front of the wall.
+        asked = np.concatenate((doubtful, others[:: max(1, len(others) // REFERENCE_POINTS)]))
+        keywords = settings.keywords("total", CHECK_PATHS)
         brightness = irradiance(scene, places[asked], normals[asked], Path(), **keywords).mean(axis=1)
         usual = float(brightness[len(doubtful) :].mean())
-        free[doubtful] = brightness[: len(doubtful)] >= DARK * usual
+        free[doubtful] = brightness[: len(doubtful)] >= DARK_SHARE * usual
     return free.reshape(shape)
 
 
-def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: Settings) -> Gathered:
-    """The mean irradiance over the points of each texel that are `free`.
-
-    Light from records varies slowly, so one point per texel suffices for it. All points serve light from sources, whose
-    shadows have edges.
+def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settings: Settings) -> GatheredTexels:
+    """Compute the mean irradiance over the points of each texel that are `free`, a mask (N, n).
+    Light from records varies slowly, so it is read at one point per texel. Light from sources has shadows with sharp
+    edges, so it is averaged over all points.
     """
     spread = free[:, 1:]
     seen = np.asarray(spread.any(axis=1))
     share = spread / np.maximum(spread.sum(axis=1, keepdims=True), 1)
     places = (points.uvs[:, 1:] * share[..., None]).sum(axis=1)
-    chosen = np.argmax(free, axis=1)  # This is the centre, or else the first point that is free.
+    chosen = np.argmax(free, axis=1)  # The centre, or the first free point if the centre is not free.
     at = np.flatnonzero(seen), chosen[seen]
     rays = 0.0
     errors: dict[str, float] = {}
@@ -146,17 +153,18 @@ def gather(scene: Scene, source: Source, points: Points, free: Mask, settings: S
         samples = math.ceil(settings.samples / spread.shape[1])
         total[where] = of_points((where[0], where[1] + 1), by, **settings.keywords(component, samples))
         summed: FloatArray = (total * share[..., None]).sum(axis=1)
-        # Points of a texel err independently.
+        # The errors of the points of a texel are independent, so the error of their mean is smaller.
         errors["direct_error"] *= math.sqrt(len(share) / max(1, len(where[0])))
         return summed
 
     values: FloatArray = np.zeros((len(free), 3))
     if not from_records:
-        return Gathered(mean_of(source, settings.component), places, seen, {"rays": rays, **errors})
-    # Records hold the light of an environment's image: taken apart, both parts would be noisier than their sum.
+        return GatheredTexels(mean_of(source, settings.component), places, seen, {"rays": rays, **errors})
+    # Records include the light of an environment image, so direct and indirect light are computed together then: their
+    # sum has less noise than the two parts.
     apart = settings.component == "total" and scene.environment is None
     component: Component = "indirect" if apart else settings.component
     values[seen] = of_points(at, source, **settings.keywords(component))
     if apart:
         values += mean_of(Direct(), "direct")
-    return Gathered(values, places, seen, {"rays": rays, **errors})
+    return GatheredTexels(values, places, seen, {"rays": rays, **errors})

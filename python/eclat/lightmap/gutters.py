@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Values for texels without a surface point: means of their neighbours, ring by ring."""
+"""Filling texels without a surface point with the means of their neighbours, ring by ring around the charts."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ Mask = NDArray[np.bool_]
 
 
 def dilate(values: FloatArray, known: Mask, rings: int, wanted: Mask | None = None) -> tuple[FloatArray, Mask]:
-    """`values` (H, W, C) with up to `rings` rings of texels filled around the known ones, and a mask of the known
+    """Fill up to `rings` rings of texels around the known ones; return the values (H, W, C) and the mask of known
     texels.
-
-    A texel takes the mean of those of its eight neighbours that were known before its ring. If `wanted` is given, only
-    those texels are filled.
+    A texel takes the mean of those of its eight neighbours that were known before its ring was filled. If the mask
+    `wanted` is given, only its texels are filled.
     """
     values, known = np.where(known[..., None], values, 0).astype(np.float64), known.copy()
     for _ in range(rings):
@@ -33,7 +32,7 @@ def dilate(values: FloatArray, known: Mask, rings: int, wanted: Mask | None = No
 
 
 def _neighbours(values: FloatArray) -> FloatArray:
-    """The sum over the eight neighbours of each texel."""
+    """Sum the values of the eight neighbours of each texel."""
     padded = np.pad(values, ((1, 1), (1, 1), (0, 0)))
     height, width = values.shape[:2]
     total = -values

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A light map as a value and as files: a glTF scene, an EXR image, and their description in JSON."""
+"""A light map, and its files: a glTF scene, an EXR image, and a description of both in JSON."""
 
 from __future__ import annotations
 
@@ -26,19 +26,21 @@ from eclat.lightmap.flat import encode_flat
 from eclat.scene import Scene
 
 VERSION = 1
-"""Version of the format of the JSON side-car."""
+"""Version of the format of the JSON file."""
 
-CLIPPED = 0.002
-"""Share of the map's texels that may be clipped in the embedded 8-bit image, so that the others get finer steps."""
+CLIPPED_SHARE = 0.002
+"""Share of the lit texels (0..1) that may be clipped in the embedded 8-bit image, so that it resolves the others more
+finely."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lightmap:
-    """Irradiance on all surfaces of `scene`.
-
-    `irradiance` (H, W, 3) float32 in W·m⁻², lux where the scene is photometric; row 0 is v = 0, and (0, 0) to (1, 1) is
-    the whole image. `parts`: the scene's meshes as they lie in it, vertices split at the charts' borders, with
-    `lightmap_uvs`. `texel_size` in metres. `statistics`: texels, rays, seconds, area in m², charts.
+    """The irradiance on all surfaces of a scene.
+    `irradiance` (H, W, 3) is float32 in W·m⁻², or in lux if the scene is photometric; row 0 is at v = 0, and the whole
+    image spans the texture coordinates (0, 0) to (1, 1). `parts` are the meshes of the scene, with their vertices split
+    at the borders of charts and with `lightmap_uvs`. `texel_size` is in metres, `gutter` in texels. `statistics` holds
+    the numbers of texels, rays and charts, the seconds, and the area in m². `settings` are the options with which the
+    map was baked.
     """
 
     scene: Scene
@@ -60,31 +62,31 @@ class Lightmap:
 
     @property
     def unit(self) -> str:
-        """ "W/m2" or "lux"."""
+        """The unit of the irradiance, "W/m2" or "lux"."""
         return "lux" if self.scene.photometric else "W/m2"
 
     def intensity(self) -> float:
-        """The irradiance that 1 in the embedded 8-bit image stands for: the largest value, or less if a few texels are
-        far above the rest."""
+        """Return the irradiance that the value 1 of the embedded 8-bit image represents.
+        It is the largest irradiance, or less if a few texels are far brighter than the rest; these are clipped.
+        """
         largest = np.max(self.irradiance, axis=2)
         lit = largest[largest > 0]
         if not len(lit):
             return 1.0
         most = float(lit.max())
-        usual = float(np.quantile(lit, 1 - CLIPPED))
+        usual = float(np.quantile(lit, 1 - CLIPPED_SHARE))
         return most if most < 1.5 * usual else usual
 
     def clipped_share(self) -> float:
-        """Share of the lit texels whose irradiance is above `intensity()` in a channel."""
+        """Return the share of the lit texels (0..1) whose irradiance is above `intensity()` in any channel."""
         largest = np.max(self.irradiance, axis=2)
         lit = largest > 0
         return float((largest[lit] > self.intensity()).mean()) if lit.any() else 0.0
 
     def save(self, path: str | os.PathLike[str]) -> list[Path]:
-        """Write `room_lit.glb`, and `room_lit.lightmap.exr` and `room_lit.lightmap.json` beside it; their paths.
-
-        The scene in the .glb has its light map as MOZ_lightmap in 8 bits a channel; the EXR is the same in single
-        precision. The three are written together or not at all.
+        """Write the files `room_lit.glb`, `room_lit.lightmap.exr` and `room_lit.lightmap.json`, and return their paths.
+        The .glb holds the scene and its light map as MOZ_lightmap with 8 bits per channel; the .exr holds the same map
+        in single precision; the .json describes both. Either all three files are written or none.
 
         Raises
         ------
@@ -139,7 +141,7 @@ class Lightmap:
         Parameters
         ----------
         exposure : exposure in stops. Radiance is multiplied by 2^exposure, and 1 is then white. None chooses it so that
-            few texels are white.
+            few texels are clipped at white.
         tone_mapping : "none" or "filmic", as for pictures.
 
         Raises
@@ -151,7 +153,7 @@ class Lightmap:
         return target
 
     def png(self, intensity: float) -> bytes:
-        """The map in 8 bits a channel, sRGB-encoded; 1 stands for `intensity`."""
+        """Encode the map as a PNG with 8 bits per channel, sRGB-encoded, in which white represents `intensity`."""
         scaled = srgb_encode(self.irradiance.astype(np.float64) / intensity)
         file = io.BytesIO()
         PillowImage.fromarray(np.rint(scaled * 255).astype(np.uint8)).save(file, format="PNG")
@@ -159,7 +161,7 @@ class Lightmap:
 
 
 def output_names(path: str | os.PathLike[str]) -> tuple[Path, Path, Path]:
-    """The paths of the .glb, the .exr and the .json. Raises EclatError for a name that does not end in .glb."""
+    """Return the paths of the .glb, .exr and .json files. Raises EclatError if the name does not end in .glb."""
     target = Path(path)
     if target.suffix.lower() != ".glb":
         raise EclatError(f"{os.fspath(path)}: expected a name that ends in .glb")

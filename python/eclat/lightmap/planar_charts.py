@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Charts without a library: flat pieces of surfaces, packed in rows without distortion.
-
-Triangles that share an edge and a plane are one chart, so that it cannot overlap itself unless the surface does. Curved
-surfaces fall apart into single triangles, which is correct but makes many seams. Bakes use these charts when xatlas
+"""Charts that are made without xatlas: flat pieces of surfaces, packed in rows without distortion.
+Triangles that share an edge and a plane form one chart, so a chart overlaps itself only if the surface does. Each
+triangle of a curved surface becomes a chart, which is correct but makes many seams. `bake` uses these charts if xatlas
 fails.
 """
 
@@ -23,17 +22,18 @@ Ints = NDArray[np.int64]
 Arrays = tuple[Ints, Ints, FloatArray, Ints]
 
 SAME_PLANE = 1e-4
-"""Sine of the angle between two triangles up to which they share a plane."""
+"""Largest distance between the unit normals of two triangles that are treated as lying in one plane."""
 
 
 def unwrap_planar(meshes: Sequence[Mesh], texel_size: float, gutter: int) -> tuple[int, int, list[Arrays]]:
-    """Width and height in texels, and for each mesh `vertices`, `triangles`, `uvs` in texels and `charts`."""
+    """Place all meshes in one image; return its width and height in texels, and the fields of `atlas.Unwrapped` per
+    mesh."""
     flat = [_charts_of(mesh, texel_size) for mesh in meshes]
     sizes: list[FloatArray] = []
     for _, _, uvs, charts in flat:
         sizes += [_extent(uvs, charts)]
     extents = np.concatenate(sizes) if sizes else np.zeros((0, 2))
-    # Charts begin and end on texel centres or beyond, and bilinear filtering reads one texel around.
+    # Charts start 1.5 texels from the corner of their box, because bilinear filtering reads one texel around them.
     boxes = np.ceil(extents).astype(np.int64) + 2 + gutter
     places, width, height = _pack(boxes)
     first, results = 0, []
@@ -46,7 +46,7 @@ def unwrap_planar(meshes: Sequence[Mesh], texel_size: float, gutter: int) -> tup
 
 
 def _charts_of(mesh: Mesh, texel_size: float) -> Arrays:
-    """The mesh cut into charts, each with its lowest coordinates at 0, in texels."""
+    """Cut a mesh into charts, whose coordinates, in texels, start at 0."""
     positions, triangles = np.asarray(mesh.positions, np.float64), np.asarray(mesh.triangles, np.int64)
     if not len(triangles):
         empty = np.zeros(0, np.int64)
@@ -67,8 +67,8 @@ def _charts_of(mesh: Mesh, texel_size: float) -> Arrays:
 
 
 def _axes(positions: FloatArray, triangles: Ints, normals: FloatArray, leaders: Ints) -> tuple[FloatArray, FloatArray]:
-    """Two axes of each chart's plane: along the longest edge of its first triangle, and across, so that u × v = −n
-    (v grows downwards)."""
+    """Compute two axes u and v in the plane of each chart: u is along the longest edge of the chart's first triangle,
+    and u × v = −n, because v points down in the image."""
     corners = positions[triangles[leaders]]
     edges = np.roll(corners, -1, axis=1) - corners
     longest = np.argmax((edges**2).sum(axis=2), axis=1)
@@ -82,7 +82,8 @@ def _axes(positions: FloatArray, triangles: Ints, normals: FloatArray, leaders: 
 
 
 def _connected(positions: FloatArray, triangles: Ints, normals: FloatArray) -> Ints:
-    """The chart numbers (T,) of triangles. Two triangles are joined if they share an edge (by position) and a plane."""
+    """Number the charts of the triangles, (T,): two triangles share a chart if they share an edge, by position, and a
+    plane."""
     places = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1)
     edges, owners = edges_of(places[triangles])
     shared = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
@@ -99,7 +100,8 @@ def _extent(uvs: FloatArray, charts: Ints) -> FloatArray:
 
 
 def _pack(boxes: Ints) -> tuple[Ints, int, int]:
-    """The places of boxes, packed tallest first in rows from left to right, and the image's width and height."""
+    """Pack boxes into rows from left to right, the tallest first; return their positions and the image's width and
+    height."""
     places = np.zeros_like(boxes)
     if not len(boxes):
         return places, 1, 1

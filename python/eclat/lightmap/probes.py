@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tests by rays of what points see: whether they lie in a solid or behind a wall, or face empty space."""
+"""Tests, by rays over the hemispheres of points, whether the points lie inside a solid, behind a wall or in
+darkness."""
 
 from __future__ import annotations
 
@@ -13,36 +14,42 @@ from eclat.gltf_export.geometry import face_normals
 from eclat.lightmap.solids import Mask
 from eclat.scene import DirectionalLight, FloatArray, Scene
 
-RAYS = 32
-"""Rays from one point, spread over its hemisphere with the density of the cosine."""
+PROBE_RAYS = 32
+"""Number of rays from one point, cosine-distributed over its hemisphere."""
 
-BURIED = 0.5
-"""Share of the rays that may meet the insides of solids."""
+MAX_INSIDE_SHARE = 0.5
+"""Share of a point's rays that hit the insides of solids, above which the point counts as lying inside a solid."""
 
-BEHIND = 0.3
-"""Share that may meet the backs of one-sided surfaces: half meet them below a floor that a wall passes through."""
+MAX_BACK_SHARE = 0.3
+"""Share of a point's rays that hit insides of solids or backs of one-sided surfaces, above which the point may lie
+behind a surface. For a point on a wall below a floor through which the wall passes, the share is one half."""
 
-GRAZING = 1e-5
-"""Share of the scene's radius: whatever is no higher above a point's plane counts as lying in the plane."""
+PLANE_TOLERANCE = 1e-5
+"""Height above the plane of a point, relative to the scene's radius, up to which an object counts as lying in the
+plane."""
 
 OFFSET = 2.0**-18
-"""Share of the scene's radius: the distance from their surface at which rays start."""
+"""Distance from its surface at which a ray starts, relative to the scene's radius."""
 
 RAYS_AT_ONCE = 1 << 21
+"""Number of rays that are traced in one call, which bounds the memory."""
 
-GOLDEN = (5**0.5 - 1) / 2
+GOLDEN_RATIO = (5**0.5 - 1) / 2
+"""The inverse of the golden ratio; steps by this part of a turn spread directions evenly."""
 
 
-def buried_or_behind(
+def inside_or_behind(
     scene: Scene, solid: Sequence[Mask], points: FloatArray, normals: FloatArray, threads: int | None = None
 ) -> tuple[Mask, Mask]:
-    """(N,) each: whether points see mostly the insides of solids, of which `solid` marks the triangles in each mesh, and
-    whether they see much of the backs of one-sided surfaces. The first lie in a solid; the second may, or behind a wall
-    that is none from there. `normals` are unit and geometric."""
+    """Find the points that lie inside a solid, and those that may lie behind a surface; return two masks (N,).
+    Most rays of a point of the first mask hit the insides of solids. Many rays of a point of the second mask hit
+    insides of solids or backs of one-sided surfaces, which are not visible from there. `solid` marks the triangles of
+    each mesh that bound solids. `normals` (N, 3) are the unit normals of the triangles.
+    """
     if not len(points):
         return np.zeros(0, bool), np.zeros(0, bool)
     one_sided = [np.full(len(mesh.triangles), not mesh.material.two_sided) for mesh in scene.meshes]
-    # The last entry is for rays that meet nothing.
+    # The last entry is for rays that hit nothing, whose triangle is −1.
     inside, single = (np.append(np.concatenate(list(masks)), False) for masks in (solid, one_sided))
     faces = np.concatenate([*(face_normals(mesh) for mesh in scene.meshes), np.zeros((1, 3))])
 
@@ -50,35 +57,35 @@ def buried_or_behind(
         from_behind = (faces[met] * directions).sum(axis=2) > 0
         return (from_behind & inside[met]).mean(axis=1), (from_behind & (inside | single)[met]).mean(axis=1)
 
-    found = [shares(*part) for part in _looks(scene, points, normals, RAYS, threads)]
+    found = [shares(*part) for part in _hemisphere_hits(scene, points, normals, PROBE_RAYS, threads)]
     insides, backs = (np.concatenate(part) for part in zip(*found, strict=True))
-    return insides > BURIED, backs > BEHIND
+    return insides > MAX_INSIDE_SHARE, backs > MAX_BACK_SHARE
 
 
-def sees_nothing(scene: Scene, points: FloatArray, normals: FloatArray, threads: int | None = None) -> Mask:
-    """(N,) whether no surface, no sky and no light is in front of points, so that they are dark for certain."""
+def certainly_dark(scene: Scene, points: FloatArray, normals: FloatArray, threads: int | None = None) -> Mask:
+    """Return a mask (N,) of the points that have no surface, no sky and no light in front of them, and so are dark."""
     if scene.environment is not None or not len(points):
         return np.zeros(len(points), bool)
-    missed = [(met < 0).all(axis=1) for met, _ in _looks(scene, points, normals, RAYS, threads)]
+    missed = [(met < 0).all(axis=1) for met, _ in _hemisphere_hits(scene, points, normals, PROBE_RAYS, threads)]
     dark = np.concatenate(missed)
-    # Rays may miss small objects, which matters if these emit light.
+    # Rays may miss small objects. This matters only for objects that emit light.
     for corners in _bounds_of_emitters(scene):
         above = ((corners - points[:, None]) * normals[:, None]).sum(axis=2).max(axis=1)
-        dark &= above <= GRAZING * compiled(scene).core.radius
+        dark &= above <= PLANE_TOLERANCE * compiled(scene).core.radius
     for light in scene.lights:
         towards = (
             -np.broadcast_to(np.asarray(light.direction, np.float64), points.shape)
             if isinstance(light, DirectionalLight)
             else np.asarray(light.position, np.float64) - points
         )
-        # The disc of a sun may rise above the horizon although its centre does not.
+        # A part of the disc of a sun may be above the horizon while its centre is below.
         wide = np.sin(np.radians(light.angular_radius)) if isinstance(light, DirectionalLight) else 0.0
         dark &= (towards * normals).sum(axis=1) <= -wide * np.linalg.norm(towards, axis=1)
     return dark
 
 
 def _bounds_of_emitters(scene: Scene) -> Iterator[FloatArray]:
-    """The (8, 3) corners of the bounds of each mesh that emits light."""
+    """Iterate over the corners (8, 3) of the bounds of each mesh that emits light."""
     for mesh in scene.meshes:
         sides = (mesh.material, mesh.material.back)
         if any(side is not None and side.emission is not None for side in sides) and len(mesh.positions):
@@ -87,21 +94,23 @@ def _bounds_of_emitters(scene: Scene) -> Iterator[FloatArray]:
             yield np.stack(np.meshgrid(*ends.T, indexing="ij"), axis=-1).reshape(-1, 3)
 
 
-def _looks(
+def _hemisphere_hits(
     scene: Scene, points: FloatArray, normals: FloatArray, count: int, threads: int | None
 ) -> Iterator[tuple[np.ndarray, FloatArray]]:
-    """The hits of `count` rays from each point, for some points at a time: triangles (n, count), −1 for none, and
-    directions (n, count, 3)."""
+    """Trace `count` rays from each point, for n points at a time.
+    Yields the triangles that they hit, (n, count), −1 for none, and their directions, (n, count, 3).
+    """
     prepared = compiled(scene)
     i = np.arange(count) + 0.5
-    radius, turn = np.sqrt(i / count), 2 * np.pi * GOLDEN * i
+    radius, turn = np.sqrt(i / count), 2 * np.pi * GOLDEN_RATIO * i
     at_once = RAYS_AT_ONCE // count
     for first in range(0, len(points), at_once):
         n = np.asarray(normals[first : first + at_once], np.float64)
         u = np.cross(n, np.eye(3)[np.argmin(np.abs(n), axis=1)])
         u /= np.linalg.norm(u, axis=1, keepdims=True)
-        # The pattern is turned differently for each point. Otherwise all points would miss the same objects.
-        phi = turn + 2 * np.pi * ((np.arange(first, first + len(n)) * GOLDEN) % 1)[:, None]
+        # The pattern of directions is rotated by a different angle at each point; otherwise all points would miss the
+        # same objects.
+        phi = turn + 2 * np.pi * ((np.arange(first, first + len(n)) * GOLDEN_RATIO) % 1)[:, None]
         x, y, z = radius * np.cos(phi), radius * np.sin(phi), np.sqrt(1 - radius**2)
         directions = x[..., None] * u[:, None] + y[..., None] * np.cross(n, u)[:, None] + z[:, None] * n[:, None]
         starts = prepared.to_core(points[first : first + at_once]) + OFFSET * prepared.core.radius * n

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Seams, where two charts meet on one smooth surface: pairs of places in the map that stand for the same point.
-
-At a real corner the two sides have different light, and are left alone. An edge is a seam where the shading normals of
-its two triangles agree at both ends, and their places in the map do not.
+"""Seams, the edges at which two charts meet on one smooth surface: pairs of positions in the map that represent the
+same point of the surface.
+An edge is a seam if the shading normals of its two triangles agree at both ends, but their positions in the map differ.
+The two sides of a real corner have different light, so it is not a seam.
 """
 
 from __future__ import annotations
@@ -17,20 +17,24 @@ from eclat.scene import FloatArray
 Ints = NDArray[np.int64]
 
 SAME_NORMAL = 0.03
-"""Distance of unit normals up to which a surface is smooth: two degrees, as the rounding of files leaves them."""
+"""Largest distance between two unit normals that count as equal: about two degrees, which allows for rounding in
+files."""
 
-SAMPLES_A_TEXEL = 2.0
-"""Along a seam: the lookups are linear between texel centres, so that one sample between any two sees all."""
+SAMPLES_PER_TEXEL = 2.0
+"""Number of samples per texel along a seam. Lookups are linear between texel centres, so one sample between each two
+centres suffices."""
 
-MOST_AT_EDGE = 6
-"""Triangles at one edge beyond which nobody can say which belong together."""
+MAX_TRIANGLES_AT_EDGE = 6
+"""Largest number of triangles at one edge; with more, it is unclear which of them belong together, and the edge is
+skipped."""
 
 
 def seam_samples(corners: Corners) -> tuple[FloatArray, FloatArray]:
-    """(S, 2) and (S, 2): places in texels whose bilinear lookups should agree, spread evenly over all seams."""
+    """Return two arrays (S, 2) of positions in texels, evenly spaced along all seams, whose bilinear lookups should
+    agree."""
     first, second = _seams(corners)
     lengths = [np.linalg.norm(ends[:, 1] - ends[:, 0], axis=1) for ends in (first, second)]
-    counts = np.ceil(np.maximum(*lengths) * SAMPLES_A_TEXEL).astype(np.int64) + 2
+    counts = np.ceil(np.maximum(*lengths) * SAMPLES_PER_TEXEL).astype(np.int64) + 2
     which = np.repeat(np.arange(len(counts)), counts)
     step = np.arange(len(which)) - np.repeat(np.cumsum(counts) - counts, counts)
     t = (step / np.maximum(counts[which] - 1, 1))[:, None]
@@ -39,14 +43,14 @@ def seam_samples(corners: Corners) -> tuple[FloatArray, FloatArray]:
 
 
 def _seams(corners: Corners) -> tuple[FloatArray, FloatArray]:
-    """The two ends of each seam in the map, on its one side and on its other: (E, 2, 2) each."""
+    """Find the two ends of each seam in the map, (E, 2, 2) for one of its sides and (E, 2, 2) for the other."""
     used = np.flatnonzero(corners.charts >= 0)
     empty = np.zeros((0, 2, 2))
     if not len(used):
         return empty, empty
     _, places = np.unique(corners.positions[used].reshape(-1, 3), axis=0, return_inverse=True)
     places = places.reshape(-1, 3)
-    # Each edge starts at the end with the smaller number, so that both sides run the same way.
+    # Each edge starts at the end with the smaller index, so that both sides have the same direction.
     start, end = np.arange(3), np.array([1, 2, 0])
     flip = places[:, start] > places[:, end]
     begins, ends = np.where(flip, end, start), np.where(flip, start, end)
@@ -58,9 +62,9 @@ def _seams(corners: Corners) -> tuple[FloatArray, FloatArray]:
     order = np.lexsort((keys[:, 1], keys[:, 0]))
     keys, uvs, normals = keys[order], uvs[order], normals[order]
     number = np.cumsum(np.any(np.diff(keys, axis=0, prepend=keys[:1]), axis=1))
-    crowded = np.bincount(number)[number] > MOST_AT_EDGE
+    crowded = np.bincount(number)[number] > MAX_TRIANGLES_AT_EDGE
     found_a, found_b = [empty], [empty]
-    for apart in range(1, MOST_AT_EDGE):
+    for apart in range(1, MAX_TRIANGLES_AT_EDGE):
         a, b = slice(None, -apart), slice(apart, None)
         pair = (number[a] == number[b]) & ~crowded[a] & (keys[a][:, 0] != keys[a][:, 1])
         pair &= (np.linalg.norm(normals[a] - normals[b], axis=2) < SAME_NORMAL).all(axis=1)

@@ -1,10 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Which sides of which triangles get texels.
-
-A thin wall has two sides with different light. Where a viewer can see both, the back becomes a separate sheet and both
-materials become one-sided. The inside of a solid needs no texels, and neither do surfaces that are certainly dark, such
-as the outer side of a room in empty space. All of these share one black texel.
+"""The choice of the triangles, and of their sides, that get texels in the light map.
+The two sides of a thin wall have different light. Where a viewer can see both sides, the back becomes a separate sheet,
+and both materials become one-sided. The inside of a solid needs no texels, and neither do surfaces that are certainly
+dark, such as the outside of a room in empty space. All of these share one black texel.
 """
 
 from __future__ import annotations
@@ -18,19 +17,19 @@ import numpy as np
 from eclat.gltf_export import Part, back_of, sides_differ
 from eclat.gltf_export.geometry import face_normals, with_flat_normals
 from eclat.gltf_export.textures import constant_of
-from eclat.lightmap.probes import sees_nothing
+from eclat.lightmap.probes import certainly_dark
 from eclat.lightmap.solids import Mask
 from eclat.scene import DEFAULTS, FloatArray, Material, Mesh, Scene
 
 SidesChoice = Literal["auto", "front", "both"]
 
-CORNERWARDS = 0.9
-"""Share of the way from a triangle's middle to its corners at which the points lie that look around."""
+PROBE_POSITION = 0.9
+"""Position of the test points of a triangle, as a share of the way from its centroid to its corners."""
 
 
 @dataclass(frozen=True, eq=False)
 class Side:
-    """A part with normals at all vertices, and a mask (T,) of the triangles that get texels."""
+    """A part, which has normals at all vertices, with a mask `lit` (T,) of its triangles that get texels."""
 
     part: Part
     lit: Mask
@@ -42,10 +41,10 @@ def lit_sides(
     solid: Sequence[Mask],
     threads: int | None = None,
 ) -> list[Side]:
-    """The sides of all meshes of `scene`; `solid` says which triangles bound solids.
-
-    `choice`: "auto" gives the backs of two-sided sheets texels of their own. "front" lights both sides like the front.
-    "both" gives every two-sided triangle texels for each side.
+    """List the sides of all meshes of `scene` that get texels; `solid` marks the triangles of each mesh that bound
+    solids.
+    With the `choice` "auto", the front and the back of a two-sided sheet get separate texels. With "front", both sides
+    show the light of the front. With "both", the two sides of every two-sided triangle get separate texels.
     """
     sides: list[Side] = []
     for mesh, hull in zip(scene.meshes, solid, strict=True):
@@ -63,7 +62,7 @@ def lit_sides(
 
 
 def reflects_diffusely(material: Material) -> bool:
-    """Whether the light that the material reflects depends on irradiance."""
+    """Return whether the material reflects light diffusely, so that its brightness depends on irradiance."""
 
     def largest(name: str) -> float:
         return max(constant_of(material.parameters.get(name, DEFAULTS[name])))
@@ -89,15 +88,15 @@ def _side(part: Part) -> Side:
 
 
 def _without_dark(scene: Scene, sides: list[Side], threads: int | None) -> list[Side]:
-    """The sides without those triangles that see nothing, neither from their middle nor from near their corners."""
+    """Remove from the masks the triangles that are certainly dark, both at their centroids and near their corners."""
     points, normals = [], []
     for side in sides:
-        places, faces = _asking_points(side.part.mesh)
+        places, faces = _probe_points(side.part.mesh)
         points.append(places[side.lit].reshape(-1, 3))
         normals.append(np.repeat(faces[side.lit], places.shape[1], axis=0))
     if not sum(map(len, points)):
         return sides
-    dark = sees_nothing(scene, np.concatenate(points), np.concatenate(normals), threads)
+    dark = certainly_dark(scene, np.concatenate(points), np.concatenate(normals), threads)
     dark = np.asarray(dark.reshape(-1, 4).all(axis=1))
     found, first = [], 0
     for side in sides:
@@ -109,8 +108,8 @@ def _without_dark(scene: Scene, sides: list[Side], threads: int | None) -> list[
     return found
 
 
-def _asking_points(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
-    """(T, 4, 3) points and (T, 3) normals."""
+def _probe_points(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """Return four test points of each triangle, (T, 4, 3), and the triangles' unit normals (T, 3)."""
     corners = np.asarray(mesh.positions, np.float64)[np.asarray(mesh.triangles)]
     middle = corners.mean(axis=1, keepdims=True)
-    return np.concatenate((middle, middle + CORNERWARDS * (corners - middle)), axis=1), face_normals(mesh)
+    return np.concatenate((middle, middle + PROBE_POSITION * (corners - middle)), axis=1), face_normals(mesh)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The surface point that each texel stands for, found by drawing triangles into the atlas conservatively.
-
-Bilinear filtering at a point reads the up to four texels whose centres lie less than a texel away in u and in v. All
-these texels are drawn. A texel whose centre lies outside its triangle stands for the nearest point of the triangle.
+"""The surface point that each texel represents, found by conservative rasterisation of the triangles into the atlas.
+Bilinear filtering at a point reads up to four texels, whose centres are less than one texel away in u and in v. All
+texels that are read anywhere on a triangle are drawn. A texel whose centre lies outside its triangle represents the
+nearest point of the triangle.
 """
 
 from __future__ import annotations
@@ -21,21 +21,25 @@ from eclat.scene import FloatArray, Mesh
 Ints = NDArray[np.int64]
 
 REACH = 1 - 1e-3
-"""Texels, in u and in v, from which bilinear filtering reads a texel; with less weight than 0.001 it does not matter."""
+"""Largest distance, in texels along u and v, at which a bilinear lookup reads a texel; texels with a weight below 0.001
+are neglected."""
 
 INWARD = 0.02
-"""Texels by which sample points keep off the edges of their triangle: in a corner, a ray would start in the wall."""
+"""Least distance, in texels, of sample points from the edges of their triangle; at the edge itself, in the corner of a
+room, a ray would start inside the next wall."""
 
 PAIRS_AT_ONCE = 1 << 20
+"""Number of pairs of a triangle and a texel that are tested at a time, which bounds the memory."""
 
 
 @dataclass(frozen=True, eq=False)
 class Texels:
-    """The texels that surfaces use, row by row. N is their number.
-
-    `rows`, `columns` (N,); `triangles` (N,), counted over all meshes; `weights` (N, 3) barycentric; `positions` (N, 3)
-    in metres; `normals` (N, 3) unit, of shading; `face_normals` (N, 3); `uvs` (N, 2) of the sample points in texels.
-    `shared`: texels that two charts wanted, of which one got it.
+    """The N texels that surfaces use, row by row.
+    `rows` and `columns` (N,) are their positions in the map; `triangles` (N,) are the indices of their triangles,
+    counted over all meshes; `weights` (N, 3) are the barycentric coordinates of the sample points; `positions` (N, 3)
+    are in metres; `normals` (N, 3) are unit shading normals and `face_normals` (N, 3) those of the triangles; `uvs` (N,
+    2) are the positions of the sample points in the map, in texels. `shared` is the number of texels that two charts
+    need, of which only one gets the texel.
     """
 
     rows: Ints
@@ -54,8 +58,10 @@ class Texels:
 
 @dataclass(frozen=True, eq=False)
 class Corners:
-    """All triangles of an atlas, (T, 3, …) each: `uvs` in texels, world `positions`, unit shading `normals`; unit
-    `face_normals` (T, 3); `charts` (T,), different for different charts, −1 for triangles that have none."""
+    """The corners of the T triangles of an atlas.
+    `uvs` (T, 3, 2) are in texels, world `positions` (T, 3, 3) in metres; `normals` (T, 3, 3) are unit shading normals
+    and `face_normals` (T, 3) unit normals of the triangles. `charts` (T,) are the indices of their charts, −1 for none.
+    """
 
     uvs: FloatArray
     positions: FloatArray
@@ -65,7 +71,7 @@ class Corners:
 
 
 def corners_of(meshes: Sequence[Mesh], atlas: Atlas) -> Corners:
-    """The meshes' triangles, one after another."""
+    """Collect the corners of all triangles, mesh by mesh."""
     charts, before = [np.zeros(0, np.int64)], 0
     for unwrapped in atlas.meshes:
         own = unwrapped.charts[unwrapped.triangles]
@@ -86,8 +92,8 @@ def corners_of(meshes: Sequence[Mesh], atlas: Atlas) -> Corners:
 
 
 def rasterize(corners: Corners, width: int, height: int) -> Texels:
-    """The texels that bilinear filtering reads anywhere on the triangles, each with the nearest point of its nearest
-    triangle."""
+    """Find the texels that bilinear filtering reads anywhere on the triangles; each represents the nearest point of its
+    nearest triangle."""
     best = np.full(width * height, np.inf)
     owner = np.full(width * height, -1, np.int64)
     weights = np.zeros((width * height, 3))
@@ -100,7 +106,7 @@ def rasterize(corners: Corners, width: int, height: int) -> Texels:
         triangle, centers, uvs = triangle[reached], centers[reached], uvs[reached]
         texel = row[reached] * width + column[reached]
         found, distance = nearest_in_triangle(uvs, centers)
-        # The nearest triangle comes first; of equally near ones, the one with the smaller number.
+        # The nearest triangle comes first; of equally near triangles, the one with the smaller index.
         order = np.lexsort((triangle, distance, texel))
         _, start, group = np.unique(texel[order], return_index=True, return_inverse=True)
         first = order[start]
@@ -114,13 +120,15 @@ def rasterize(corners: Corners, width: int, height: int) -> Texels:
 
 
 def at_texel_points(corners: Corners, texels: Texels, uvs: FloatArray) -> Texels:
-    """The same texels with other points: the points of their triangles that are nearest to `uvs` (N, 2), in texels."""
+    """Move the sample points of the texels to the points of their triangles that are nearest to `uvs` (N, 2), in
+    texels."""
     weights, _ = nearest_in_triangle(corners.uvs[texels.triangles], uvs)
     return _sampled(corners, texels.rows, texels.columns, texels.triangles, weights, texels.shared)
 
 
 def nearest_in_triangle(uvs: FloatArray, points: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """(N, 3) barycentric weights of the nearest point of each triangle (N, 3, 2), and its squared distance (N,)."""
+    """Find the nearest point of each triangle (N, 3, 2): its barycentric coordinates (N, 3) and squared distance
+    (N,)."""
     a, b, c = uvs[:, 0], uvs[:, 1], uvs[:, 2]
     area = _cross(b - a, c - a)
     with np.errstate(all="ignore"):
@@ -142,7 +150,8 @@ def nearest_in_triangle(uvs: FloatArray, points: FloatArray) -> tuple[FloatArray
 
 
 def _sampled(corners: Corners, rows: Ints, columns: Ints, triangles: Ints, weights: FloatArray, shared: int) -> Texels:
-    """The points at the given barycentric weights, moved a little inward from the triangle's edges."""
+    """Make the sample points at the given barycentric coordinates, moved inward a little from the edges of the
+    triangle."""
     uvs = corners.uvs[triangles]
     weights = _moved_inward(uvs, weights)
 
@@ -168,11 +177,12 @@ def _sampled(corners: Corners, rows: Ints, columns: Ints, triangles: Ints, weigh
 
 
 def _moved_inward(uvs: FloatArray, weights: FloatArray) -> FloatArray:
-    """The weights moved so that points lie at least `INWARD` texels from each edge, if the triangle is large enough."""
+    """Move points at least `INWARD` texels away from each edge, if the triangle is large enough; weights are
+    barycentric."""
     area = np.abs(_cross(uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]))
     opposite = np.linalg.norm(uvs[:, [2, 0, 1]] - uvs[:, [1, 2, 0]], axis=2)
     with np.errstate(all="ignore"):
-        # A weight is the distance from the opposite edge over the height there.
+        # A barycentric coordinate is the distance from the opposite edge divided by the height of the triangle over it.
         least = INWARD * opposite / area[:, None]
     least = np.minimum(np.nan_to_num(least, nan=0.1, posinf=0.1), 0.1)
     raised: FloatArray = np.maximum(weights, least)
@@ -180,7 +190,8 @@ def _moved_inward(uvs: FloatArray, weights: FloatArray) -> FloatArray:
 
 
 def _candidates(uvs: FloatArray, drawn: Ints, width: int, height: int) -> Iterator[tuple[Ints, Ints, Ints]]:
-    """Triangles with the texels of their bounding boxes, grown by `REACH`: numbers, columns, rows, some at a time."""
+    """Yield triangles with the texels of their bounding boxes, which are enlarged by `REACH`: indices, columns and
+    rows."""
     low = np.ceil(uvs[drawn].min(axis=1) - REACH - 0.5).astype(np.int64)
     high = np.floor(uvs[drawn].max(axis=1) + REACH - 0.5).astype(np.int64)
     low, high = np.maximum(low, 0), np.minimum(high, (width - 1, height - 1))
@@ -199,8 +210,9 @@ def _candidates(uvs: FloatArray, drawn: Ints, width: int, height: int) -> Iterat
 
 
 def _reaches(uvs: FloatArray, centers: FloatArray) -> NDArray[np.bool_]:
-    """Whether the square of half width `REACH` about each centre meets its triangle, by separating axes: the bounding
-    boxes are known to meet, so that the normals of the edges remain."""
+    """Test whether the square of half width `REACH` about each centre overlaps its triangle, by separating axes.
+    The bounding boxes overlap already, so only the normals of the triangle's edges are tested.
+    """
     turn = np.sign(_cross(uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]))
     meets = np.ones(len(uvs), bool)
     for i in range(3):

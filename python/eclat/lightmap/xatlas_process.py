@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The program that unwraps meshes by xatlas: arrays come on standard input, charts leave on standard output.
-
-It runs as a separate process, because the library can crash or run for ever on broken meshes and cannot be stopped. It
-imports nothing of this package, so that it starts at once.
+"""A program that unwraps meshes with xatlas: it reads arrays from standard input and writes charts to standard output.
+It runs as a separate process, because xatlas can crash or run forever on broken meshes and cannot be stopped. It
+imports nothing from this package, so that it starts quickly.
 """
 
 from __future__ import annotations
@@ -16,10 +15,10 @@ import xatlas
 
 
 def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Charts of the meshes `positions0`, `normals0`, `triangles0`, `positions1`, …, packed into one image.
-
-    Returns `size` (width, height), and for each mesh `vertices` (which vertex each is a copy of), `triangles`, `uvs` in
-    0..1 of the image and `charts`, the chart of each vertex, −1 for those that xatlas left out.
+    """Make charts of the meshes `positions0`, `normals0`, `triangles0`, `positions1`, …, and pack them into one image.
+    Returns `size` (width, height in texels), and for each mesh `vertices`, the index of the vertex that each vertex
+    copies; `triangles`; `uvs`, in 0..1 of the image; and `charts`, the chart of each vertex, −1 for vertices that
+    xatlas left out.
     """
     atlas = xatlas.Atlas()
     count = int(arrays["count"])

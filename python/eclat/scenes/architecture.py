@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Parts of a Renaissance courtyard, standing on y = 0 about the y axis unless said otherwise. Metres."""
+"""Parts of a Renaissance courtyard, with lengths in metres. Unless stated otherwise, they stand on y = 0, centred on
+the y axis."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from eclat.scenes.geometry import Point2, Solid, box, icosphere, join, revolve
 
 
 def bead(radius: float, bottom: float, top: float, bulge: float, points: int = 4) -> list[Point2]:
-    """Profile of a half-round moulding; a negative `bulge` makes a hollow."""
+    """Make the profile of a half-round moulding; a negative `bulge` makes it concave."""
     return [
         (radius + bulge * math.sin(math.pi * k / (points - 1)), bottom + (top - bottom) * k / (points - 1))
         for k in range(points)
@@ -20,9 +21,8 @@ def bead(radius: float, bottom: float, top: float, bulge: float, points: int = 4
 
 
 def column(height: float, radius: float, segments: int, fine: int = 4) -> Solid:
-    """A Tuscan column: plinth, attic base, shaft with entasis, necking, echinus, abacus 2.82 radii wide.
-
-    `fine` is the number of points of each curve of its profile.
+    """Make a Tuscan column: plinth, Attic base, shaft with entasis, necking, echinus, and an abacus 2.82 radii wide.
+    `fine` is the number of points of each curve in its profile.
     """
     r = radius
     base = [(1.34 * r, 0.42 * r), *bead(1.26 * r, 0.42 * r, 0.74 * r, 0.12 * r, fine), (1.2 * r, 0.78 * r)]
@@ -44,21 +44,21 @@ def column(height: float, radius: float, segments: int, fine: int = 4) -> Solid:
 
 
 def baluster(height: float, segments: int) -> Solid:
-    """A vase-shaped baluster on a round foot."""
+    """Make a vase-shaped baluster on a round foot."""
     shape = [(0.062, 0.0), (0.062, 0.07), (0.04, 0.12), (0.072, 0.3), (0.066, 0.4), (0.04, 0.56), (0.034, 0.74)]
     shape += [(0.052, 0.82), (0.04, 0.88), (0.06, 0.94), (0.06, 1.0)]
     return revolve([(r, y * height) for r, y in shape], segments, crease=60)
 
 
 def corbel(width: float, projection: float, drop: float) -> Solid:
-    """A bell that carries a rib, half of it in the wall at z = 0; its top is at y = 0."""
+    """Make a bell-shaped corbel that carries a rib; half of it is inside the wall at z = 0, and its top is at y = 0."""
     shape = [(0.06, -1.0), (0.17, -0.97), (0.22, -0.9), (0.17, -0.83), (0.24, -0.78), (0.38, -0.68), (0.58, -0.5)]
     shape += [(0.75, -0.3), (0.83, -0.2), (0.95, -0.14), (0.95, 0.0)]
     return revolve(shape, 12).scaled(width / 2, drop, projection)
 
 
 def fountain() -> Solid:
-    """An octagonal basin on two steps, and two bowls on a stem: about 2.9 m high."""
+    """Make a fountain, about 2.9 m high: an octagonal basin on two steps, with two bowls on a stem."""
     octagons = [
         revolve([(2.35, -0.05), (2.35, 0.15)], 8, crease=1),
         revolve([(2.0, 0.1), (2.0, 0.31)], 8, crease=1),
@@ -79,24 +79,24 @@ def fountain() -> Solid:
 
 
 def pot() -> Solid:
-    """A terracotta pot with a rim and garlands' ledge, 0.62 m high, 0.7 m wide; earth goes at y = 0.55."""
+    """Make a terracotta pot with a rim and a ledge, 0.62 m high and 0.7 m wide; it holds earth up to y = 0.55."""
     outside = [(0.2, 0.0), (0.22, 0.03), (0.235, 0.06), (0.225, 0.09), (0.25, 0.2), (0.285, 0.38), (0.29, 0.4)]
     outside += [(0.302, 0.41), (0.302, 0.44), (0.293, 0.45), (0.3, 0.52), (0.34, 0.54), (0.35, 0.57), (0.35, 0.6)]
     return revolve([*outside, (0.34, 0.62), (0.3, 0.62), (0.285, 0.5)], 20)
 
 
 def earth() -> Solid:
-    """The earth that fills the pot."""
+    """Make the earth that fills the pot."""
     return revolve([(0.27, 0.45), (0.29, 0.55), (0.2, 0.57)], 20)
 
 
 def trunk() -> Solid:
-    """A young tree's stem, from the earth into its crown."""
+    """Make the trunk of a young tree, from the earth up into its crown."""
     return revolve([(0.035, 0.5), (0.028, 0.7), (0.024, 1.1), (0.026, 1.6)], 10)
 
 
 def crown(radius: float, seed: int, subdivisions: int = 4) -> Solid:
-    """A clipped ball of leaves about the origin: a sphere with smooth waves of random directions."""
+    """Make a clipped tree crown about the origin: a sphere whose surface is displaced by waves in random directions."""
     ball = icosphere(subdivisions)
     random = np.random.default_rng(seed)
     bumps = np.zeros(len(ball.positions))
@@ -108,14 +108,14 @@ def crown(radius: float, seed: int, subdivisions: int = 4) -> Solid:
 
 
 def jar() -> Solid:
-    """A big oil jar with a neck and a lip, 1.05 m high."""
+    """Make a large oil jar with a neck and a lip, 1.05 m high."""
     belly = [(0.17, 0.0), (0.19, 0.02), (0.2, 0.06), (0.27, 0.2), (0.345, 0.4), (0.38, 0.58), (0.37, 0.72)]
     belly += [(0.31, 0.84), (0.23, 0.91), (0.19, 0.95), (0.19, 0.98), (0.235, 1.02), (0.24, 1.05), (0.17, 1.05)]
     return revolve([*belly, (0.15, 0.96), (0.2, 0.88)], 36)
 
 
 def tondo() -> tuple[Solid, Solid]:
-    """A round relief on the wall z = 0 that faces +z: its frame, and the glazed dish inside."""
+    """Make a round relief for a wall at z = 0 that faces +z: its frame and the glazed dish inside."""
     frame = [(0.31, -0.03), (0.31, 0.02), (0.29, 0.048), (0.26, 0.055), (0.225, 0.03)]
     dish = [(0.23, -0.02), (0.23, 0.015), (0.14, 0.006), (0.06, 0.03)]
     rim = revolve([*frame, (0.225, -0.01)], 24)
@@ -123,9 +123,9 @@ def tondo() -> tuple[Solid, Solid]:
 
 
 def door(width: float, height: float) -> tuple[Solid, Solid]:
-    """Frame with cornice, and panelled leaves, on the wall z = 0 that faces +z; the width is that of the opening.
-
-    The leaves stand 6 cm before the wall, so that they cover a dado and its rail.
+    """Make a door for a wall at z = 0 that faces +z: its frame with a cornice, and its panelled leaves.
+    `width` and `height` are those of the opening. The leaves are 6 cm in front of the wall, so that they cover the dado
+    and its rail.
     """
     half, jamb = width / 2, 0.2
     frame = [

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A courtyard in the Florentine manner: groin-vaulted arcades, a gallery above, sun and open sky."""
+"""A courtyard in the Florentine style with groin-vaulted arcades, a gallery above them, a sun and an open sky. Lengths
+are in metres."""
 
 from __future__ import annotations
 
@@ -17,38 +18,48 @@ from eclat.scenes import architecture as parts
 from eclat.scenes.geometry import Point2, Solid, arch, box, extrude, groin_vault, half_circle, join, mesh, ring
 
 BAY = 3.2
-"""From axis to axis; a walk is one bay deep."""
+"""Distance between the axes of two columns; a walk is one bay deep."""
 AXES = tuple(BAY * k for k in (-2.5, -1.5, -0.5, 0.5, 1.5, 2.5))
+"""Positions of the columns along each side."""
 COURT = AXES[-1]
+"""Distance of the columns from the centre of the court."""
 WALK = COURT + BAY / 2
-"""Distances of the column axis and of the middle of the walk from the centre."""
+"""Distance of the middle of the walk from the centre of the court."""
 WALL_FACE = 10.95
+"""Distance of the face of the outer wall from the centre of the court."""
 PAVEMENT = -0.18
+"""Height of the pavement of the court; the walks are at height 0."""
 SPRING = 3.45
 """Height at which arches and vaults begin."""
 CORNICE = 5.14
+"""Height of the lower edge of the cornice."""
 GALLERY = 5.44
+"""Height of the floor of the gallery."""
 PARAPET = GALLERY + 0.98
+"""Height of the top of the balustrade."""
 DADO = (1.2, GALLERY + 0.9)
-"""Heights of the painted lower part of the outer wall, below and on the gallery."""
+"""Heights of the upper edge of the dado (the painted lower part of the wall), in the walks and on the gallery."""
 EAVES = 8.72
+"""Height of the tops of the upper columns."""
 
 LIGHT_SCALE = 0.02
-"""Share of true daylight, chosen so that sunlit plaster comes out near 1 and a picture needs no exposure."""
+"""Brightness of the light relative to real daylight; sunlit plaster then has a radiance near 1, and pictures
+need no exposure."""
 
 
 def build(sun_azimuth: float = 287.0, sun_elevation: float = 52.0, turbidity: float = 3.0) -> Scene:
-    """The view is from the southern walk into the court; 1280×720.
+    """Build the scene. The first camera looks from the southern walk into the court, the second down from the gallery;
+    both have 1280 × 720 pixels.
 
     Parameters
     ----------
     sun_azimuth, sun_elevation
-        In degrees; azimuth clockwise from north (−z), elevation above 0 up to 90.
+        Direction of the sun in degrees: the azimuth is clockwise from north (−z), the elevation above 0 and at most 90.
     turbidity
-        Haze of the sky, 1.7 to 10.
+        Haze of the sky, from 1.7 (clear) to 10 (hazy).
     """
     if not 0 < sun_elevation <= 90:
-        raise EclatError(f"built-in scene atrium: expected sun_elevation above 0, at most 90, got {sun_elevation}")
+        raise EclatError(f"built-in scene atrium: expected sun_elevation above 0 and at most 90, got {sun_elevation}")
     to_sun = sun_direction(sun_azimuth, sun_elevation)
     sun, sky = sun_sky(to_sun, turbidity, sun_scale=LIGHT_SCALE, sky_scale=LIGHT_SCALE)
     assert sun is not None
@@ -86,12 +97,12 @@ def _meshes() -> tuple[Mesh, ...]:
 
 
 def _four_sides(solid: Solid) -> Iterator[Solid]:
-    """Four copies of a solid that stands on the +z side, one for each side."""
+    """Copy a solid that stands on the +z side of the court to all four sides."""
     return (solid.turned(90.0 * k) for k in range(4))
 
 
 def _walls() -> Iterator[Solid]:
-    """Arcade walls, vaults, the outer wall and the gallery's floor and ceiling."""
+    """Make the walls of the arcades, the vaults and the outer wall."""
     yield from (_arcade_wall(8.24, 0.02, CORNICE + 0.02).moved(z=COURT * s) for s in (-1, 1))
     yield from (_arcade_wall(8.1, 0.015, CORNICE + 0.01).turned(90).moved(x=COURT * s) for s in (-1, 1))
     vault = groin_vault(1.35, 0.03, CORNICE + 0.03 - SPRING, 14).moved(y=SPRING + 0.005)
@@ -116,7 +127,7 @@ def _dado() -> Iterator[Solid]:
 
 
 def _stonework() -> Iterator[Solid]:
-    """Archivolts, ribs and corbels, cornice with the gallery's floor, architrave, rails of the dado."""
+    """Make the archivolts, the ribs and corbels of the vaults, and the mouldings."""
     half = [(1.3, 0.275), (1.38, 0.275), (1.39, 0.287), (1.46, 0.287), (1.475, 0.305), (1.515, 0.3)]
     archivolt = arch([*half, *((r, -z) for r, z in reversed(half))], 0.03, 20).moved(y=SPRING)
     middles = [(a + b) / 2 for a, b in pairwise(AXES)]
@@ -170,7 +181,7 @@ def _balustrade() -> Iterator[Solid]:
 
 
 def _timber() -> Iterator[Solid]:
-    """The gallery's ceiling: boards on beams whose ends carry the eaves."""
+    """Make the ceiling of the gallery: boards on beams, whose ends carry the eaves."""
     y = EAVES + 0.32
     beams = [box((x - 0.06, y, 7.15), (x + 0.06, y + 0.15, 11.0)) for x in np.arange(-11, 12) * 0.64]
     yield from _four_sides(join(beams))
@@ -187,7 +198,8 @@ def _roof() -> Solid:
 
 
 def _doors() -> Iterator[tuple[Solid, Solid]]:
-    """Frames and leaves on the outer wall: in every second bay below, in the others above."""
+    """Make the frames and leaves of the doors: in every second bay of the walks, and in the other bays of the
+    gallery."""
     low = parts.door(1.3, 2.45)
     high = parts.door(1.0, 2.1)
     for k in range(4):
@@ -232,9 +244,9 @@ def _tiled(name: str, image: FloatArray) -> Material:
 
 
 def pavement_image() -> FloatArray:
-    """The whole court's pavement, sRGB-encoded (1232, 1232, 3).
-
-    Travertine laid diagonally, bands of grey stone from column to column, a ring of red marble round the fountain.
+    """Draw the pavement of the whole court, an sRGB-encoded image (1232, 1232, 3).
+    It consists of diagonal travertine slabs, bands of grey stone from column to column, and a ring of red marble around
+    the fountain.
     """
     centres = (np.arange(1232) + 0.5) / 1232 * 15.4 - 7.7
     x, z = np.meshgrid(centres, centres)
@@ -251,7 +263,7 @@ def pavement_image() -> FloatArray:
 
 
 def brick_image() -> FloatArray:
-    """A square of the walks' terracotta tiles that repeats, sRGB-encoded (256, 256, 3)."""
+    """Draw a repeating square of the terracotta tiles of the walks, an sRGB-encoded image (256, 256, 3)."""
     tile = (np.arange(256) + 0.5) / 32
     u, v = np.meshgrid(tile, tile)
     pale = ((np.floor(u) + np.floor(v)) % 2)[..., None]
@@ -260,7 +272,8 @@ def brick_image() -> FloatArray:
 
 
 def _slabs(u: FloatArray, v: FloatArray, joint: float, seed: int) -> FloatArray:
-    """Brightness of slabs one unit wide: each its own tone, darker in a joint of half-width `joint`."""
+    """Compute the brightness of slabs that are one unit wide: each has a random tone, and joints of half-width `joint`
+    are darker."""
     i, j = np.floor(u).astype(int), np.floor(v).astype(int)
     tones = np.random.default_rng(seed).uniform(0.86, 1.08, (64, 64))
     edge = np.minimum(0.5 - np.abs(u - i - 0.5), 0.5 - np.abs(v - j - 0.5))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The Cornell box with the numbers of Mitsuba 3's `cornell_box()`: a room two metres wide about the origin."""
+"""The Cornell box with the numbers of Mitsuba 3's `cornell_box()`: a room two metres wide, centred on the origin."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ GREEN = rgb(0.105421, 0.37798, 0.076425)
 RED = rgb(0.570068, 0.0430135, 0.0443706)
 RADIANCE = rgb(18.387, 13.9873, 6.75357)
 
-# Column by column where a unit square or cube goes; the digits, rounding included, are Mitsuba's.
+# Each matrix maps the square [−1, 1]² or the cube [−1, 1]³ to its place. The digits are those of Mitsuba 3, with its
+# rounding errors.
 A, B = 0.99999994, -4.37113883e-08
 C, D = 0.189999998, -8.30516367e-09
 LIGHT: Matrix = ((0.229999989, 0, 0, 0), (0, D, -C, 0.99), (0, C, D, 0.01))
@@ -31,13 +32,14 @@ CAMERA = ((1.0, 0, 0, 0), (0, A, 0, 0), (0, 0, A, 3.9), (0, 0, 0, 1))
 
 
 def build() -> Scene:
-    """All surfaces diffuse; 512×512."""
+    """Build the scene. All surfaces are diffuse; the camera has 512 × 512 pixels."""
     white = diffuse("white", WHITE)
     return room(floor=white, large_box=white, name="cornell-box")
 
 
 def room(floor: Material, large_box: Material, name: str) -> Scene:
-    """The box with a floor and a tall box of one's own; surfaces reflect on their front only."""
+    """Build a Cornell box with the given materials of the floor and of the tall box; all other surfaces are
+    one-sided."""
     white = diffuse("white", WHITE)
     meshes = (
         square("light", LIGHT, diffuse("light", WHITE, emission=RADIANCE)),
@@ -54,18 +56,18 @@ def room(floor: Material, large_box: Material, name: str) -> Scene:
 
 
 def diffuse(name: str, reflectance: Value, emission: Value | None = None) -> Material:
-    """A one-sided diffuse material."""
+    """Make a one-sided diffuse material."""
     return Material("diffuse", {"reflectance": reflectance}, name=name, two_sided=False, emission=emission)
 
 
 def square(name: str, matrix: Matrix, material: Material) -> Mesh:
-    """The square [−1, 1]² at z = 0 that faces +z, transformed."""
+    """Make the square [−1, 1]² at z = 0, which faces +z, and transform it."""
     corners = np.array([(-1, -1, 0), (1, -1, 0), (1, 1, 0), (-1, 1, 0)], dtype=np.float64)
     return Mesh(_transformed(corners, matrix), np.array([(0, 1, 2), (0, 2, 3)]), material, name=name)
 
 
 def cube(name: str, matrix: Matrix, material: Material) -> Mesh:
-    """The cube [−1, 1]³, transformed."""
+    """Make the cube [−1, 1]³ and transform it."""
     solid = box((-1, -1, -1), (1, 1, 1))
     return Mesh(_transformed(solid.positions, matrix), solid.triangles, material, name=name)
 

@@ -1,8 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A study lit only by what comes through a door left ajar, in the spirit of Veach's scene.
-
-The room is 0 < x < 6 and 0 < z < 4.5, the corridor 6.15 < x < 8; metres.
+"""A study that is lit only through a door left ajar, after a scene by Veach.
+The room is at 0 < x < 6 and 0 < z < 4.5, the lit corridor at 6.15 < x < 8; lengths are in metres.
 """
 
 from __future__ import annotations
@@ -15,21 +14,24 @@ from eclat.scene import Camera, Material, Mesh, Scene, Value, grey, look_at, rgb
 from eclat.scenes.geometry import Solid, box, extrude, icosphere, join, mesh, revolve
 
 DEPTH, HEIGHT = 4.5, 2.8
+"""Size of the room and the corridor along z and y."""
 WALL = (6.0, 6.15)
+"""Positions of the two faces of the wall between the room and the corridor along x."""
 DOOR = (2.9, 3.8, 2.08)
-"""The opening: from z, to z, height."""
+"""Opening of the door: its lowest and highest z, and its height."""
 TABLE = 0.75
+"""Height of the table."""
 
 
 def build(opening: float = 32.0, polished: bool = False) -> Scene:
-    """The view is towards the door; 1280×720.
+    """Build the scene. The camera looks towards the door; it has 1280 × 720 pixels.
 
     Parameters
     ----------
     opening
-        The door's angle in degrees, 1 to 120.
+        Angle of the door in degrees, 1 to 120.
     polished
-        Makes the vase gold, the bowl glazed and the ball glass; without it all is diffuse.
+        Whether the vase is of gold, the bowl glazed and the ball of glass; otherwise all surfaces are diffuse.
     """
     if not 1 <= opening <= 120:
         raise EclatError(f"built-in scene door-ajar: expected opening from 1 to 120 degrees, got {opening}")
@@ -70,7 +72,7 @@ def _door(opening: float) -> Iterator[Mesh]:
         frame += [box((x0 - 0.004, top + 0.003, low - 0.1), (x1 + 0.004, top + 0.09, high + 0.1))]
     yield mesh(frame, white, "door-frame")
     width, height = high - low - 0.012, top - 0.016
-    # The leaf in its own frame: hinge at the origin, along −z, thickness along x.
+    # In the leaf's own coordinates the hinge is at the origin; the leaf extends along −z, and its thickness along x.
     leaf = [box((-0.02, 0.0, -width), (0.02, height, 0.0))]
     for bottom, up in ((0.14, 0.9), (1.05, height - 0.14)):
         leaf.append(box((-0.026, bottom, -width + 0.13), (0.026, up, -0.13)))
@@ -118,7 +120,8 @@ def _chair() -> Iterator[Solid]:
 
 
 def _books(colour: int, colours: int) -> Iterator[Solid]:
-    """Every `colours`-th book of the four shelves; sizes repeat without a visible pattern."""
+    """Make the books of one colour on the four shelves, which have `colours` colours; their sizes vary without a
+    visible pattern."""
     for row, y in enumerate((0.445, 0.845, 1.245, 1.645)):
         x = 1.23
         for k in range(60):
@@ -132,7 +135,7 @@ def _books(colour: int, colours: int) -> Iterator[Solid]:
 
 
 def _still_life(polished: bool) -> Iterator[Mesh]:
-    """A vase, a bowl, a ball and two books on the table."""
+    """Make the vase, the bowl, the ball and the two books on the table."""
     vase = [(0.05, 0.0), (0.055, 0.01), (0.045, 0.03), (0.07, 0.09), (0.1, 0.17), (0.105, 0.22), (0.085, 0.28)]
     vase += [(0.05, 0.33), (0.038, 0.38), (0.042, 0.42), (0.06, 0.45), (0.05, 0.45), (0.032, 0.41), (0.028, 0.38)]
     bowl = [(0.05, 0.0), (0.055, 0.015), (0.1, 0.035), (0.14, 0.07), (0.16, 0.11), (0.15, 0.112), (0.13, 0.07)]

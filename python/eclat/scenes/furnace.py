@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A closed room whose walls emit and reflect alike: radiance is emission / (1 − rho) everywhere, in all directions."""
+"""A closed room whose walls emit and reflect uniformly: the radiance is emission / (1 − rho) everywhere and in all
+directions."""
 
 from __future__ import annotations
 
@@ -12,7 +13,7 @@ from eclat.scenes.geometry import box, icosphere, mesh
 
 
 def build(rho: float = 0.5, emission: float = 1.0, shape: str = "sphere") -> Scene:
-    """The camera is inside, off the centre.
+    """Build the scene. The camera is inside, away from the centre.
 
     Parameters
     ----------
@@ -21,12 +22,12 @@ def build(rho: float = 0.5, emission: float = 1.0, shape: str = "sphere") -> Sce
     emission
         Emitted radiance in W·sr⁻¹·m⁻².
     shape
-        "sphere", of 320 flat triangles and radius 1 m, or "box", 2 m wide.
+        "sphere", a sphere of 320 flat triangles with a radius of 1 m, or "box", a cube 2 m wide.
     """
     if not 0 <= rho < 1:
-        raise EclatError(f"built-in scene furnace: expected rho from 0 to below 1, got {rho}")
+        raise EclatError(f"built-in scene furnace: expected rho of at least 0 and below 1, got {rho}")
     if not math.isfinite(emission) or emission < 0:
-        raise EclatError(f"built-in scene furnace: expected a finite emission ≥ 0, got {emission}")
+        raise EclatError(f"built-in scene furnace: expected a finite emission of at least 0, got {emission}")
     if shape not in ("sphere", "box"):
         raise EclatError(f"built-in scene furnace: expected shape 'sphere' or 'box', got {shape!r}")
     solid = icosphere(2) if shape == "sphere" else box((-1, -1, -1), (1, 1, 1))

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Builders of closed solids: every one is watertight and its triangles face outwards.
-
-Scenes put solids together by letting them sink into each other by a centimetre or so, never by letting two faces
-share a plane: then nothing flickers and no light creeps through a seam.
+"""Builders of closed solids: every solid is watertight, and its triangles face outwards.
+Scenes join solids by letting them overlap by about a centimetre. Two faces never share a plane, because such faces
+would flicker, and edges never merely touch, because light would leak between them.
 """
 
 from __future__ import annotations
@@ -24,18 +23,19 @@ Point3 = tuple[float, float, float]
 
 @dataclass(frozen=True, eq=False)
 class Solid:
-    """Triangles that enclose a volume; positions (V, 3), triangles (T, 3), normals (V, 3) or None for flat faces."""
+    """Triangles that enclose a volume: positions (V, 3), triangles (T, 3), and normals (V, 3) or None for flat
+    faces."""
 
     positions: FloatArray
     triangles: IntArray
     normals: FloatArray | None = None
 
     def moved(self, x: float = 0.0, y: float = 0.0, z: float = 0.0) -> Solid:
-        """The solid moved by an offset."""
+        """Move the solid by an offset."""
         return Solid(self.positions + np.array([x, y, z]), self.triangles, self.normals)
 
     def turned(self, degrees: float, axis: int = 1) -> Solid:
-        """Rotated about the origin, counter-clockwise when the axis (0, 1, 2) points at the viewer."""
+        """Rotate the solid about axis 0, 1 or 2, counter-clockwise as seen when the axis points at the viewer."""
         c, s = math.cos(math.radians(degrees)), math.sin(math.radians(degrees))
         i, j = (axis + 1) % 3, (axis + 2) % 3
         matrix = np.eye(3)
@@ -44,7 +44,7 @@ class Solid:
         return Solid(self.positions @ matrix.T, self.triangles, normals)
 
     def scaled(self, x: float, y: float, z: float) -> Solid:
-        """The solid stretched along the axes by positive factors."""
+        """Scale the solid along the axes by positive factors."""
         factors = np.array([x, y, z])
         normals = None
         if self.normals is not None:
@@ -53,14 +53,16 @@ class Solid:
         return Solid(self.positions * factors, self.triangles, normals)
 
     def inside_out(self) -> Solid:
-        """The solid turned inside out, which makes it a room."""
+        """Flip all faces, which turns a solid into a room."""
         return Solid(self.positions, self.triangles[:, ::-1], None if self.normals is None else -self.normals)
 
     def smooth(self, crease: float = 35.0) -> Solid:
-        """With vertex normals, averaged over faces that meet at less than `crease` degrees; sharper edges stay."""
+        """Add vertex normals, averaged over the faces whose angle is less than `crease` degrees; sharper edges stay
+        sharp."""
         corners = self.positions[self.triangles]
         faces = _unit(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]))
-        # Corners sorted by vertex, so that each vertex's corners are one run; then all pairs within a run.
+        # The corners are sorted by vertex, so that the corners of a vertex are consecutive; then all pairs of corners
+        # of the same vertex are formed.
         vertices = self.triangles.reshape(-1)
         order = np.argsort(vertices, kind="stable")
         first = np.searchsorted(vertices[order], vertices)
@@ -77,7 +79,7 @@ class Solid:
 
 
 def join(solids: Iterable[Solid]) -> Solid:
-    """One solid that consists of all the given ones, with their faces and normals."""
+    """Combine solids into one, with all their faces and normals."""
     parts = list(solids)
     if any(p.normals is not None for p in parts):
         parts = [p if p.normals is not None else p.smooth(1.0) for p in parts]
@@ -93,16 +95,16 @@ def join(solids: Iterable[Solid]) -> Solid:
 def mesh(
     solids: Iterable[Solid], material: Material, name: str, uv: Callable[[FloatArray], FloatArray] | None = None
 ) -> Mesh:
-    """One mesh of many solids; `uv` maps positions (V, 3) to texture coordinates (V, 2)."""
+    """Make one mesh of many solids; `uv` maps positions (V, 3) to texture coordinates (V, 2)."""
     solid = join(solids)
     uvs = None if uv is None else uv(solid.positions)
     return Mesh(solid.positions, solid.triangles, material, normals=solid.normals, uvs=uvs, name=name)
 
 
 def loft(stations: ArrayLike, closed: bool = False) -> Solid:
-    """The solid between loops (S, P, 3) of points; the last joins the first with `closed`, else the ends are capped.
-
-    The first and last loop must be flat where they are caps.
+    """Make a solid by connecting S consecutive loops of P points each, given as (S, P, 3).
+    With `closed`, the last loop is connected to the first. Otherwise the first and the last loop, which must be flat
+    polygons, are closed with caps.
     """
     loops = np.asarray(stations, dtype=np.float64)
     count, points = loops.shape[:2]
@@ -118,19 +120,20 @@ def loft(stations: ArrayLike, closed: bool = False) -> Solid:
 
 
 def extrude(outline: Sequence[Point2], depth: float) -> Solid:
-    """A simple polygon in x and y, given thickness: from z = −depth/2 to +depth/2."""
+    """Extrude a simple polygon in x and y from z = −depth/2 to z = +depth/2."""
     points = np.asarray(outline, dtype=np.float64)
     return loft([np.column_stack([points, np.full(len(points), z)]) for z in (-depth / 2, depth / 2)])
 
 
 def box(low: Point3, high: Point3) -> Solid:
-    """An axis-aligned box between two corners."""
+    """Make an axis-aligned box between two corners."""
     (x0, y0, z0), (x1, y1, z1) = low, high
     return extrude([(x0, y0), (x1, y0), (x1, y1), (x0, y1)], z1 - z0).moved(z=(z0 + z1) / 2)
 
 
 def revolve(profile: Sequence[Point2], segments: int, crease: float = 40.0) -> Solid:
-    """A profile of (radius, height), from the bottom up, turned about the y axis. Open ends are closed by discs."""
+    """Revolve a profile of points (radius, height), from the bottom up, about the y axis. Open ends are closed by
+    discs."""
     inner = [(r, y) for r, y in profile if r > 0]
     bottom, top = profile[0][1], profile[-1][1]
     angles = np.arange(segments) * (2 * math.pi / segments)
@@ -151,13 +154,15 @@ def revolve(profile: Sequence[Point2], segments: int, crease: float = 40.0) -> S
 
 
 def ring(profile: Sequence[Point2]) -> Solid:
-    """A profile of (distance, height) taken round a square court, mitred at the four corners."""
+    """Sweep a profile of points (distance from the centre, height) around a square court, mitred at the four
+    corners."""
     d, y = np.asarray(profile, dtype=np.float64).T
     return loft([np.column_stack([d * x, y, d * z]) for x, z in ((1, 1), (1, -1), (-1, -1), (-1, 1))], closed=True)
 
 
 def arch(profile: Sequence[Point2], foot: float, segments: int) -> Solid:
-    """A profile of (radius, z) swept over a half circle in x and y, with straight feet from the springing to −foot."""
+    """Sweep a profile of points (radius, z) along a half circle in x and y, whose ends continue straight down to y =
+    −foot."""
     r, z = np.asarray(profile, dtype=np.float64).T
     loops = [np.column_stack([r, np.full(len(r), -foot), z])]
     for angle in np.linspace(0.0, math.pi, segments + 1):
@@ -167,16 +172,16 @@ def arch(profile: Sequence[Point2], foot: float, segments: int) -> Solid:
 
 
 def half_circle(center: float, radius: float, segments: int) -> list[Point2]:
-    """Points of an arch's curve from left to right, springing at height 0, to build an outline from."""
+    """Make the points of a semicircular arch from left to right, which begins at height 0, as a part of an outline."""
     angles = np.linspace(math.pi, 0.0, segments + 1)
     return [(center + radius * math.cos(a), radius * max(0.0, math.sin(a))) for a in angles]
 
 
 def groin_vault(radius: float, flange: float, top: float, segments: int) -> Solid:
-    """Two barrel vaults that cross: a block over a square bay, hollow below, flat at height `top`.
-
-    The barrels of `radius` spring at height 0; the block reaches `flange` further, to be let into the walls. Each
-    barrel has `segments` facets, an even number.
+    """Make the intersection of two barrel vaults over a square bay: a block that is vaulted below and flat at height
+    `top`.
+    The barrels have the given `radius` and begin at height 0. The block extends `flange` beyond them, into the walls.
+    Each barrel has `segments` facets, an even number.
     """
     curve = radius * np.cos(np.linspace(math.pi, 0.0, segments + 1))
     nodes = np.concatenate([[-radius - flange], curve, [radius + flange]])
@@ -186,7 +191,7 @@ def groin_vault(radius: float, flange: float, top: float, segments: int) -> Soli
     below = np.column_stack([x.ravel(), np.maximum(rise[:, None], rise[None, :]).ravel(), z.ravel()])
     i, j = (k.ravel() for k in np.meshgrid(np.arange(n - 1), np.arange(n - 1), indexing="ij"))
     a, b, c, d = i * n + j, (i + 1) * n + j, (i + 1) * n + j + 1, i * n + j + 1
-    # The groins are the bay's diagonals; cells are split along the diagonal that runs with them.
+    # The groins are the diagonals of the bay; each cell is split along the diagonal that is parallel to its groin.
     falling = ((i < n // 2) != (j < n // 2))[:, None]
     first = np.where(falling, np.column_stack([a, b, d]), np.column_stack([a, b, c]))
     second = np.where(falling, np.column_stack([b, c, d]), np.column_stack([a, c, d]))
@@ -201,7 +206,8 @@ def groin_vault(radius: float, flange: float, top: float, segments: int) -> Soli
 
 
 def icosphere(subdivisions: int) -> Solid:
-    """The unit sphere as an icosahedron whose triangles are split into four, `subdivisions` times. Flat faces."""
+    """Make the unit sphere with flat faces, as an icosahedron whose triangles are split into four, `subdivisions`
+    times."""
     g = (1 + math.sqrt(5)) / 2
     corners = [(s * a, t * b) for s in (-1, 1) for t in (-1, 1) for a, b in ((1, g),)]
     points = [(0, a, b) for a, b in corners] + [(a, b, 0) for a, b in corners] + [(b, 0, a) for a, b in corners]
@@ -243,7 +249,7 @@ def _corner_angles(corners: FloatArray) -> FloatArray:
 
 
 def _flat_triangles(loop: FloatArray) -> IntArray:
-    """Triangles (P − 2, 3) that fill a simple flat polygon, by cutting off ears."""
+    """Triangulate a simple flat polygon by ear clipping, into (P − 2, 3) triangles."""
     normal = np.cross(loop, np.roll(loop, -1, axis=0)).sum(axis=0)
     drop = int(np.argmax(np.abs(normal)))
     points = loop[:, [(drop + 1) % 3, (drop + 2) % 3]] * (1.0, np.sign(normal[drop]))
@@ -251,7 +257,8 @@ def _flat_triangles(loop: FloatArray) -> IntArray:
     quality = [_ear_quality(points, left, k) for k in range(len(left))]
     ears = []
     while len(left) > 3:
-        # The fattest ear first: an arch's outline would otherwise end in needles.
+        # The ear of the best shape is cut first; otherwise the outline of an arch would produce needle-shaped
+        # triangles.
         at = max(range(len(left)), key=quality.__getitem__)
         ears.append((left[at - 1], left[at], left[(at + 1) % len(left)]))
         del left[at], quality[at]
@@ -264,7 +271,8 @@ def _flat_triangles(loop: FloatArray) -> IntArray:
 
 
 def _ear_quality(points: FloatArray, left: list[int], at: int) -> float:
-    """Twice the area over the longest side squared of the triangle at `left[at]`; −1 where it is no ear."""
+    """Rate the shape of the ear at the vertex `left[at]`: twice its area divided by its longest side squared, or −1 if
+    cutting it off there is not possible."""
     ear = (left[at - 1], left[at], left[(at + 1) % len(left)])
     a, b, c = points[list(ear)]
     area = (b[0] - a[0]) * (c[1] - a[1]) - (b[1] - a[1]) * (c[0] - a[0])

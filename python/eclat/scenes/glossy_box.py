@@ -10,7 +10,8 @@ from eclat.scenes import cornell_box
 
 
 def build(alpha: float = 0.2) -> Scene:
-    """GGX metal of roughness `alpha` (0 is a mirror) that reflects 80 % of the light; 512×512."""
+    """Build the scene. The metal has a GGX distribution of roughness `alpha`, 0..1 (0 is a mirror), and reflects 80 %
+    of the light; the camera has 512 × 512 pixels."""
     if not 0 <= alpha <= 1:
         raise EclatError(f"built-in scene glossy-box: expected alpha from 0 to 1, got {alpha}")
     parameters = {"eta": grey(0), "k": grey(1), "specular_reflectance": grey(0.8), "alpha_u": grey(alpha)}

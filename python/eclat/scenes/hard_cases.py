@@ -1,8 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Small rooms in which irradiance caches are known to go wrong, one defect each. What they show: docs/defects.md.
-
-Unless said otherwise a room is 0 < x < 3, 0 < y < 2.5, 0 < z < 3, all diffuse; metres.
+"""Small rooms in which irradiance caches are known to fail, each with one kind of error; docs/defects.md describes
+them.
+Unless stated otherwise, a room is at 0 < x < 3, 0 < y < 2.5 and 0 < z < 3, in metres, and all surfaces are diffuse.
 """
 
 from __future__ import annotations
@@ -35,7 +35,10 @@ SIZE = (480, 360)
 
 
 def thin_wall(thickness: float = 0.01) -> Scene:
-    """A closed wall at x = 1.5 between a bright room (x below) and one with a tenth of its light; 0 is a sheet."""
+    """Make two rooms, of which the one at x > 1.5 has a tenth of the light of the other, with a closed wall at x = 1.5
+    between them.
+    `thickness` is that of the wall in metres; with 0, the wall is a sheet.
+    """
     meshes = [_shell(), _lamp((0.5, 2.3, 1.2), (0.9, 2.36, 1.8), (12, 11, 9))]
     meshes.append(_lamp((2.1, 2.3, 1.2), (2.5, 2.36, 1.8), (0.8, 1.0, 1.2)))
     x = WIDTH / 2
@@ -51,7 +54,9 @@ def thin_wall(thickness: float = 0.01) -> Scene:
 
 
 def gap(width: float = 0.001) -> Scene:
-    """The wall at x = 1.5 is of two sheets that do not meet: a slit of `width` at z = 1.5, a bright room behind it."""
+    """Make a dim and a bright room whose dividing wall at x = 1.5 consists of two sheets with a slit between them.
+    The slit is at z = 1.5, and `width` metres wide.
+    """
     meshes = [_shell(), _lamp((0.5, 2.3, 1.2), (0.9, 2.36, 1.8), (12, 11, 9))]
     meshes.append(_lamp((2.1, 2.3, 1.2), (2.5, 2.36, 1.8), (0.8, 1.0, 1.2)))
     x = WIDTH / 2
@@ -61,7 +66,7 @@ def gap(width: float = 0.001) -> Scene:
 
 
 def lampshade(distance: float = 0.01) -> Scene:
-    """A flat round lamp that hangs `distance` under the ceiling and shines down; behind it the ceiling is all but dark."""
+    """Make a flat round lamp that shines down, `distance` metres below the ceiling, which is almost dark above it."""
     y = HEIGHT - distance
     shade = revolve([(0.45, y - 0.03), (0.45, y)], 48).moved(x=1.5, z=1.5)
     angles = np.arange(48) * (2 * math.pi / 48)
@@ -73,7 +78,8 @@ def lampshade(distance: float = 0.01) -> Scene:
 
 
 def skirting() -> Scene:
-    """A skirting board 18 mm thick, a rail and a door frame with a moulding: detail that is thinner than records."""
+    """Make details that are thinner than the spacing of records: a skirting board 18 mm thick, a rail and a door
+    frame."""
     boards = [
         box((-0.05, -0.02, -0.05), (WIDTH + 0.05, 0.1, 0.018)),
         box((-0.05, 0.9, -0.05), (WIDTH + 0.05, 0.94, 0.025)),
@@ -93,7 +99,7 @@ def skirting() -> Scene:
 
 
 def coarse_shapes(segments: int = 16) -> Scene:
-    """A vase and a sphere of few facets with interpolated normals, lit from one side."""
+    """Make a vase and a sphere of few facets with interpolated normals, which are lit from one side."""
     profile = [(0.12, 0.0), (0.2, 0.12), (0.26, 0.3), (0.2, 0.5), (0.1, 0.64), (0.09, 0.72), (0.14, 0.8)]
     ball = _ball(0.3, segments, segments // 2).smooth(80).moved(x=2.0, y=0.31, z=1.4)
     vase = revolve(profile, segments, crease=80).moved(x=1.1, y=-0.002, z=1.2)
@@ -107,13 +113,13 @@ def coarse_shapes(segments: int = 16) -> Scene:
 
 
 def tessellated(segments: int = 96) -> Scene:
-    """A sphere, a torus and a hollow quarter cylinder (a niche) of many small facets."""
+    """Make a sphere, a torus and a niche (the inside of a quarter cylinder) of many small facets."""
     ball = _ball(0.3, segments, segments // 2).smooth(60).moved(x=0.9, y=0.31, z=1.3)
     turn = np.arange(segments // 2) * (4 * math.pi / segments)
     ring: list[Point2] = [(0.3 + 0.11 * math.cos(t), 0.112 + 0.11 * math.sin(t)) for t in turn]
     torus = _torus(ring, segments).smooth(60).moved(x=2.0, z=1.5)
     angles = np.linspace(math.pi / 2, math.pi, segments // 4 + 1)
-    # The niche rounds the corner between the floor and the wall at the back.
+    # The niche rounds off the corner between the floor and the back wall.
     inside = [(0.8 * (1 + math.cos(a)), 0.8 * (1 - math.sin(a))) for a in angles]
     niche = _swept([(y, z) for z, y in inside])
     meshes = (
@@ -127,7 +133,8 @@ def tessellated(segments: int = 96) -> Scene:
 
 
 def sunk() -> Scene:
-    """Solids that are half inside each other, one-sided: floor inside boxes, a ball inside a block, a sheet in a wall."""
+    """Make one-sided solids that overlap: boxes that pass through the floor, a ball half inside a block, and two
+    plates."""
     solid = _paint(WHITE, two_sided=False)
     meshes = (
         _shell(two_sided=False),
@@ -139,7 +146,7 @@ def sunk() -> Scene:
 
 
 def foliage(leaves: int = 2000, seed: int = 1) -> Scene:
-    """A tree of leaves, squares with a cut-out image of a leaf, in a court under an open sky."""
+    """Make a tree in a court under an open sky, whose leaves are squares with the cut-out image of a leaf."""
     random = np.random.default_rng(seed)
     centre = _unit(random.normal(size=(leaves, 3))) * random.uniform(0.4, 1, (leaves, 1)) ** (1 / 3)
     centre = centre * (1.0, 0.85, 1.0) + (0.0, 2.4, 0.0)
@@ -175,7 +182,8 @@ def foliage(leaves: int = 2000, seed: int = 1) -> Scene:
 
 
 def bright_spot() -> Scene:
-    """All light of the room comes from one small spot of sun on the floor: noise of gathers becomes splotches."""
+    """Make a room whose only light is a small sunlit spot on the floor, so that the noise of gathers shows as
+    blotches."""
     sun = SpotLight((2.0, 2.4, 2.0), (0.05, -1.0, 0.1), (60.0, 56.0, 50.0), 5.0, 6.0)
     camera = _camera((2.7, 1.3, 2.7), (0.6, 0.9, 0.3), "corner")
     return Scene((_shell(left=(0.7, 0.15, 0.1)),), (sun,), cameras=(camera,), name="bright-spot")
@@ -193,7 +201,7 @@ CASES: dict[str, Callable[[], Scene]] = {
     "foliage": foliage,
     "bright-spot": bright_spot,
 }
-"""Name → what makes the scene."""
+"""Maps the name of each scene to the function that makes it."""
 
 
 def _paint(
@@ -206,7 +214,7 @@ def _paint(
 def _shell(
     left: tuple[float, float, float] = WHITE, right: tuple[float, float, float] = WHITE, two_sided: bool = True
 ) -> Mesh:
-    """The room's inside; walls at x = 0 and x = WIDTH in colours of their own."""
+    """Make the inside of the room, whose walls at x = 0 and x = WIDTH have the colours `left` and `right`."""
     room = box((0, 0, 0), (WIDTH, HEIGHT, WIDTH)).inside_out()
     corners = room.positions[room.triangles]
     colours = np.tile(np.array([*WHITE, 1.0]), (len(corners) * 3, 1))
@@ -233,7 +241,7 @@ def _camera(
 
 
 def _ball(radius: float, segments: int, rings: int) -> Solid:
-    """A sphere about the origin, of rings of latitude."""
+    """Make a sphere about the origin, from rings of latitude."""
     angles = np.linspace(-math.pi / 2, math.pi / 2, rings + 1)[1:-1]
     return revolve(
         [(0.0, -radius), *((radius * math.cos(a), radius * math.sin(a)) for a in angles), (0.0, radius)], segments
@@ -241,7 +249,7 @@ def _ball(radius: float, segments: int, rings: int) -> Solid:
 
 
 def _torus(ring: list[Point2], segments: int) -> Solid:
-    """A closed profile of (radius, height) turned about the y axis."""
+    """Revolve a closed profile of points (radius, height) about the y axis."""
     profile = np.array(ring)
     angles = np.arange(segments) * (2 * math.pi / segments)
     count = len(profile)
@@ -253,7 +261,7 @@ def _torus(ring: list[Point2], segments: int) -> Solid:
 
 
 def _swept(profile: list[Point2]) -> Mesh:
-    """A smooth sheet: a profile of (height, z) drawn along x through the room."""
+    """Make a smooth sheet by extruding a profile of points (height, z) along x through the room."""
     y, z = np.array(profile).T
     count = len(y)
     rows = np.concatenate([np.column_stack([np.full(count, x), y, z]) for x in (-0.01, WIDTH + 0.01)])

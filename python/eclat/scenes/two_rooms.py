@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Two rooms with a closed wall between them. The light is in one; the other receives exactly nothing."""
+"""Two rooms with a closed wall between them. The light is in one room, so no light reaches the other."""
 
 from __future__ import annotations
 
@@ -10,22 +10,23 @@ from eclat.scenes.geometry import box, mesh
 
 
 def build(wall_thickness: float = 0.01) -> Scene:
-    """Each room is 2 m wide, 2.5 m high and 3 m deep; the wall's middle is at x = 0, the light at x < 0.
-
-    The first camera looks at the lit side of the wall, the second at its dark side.
+    """Build the scene. The first camera looks at the lit side of the wall, the second at its dark side.
+    Each room is 2 m wide, 2.5 m high and 3 m deep. The middle of the wall is at x = 0, the light at x < 0.
 
     Parameters
     ----------
     wall_thickness
-        In metres, above 0 and at most 1.
+        Thickness of the wall in metres, above 0 and at most 1.
     """
     if not 0 < wall_thickness <= 1:
-        raise EclatError(f"built-in scene two-rooms: expected wall_thickness above 0, at most 1, got {wall_thickness}")
+        raise EclatError(
+            f"built-in scene two-rooms: expected wall_thickness above 0 and at most 1, got {wall_thickness}"
+        )
     half = wall_thickness / 2
     white = Material("diffuse", {"reflectance": rgb(0.75, 0.72, 0.68)}, name="white")
     blue = Material("diffuse", {"reflectance": rgb(0.2, 0.35, 0.6)}, name="blue")
     lamp = Material("diffuse", {"reflectance": grey(0.5)}, name="lamp", emission=rgb(12, 11, 9))
-    # The wall reaches through the shell, so that its edges are nobody's concern.
+    # The wall passes through the shell, so that its edges are outside the rooms.
     meshes = (
         mesh([box((-2, 0, -1.5), (2, 2.5, 1.5)).inside_out()], white, "shell"),
         mesh([box((-half, -0.1, -1.6), (half, 2.6, 1.6))], white, "wall"),

@@ -18,7 +18,7 @@ from eclat.gltf_export import Part
 from eclat.gltf_export.geometry import select_vertices
 from eclat.lightmap.atlas import Atlas, areas, check_texel_count, default_texel_size, unwrap
 from eclat.lightmap.fit import bilinear, differences, fit
-from eclat.lightmap.gathering import Gathered, Settings, gather, in_the_open, sample_points
+from eclat.lightmap.gathering import GatheredTexels, Settings, gather, sample_points, visible_points
 from eclat.lightmap.gutters import dilate
 from eclat.lightmap.lightmap import Lightmap
 from eclat.lightmap.seams import seam_samples
@@ -108,7 +108,7 @@ def bake(
     texels = rasterize(corners, atlas.width, atlas.height)
     settings = Settings(component, samples, max_depth, seed, threads, progress)
     points = sample_points(corners, texels, supersampling)
-    gathered = gather(scene, source, points, in_the_open(scene, solid, points, settings), settings)
+    gathered = gather(scene, source, points, visible_points(scene, solid, points, settings), settings)
     image = _image(texels, corners, atlas, gathered, gutter)
     # All dark surfaces share one black texel with the texels that filtering reads around it.
     image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
@@ -155,7 +155,7 @@ def _lit_area(scene: Scene, lit: list[Side]) -> float:
     return float(sum(areas(side.part.mesh)[side.lit].sum() for side in lit))
 
 
-def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: Gathered, gutter: int) -> FloatArray:
+def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: GatheredTexels, gutter: int) -> FloatArray:
     """The fitted irradiance of the map, shape (H, W, 3). Texels that nobody sees take the mean of their neighbours."""
     seen = gathered.seen
     numbers = np.full((atlas.height, atlas.width), -1, np.int64)

@@ -120,7 +120,7 @@ def test_meshes_without_triangles_go_along(timeout: float) -> None:
 def test_too_slow_or_broken_unwrapping_is_replaced(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     """A child that sleeps is killed, one that fails is told; charts come in any case."""
     meshes = meshes_of("cornell-box")
-    monkeypatch.setattr(atlas_module, "PROGRAM", tmp_path / "child.py")
+    monkeypatch.setattr(atlas_module, "XATLAS_PROGRAM", tmp_path / "child.py")
     for program, problem in (
         ("import time; time.sleep(100)", "took longer than 0.5 s"),
         ("raise MemoryError('no room')", "failed .MemoryError: no room."),

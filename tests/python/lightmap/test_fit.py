@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from eclat.lightmap.fit import JOIN, KEEP, Rows, bilinear, differences, fit
+from eclat.lightmap.fit import GATHERED_WEIGHT, SEAM_WEIGHT, Rows, bilinear, differences, fit
 
 NOTHING = Rows(np.zeros((0, 8), int), np.zeros((0, 8)))
 
@@ -44,8 +44,8 @@ def test_against_dense_least_squares() -> None:
     a, b = (bilinear(numbers, rng.uniform(0.5, (7.5, 5.5), (30, 2))) for _ in range(2))
     seams = differences(a, b)
     A, D = dense(lookups, 48), dense(seams, 48)
-    left = A.T @ A + KEEP * np.eye(48) + JOIN * D.T @ D
-    wanted = np.linalg.solve(left, A.T @ gathered + KEEP * gathered)
+    left = A.T @ A + GATHERED_WEIGHT * np.eye(48) + SEAM_WEIGHT * D.T @ D
+    wanted = np.linalg.solve(left, A.T @ gathered + GATHERED_WEIGHT * gathered)
     np.testing.assert_allclose(fit(gathered, lookups, seams), wanted, rtol=1e-3)
 
 
@@ -75,7 +75,7 @@ def test_seams_meet_and_darkness_stays_dark() -> None:
     rows = bilinear(numbers, centers)
     pair = differences(bilinear(numbers, centers[:1]), bilinear(numbers, centers[1:]))
     found = fit(np.array([[1.0, 0.0], [3.0, 0.0]]), rows, pair)
-    gap = 2 * (1 + KEEP) / (1 + KEEP + 2 * JOIN)
+    gap = 2 * (1 + GATHERED_WEIGHT) / (1 + GATHERED_WEIGHT + 2 * SEAM_WEIGHT)
     np.testing.assert_allclose(found[:, 0], [2 - gap / 2, 2 + gap / 2])
     assert (found[:, 1] == 0).all()
     away = differences(bilinear(numbers, centers[:1]), bilinear(np.full((1, 2), -1), centers[1:]))

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 import eclat
-from eclat.lightmap.probes import buried_or_behind, sees_nothing
+from eclat.lightmap.probes import certainly_dark, inside_or_behind
 from eclat.lightmap.solids import solid_triangles
 from eclat.scene import DirectionalLight, Environment, Material, PointLight, Scene, grey
 from eclat.scenes.geometry import box, mesh
@@ -36,13 +36,13 @@ def test_texels_under_boxes() -> None:
     scene = eclat.load("cornell-box")
     points, normals = on_floor()
     solid = solid_triangles(scene, scene.meshes)
-    buried, behind = buried_or_behind(scene, solid, points, normals)
+    buried, behind = inside_or_behind(scene, solid, points, normals)
     inside, near = in_a_box(scene, points, -0.01), in_a_box(scene, points, 0.01)
     assert inside.sum() > 20
     assert buried[inside].all() and not buried[~near].any()
     assert not behind[~near].any(), "one-sided walls are seen from their front here"
     middle = (np.abs(points) < 0.99)[:, [0, 2]].all(axis=1) & ~near
-    below, behind = buried_or_behind(scene, solid, points[middle] - np.array([0, 0.1, 0]), normals[middle])
+    below, behind = inside_or_behind(scene, solid, points[middle] - np.array([0, 0.1, 0]), normals[middle])
     assert behind.all() and not below.any(), "behind a floor, in no solid"
 
 
@@ -50,22 +50,22 @@ def test_the_outside_of_a_room_sees_nothing() -> None:
     room = mesh([box((-1, -1, -1), (1, 1, 1)).inside_out()], Material(two_sided=True), "room")
     points, normals = np.array([[0, 1.0, 0], [0.9, 1, 0.9], [0, 1, 0]]), np.array([[0, 1.0, 0], [0, 1, 0], [0, -1, 0]])
     scene = Scene((room,))
-    assert sees_nothing(scene, points, normals).tolist() == [True, True, False]
+    assert certainly_dark(scene, points, normals).tolist() == [True, True, False]
     lamp = Scene((room,), (PointLight((4, 1.5, 0), (1, 1, 1)),))
-    assert not sees_nothing(lamp, points, normals).any()
+    assert not certainly_dark(lamp, points, normals).any()
     below = Scene((room,), (PointLight((4, 0.5, 0), (1, 1, 1)), DirectionalLight((0, 1, 0), (1, 1, 1))))
-    assert sees_nothing(below, points, normals).tolist() == [True, True, False]
+    assert certainly_dark(below, points, normals).tolist() == [True, True, False]
     # A sun just below the horizon whose disc rises above it.
     low = np.array([0.9999, 0.001, 0.0])
     for radius, wanted in ((0.0, True), (0.3, False)):
         sun = Scene((room,), (DirectionalLight(tuple(low), (1, 1, 1), radius),))
-        assert sees_nothing(sun, points, normals)[0] == wanted
+        assert certainly_dark(sun, points, normals)[0] == wanted
     sky = Scene((room,), environment=Environment(np.ones((1, 1, 3), np.float32)))
-    assert not sees_nothing(sky, points, normals).any()
+    assert not certainly_dark(sky, points, normals).any()
 
 
 def test_a_small_lamp_that_rays_miss_is_still_seen() -> None:
     room = mesh([box((-1, -1, -1), (1, 1, 1))], Material(), "room")
     for height, wanted in ((6.0, False), (0.5, True)):
         speck = mesh([box((3, height, 0), (3.001, height + 0.001, 0.001))], Material(emission=grey(9)), "lamp")
-        assert sees_nothing(Scene((room, speck)), np.array([[0, 1.0, 0]]), np.array([[0, 1.0, 0]]))[0] == wanted
+        assert certainly_dark(Scene((room, speck)), np.array([[0, 1.0, 0]]), np.array([[0, 1.0, 0]]))[0] == wanted

@@ -13,7 +13,7 @@ import eclat
 from eclat.errors import EclatError, EclatWarning
 from eclat.gltf_export import Part
 from eclat.lightmap.atlas import Atlas, Unwrapped
-from eclat.lightmap.probes import buried_or_behind
+from eclat.lightmap.probes import inside_or_behind
 from eclat.lightmap.seams import seam_samples
 from eclat.lightmap.solids import solid_triangles
 from eclat.lightmap.texels import corners_of
@@ -65,7 +65,7 @@ def test_cornell_box_against_paths(cornell: eclat.Lightmap) -> None:
     read = read_at_random(cornell, 400)
     truth = eclat.irradiance(scene, read.positions, read.normals, eclat.Path(), samples=4096, seed=7)
     solid = solid_triangles(scene, scene.meshes)
-    buried, behind = buried_or_behind(scene, solid, read.positions, read.normals)
+    buried, behind = inside_or_behind(scene, solid, read.positions, read.normals)
     seen = ~buried & ~(behind & (truth.mean(axis=1) < 0.05 * truth.mean()))
     assert seen.mean() > 0.9
     found, truth = read.irradiance[seen], truth[seen]
