@@ -45,6 +45,7 @@ void Bsdf::add(const Lobe& lobe, Color weight) {
             delta_ |= Mask(l.is_delta) << count_;
         },
         lobe);
+    translucent_ |= Mask(std::holds_alternative<DiffuseTransmissionLobe>(lobe)) << count_;
     ++count_;
     is_lambertian_ = count_ == 1 && lambertian;
 }

@@ -18,9 +18,16 @@
 
 namespace eclat {
 
-/// Which lobes are meant: the diffuse ones (what an irradiance cache serves), the rest (deltas included), or all; or those
-/// whose indirect light a cache has given (`set_cached`), and those whose it has not.
-enum class LobeSet : uint8_t { all, diffuse, glossy, cached, uncached };
+/// Which lobes are meant, by what knows their indirect light, or by whether a cache has given it (`set_cached`).
+enum class LobeSet : uint8_t {
+    all,
+    diffuse,      // they reflect the irradiance of the side that is seen
+    translucent,  // they let through that of the other side
+    matte,        // both of these
+    glossy,       // all others, deltas included
+    cached,
+    uncached
+};
 
 class Bsdf {
   public:
@@ -75,6 +82,8 @@ class Bsdf {
 
     /// ρ_d(wo): what the diffuse lobes reflect under uniform light; their indirect radiance is ρ_d / π · E.
     Color diffuse_albedo(Vec3 wo) const { return albedo(wo, LobeSet::diffuse); }
+    /// τ_d(wo): what the translucent lobes let through; their indirect radiance is τ_d / π · E, with E of the other side.
+    Color translucent_albedo(Vec3 wo) const { return albedo(wo, LobeSet::translucent); }
 
     /// Directional albedo: exact for diffuse and delta lobes, an estimate for rough ones.
     Color albedo(Vec3 wo, LobeSet set = LobeSet::all) const {
@@ -97,7 +106,9 @@ class Bsdf {
         switch (set) {
             case LobeSet::all: return all;
             case LobeSet::diffuse: return diffuse_;
-            case LobeSet::glossy: return all & ~diffuse_;
+            case LobeSet::translucent: return translucent_;
+            case LobeSet::matte: return diffuse_ | translucent_;
+            case LobeSet::glossy: return all & ~diffuse_ & ~translucent_;
             case LobeSet::cached: return cached_;
             case LobeSet::uncached: break;
         }
@@ -110,7 +121,7 @@ class Bsdf {
 
     // Beside the first lobe, since that is all that most points read of a Bsdf.
     int count_ = 0;
-    Mask diffuse_ = 0, delta_ = 0, cached_ = 0;
+    Mask diffuse_ = 0, translucent_ = 0, delta_ = 0, cached_ = 0;
     bool is_lambertian_ = false;  // one diffuse lobe with the same value everywhere: the fast path
     union {
         std::array<Entry, capacity> entries_;

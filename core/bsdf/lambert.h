@@ -29,8 +29,8 @@ struct LambertLobe {
     Color albedo(Vec3 wo) const { return Color(wo.z > 0 ? 1 : 0); }
 };
 
-/// Transmittance 1 to the other side, the same from both. It is not among the diffuse lobes, which records of irradiance
-/// serve: those know the light of one side.
+/// Transmittance 1 to the other side, the same from both. It is not among the diffuse lobes but translucent: what it lets
+/// through is known to records of irradiance of the other side.
 struct DiffuseTransmissionLobe {
     static constexpr bool is_diffuse = false, is_delta = false;
 

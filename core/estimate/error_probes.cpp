@@ -98,12 +98,14 @@ std::vector<PixelProbes::Served> PixelProbes::served_vertices(const Ray& first, 
                 const Color reflected = reflection_(v.point, v.wo_local);
                 if (bsdf.has(LobeSet::cached)) out.push_back({v, LobeSet::cached, path.throughput, reflected, edges});
             }
-            if (bsdf.has(LobeSet::diffuse))
-                if (const auto E = cache(v.point, v.hit.t)) {
-                    const Color read = bsdf.diffuse_albedo(v.wo_local) * *E * inv_pi;
-                    out.push_back({v, LobeSet::diffuse, path.throughput, read, edges});
-                    bsdf.set_cached(LobeSet::diffuse);
-                }
+            for (const LobeSet lobes : {LobeSet::diffuse, LobeSet::translucent}) {
+                if (!bsdf.has(lobes)) continue;
+                const auto E = cache(lobes == LobeSet::diffuse ? v.point : v.point.other_side(), v.hit.t);
+                if (!E) continue;
+                const Color read = bsdf.albedo(v.wo_local, lobes) * *E * inv_pi;
+                out.push_back({v, lobes, path.throughput, read, edges});
+                bsdf.set_cached(lobes);
+            }
             if (edges + 1 >= longest || (max_depth_ >= 0 && edges + 2 >= max_depth_)) return;
             Ray ray;
             if (go_on(v, LobeSet::uncached, edges >= roulette_after::probe_edges, path, ray)) next.push(path, ray);

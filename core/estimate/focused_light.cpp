@@ -93,7 +93,7 @@ class Tracer {
 
     void arrive(State& s, const Vertex& v) {
         s.length += v.hit.t;
-        if (!v.point.bsdf.has(LobeSet::diffuse)) return;
+        if (!v.point.bsdf.has(LobeSet::matte)) return;
         const double power = luminance(s.power);
         sums_.all += power;
         if (!s.by_lobes) return;

@@ -6,7 +6,9 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
+#include "sampling/rng.h"
 #include "scene/surface_point.h"
 
 namespace eclat {
@@ -31,8 +33,24 @@ struct Candidate {
           footprint(footprint),
           key(key) {}
 
+    /// The other side of the same sheet.
+    Candidate other_side() const {
+        Candidate out = *this;
+        out.normal = -normal;
+        out.shading_normal = -shading_normal;
+        out.key = hash(key, 1);
+        return out;
+    }
+
     /// A ray that leaves into the hemisphere around `normal`.
     Ray ray(Vec3 direction) const { return {position + normal * offset, 0, direction}; }
 };
+
+/// Appends to `out` the sides of `point` whose irradiance its lobes scatter towards `wo` (in its frame): that of `seen`, the
+/// candidate on the side of wo, the other, both or none.
+inline void add_sides(const SurfacePoint& point, Vec3 wo, const Candidate& seen, std::vector<Candidate>& out) {
+    if (!is_black(point.bsdf.diffuse_albedo(wo))) out.push_back(seen);
+    if (!is_black(point.bsdf.translucent_albedo(wo))) out.push_back(seen.other_side());
+}
 
 }  // namespace eclat

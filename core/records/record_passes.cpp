@@ -195,7 +195,7 @@ std::vector<Candidate> far_candidates(const World& world, std::span<const Candid
     Vertices vertices;
     uint32_t key = first;
     for (const Vertex& v : vertices.meet(world, rays, Coherence::none, progress)) {
-        if (!v.missed() && v.point.bsdf.has(LobeSet::diffuse)) out.emplace_back(v.point, 0.0f, key);
+        if (!v.missed()) add_sides(v.point, v.wo_local, Candidate(v.point, 0.0f, key), out);
         ++key;
     }
     return out;

@@ -24,6 +24,18 @@ struct SurfacePoint {
     /// The geometric normal, on the side that `bsdf` looks at.
     Vec3 normal_towards_shading() const { return dot(normal, frame.n) >= 0 ? normal : -normal; }
 
+    /// The same place as it is seen from the other side of a sheet, without what scatters there.
+    SurfacePoint other_side() const {
+        SurfacePoint out;
+        out.position = position;
+        out.normal = -normal;
+        out.frame = Frame::around(-frame.n);
+        out.uv = uv;
+        out.offset = offset;
+        out.triangle = triangle;
+        return out;
+    }
+
     /// A ray that leaves towards `direction`.
     Ray ray(Vec3 direction, float t_max = infinity) const {
         const float side = dot(direction, normal) >= 0 ? offset : -offset;

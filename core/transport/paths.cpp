@@ -39,7 +39,7 @@ class Tracer {
             if (edges_ == 1 && !vertices[i].missed()) describe_first(world_, vertices[i], out_[paths[i].index]);
             lights_.arrive(paths[i], vertices[i]);
         }
-        if (options_.cache) read_diffuse(paths, vertices);
+        if (options_.cache) read_matte(paths, vertices);
         if (options_.reflection) read_glossy(paths, vertices);
         for (size_t i = 0; i < vertices.size(); ++i) {
             deposit(vertices[i], edges_ - paths[i].panes, out_[paths[i].index]);
@@ -77,19 +77,26 @@ class Tracer {
         });
     }
 
-    /// Takes what the cache knows of diffuse lobes; they end there.
-    void read_diffuse(std::span<const PathState> paths, std::span<Vertex> vertices) {
+    /// Takes what the cache knows of matte lobes, of light on either side; they end there.
+    void read_matte(std::span<const PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
-            if (v.missed() || !goes_on(paths[i]) || !v.point.bsdf.has(LobeSet::diffuse)) continue;
-            auto irradiance = options_.cache(v.point, v.hit.t);
-            if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(v.point, v.hit.t);
-            if (irradiance) {
-                v.read_diffuse = paths[i].throughput * v.point.bsdf.diffuse_albedo(v.wo_local) * *irradiance * inv_pi;
-                v.point.bsdf.set_cached(LobeSet::diffuse);
-            } else {
-                out_[paths[i].index].cache_missed = true;
-            }
+            if (v.missed() || !goes_on(paths[i])) continue;
+            if (v.point.bsdf.has(LobeSet::diffuse)) read_side(paths[i], v, v.point, LobeSet::diffuse);
+            if (v.point.bsdf.has(LobeSet::translucent))
+                read_side(paths[i], v, v.point.other_side(), LobeSet::translucent);
+        }
+    }
+
+    /// The part of those `lobes` that scatter the light on the side of `point`.
+    void read_side(const PathState& path, Vertex& v, const SurfacePoint& point, LobeSet lobes) {
+        auto irradiance = options_.cache(point, v.hit.t);
+        if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(point, v.hit.t);
+        if (irradiance) {
+            v.read_matte += path.throughput * v.point.bsdf.albedo(v.wo_local, lobes) * *irradiance * inv_pi;
+            v.point.bsdf.set_cached(lobes);
+        } else {
+            out_[path.index].cache_missed = true;
         }
     }
 

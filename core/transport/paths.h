@@ -35,7 +35,7 @@
 namespace eclat {
 
 /// Indirect irradiance at a point that a ray of length `distance` met, on the side of its shading frame; nothing where
-/// the cache does not serve it.
+/// the cache does not serve it. For what comes through a sheet it is asked for the other side (`SurfacePoint::other_side`).
 using CachedIrradiance = std::function<std::optional<Color>(const SurfacePoint& point, float distance)>;
 
 /// Indirect radiance that lobes which are not diffuse reflect towards `wo` (in the point's frame), for those that a cache of
@@ -51,7 +51,7 @@ struct PathOptions {
     LightSet light_set = LightSet::all;  // without the environment image, rays that escape collect it whole
     bool emission_at_first_hit = true;   // false: whoever sent the rays samples the lights itself
     Coherence coherence = Coherence::none;
-    CachedIrradiance cache;  // asked at every diffuse vertex: near records in pictures, far records in gathers
+    CachedIrradiance cache;  // asked at every matte vertex: near records in pictures, far records in gathers
     CachedReflection reflection;
     CachedIrradiance far_cache;  // asked beyond the first vertex, where `cache` does not serve
 };
@@ -69,7 +69,7 @@ struct PathResult {
     Vec3 normal;                // of shading, at the first vertex
     float distance = infinity;  // to the first vertex
     bool behind = false;        // it lies on the back of a surface that has none
-    bool cache_missed = false;  // a diffuse vertex was not served and was answered by going on
+    bool cache_missed = false;  // a matte vertex was not served and was answered by going on
     bool gloss_cached = false;  // at the first vertex some lobe that is not diffuse was served by a cache
     bool gloss_traced = false;  // … some was not, and was traced
 };
@@ -86,7 +86,7 @@ inline void deposit(const Vertex& vertex, int edges, PathResult& out) {
     out.radiance += vertex.arriving;
     if (edges <= 2) out.direct += vertex.arriving;
     if (vertex.missed()) return;
-    out.radiance += vertex.read_diffuse;
+    out.radiance += vertex.read_matte;
     out.radiance += vertex.read_glossy;
 }
 

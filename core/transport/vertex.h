@@ -40,9 +40,9 @@ struct Vertex {
     Vec3 wo;        // back along the ray
     Vec3 wo_local;  // the same in the point's frame
     // Light towards the path's beginning that was found here, times the path's throughput:
-    Color arriving;      // emission, or what lies behind everything
-    Color read_diffuse;  // what a cache knows of the diffuse lobes
-    Color read_glossy;   // … and of the others
+    Color arriving;     // emission, or what lies behind everything
+    Color read_matte;   // what a cache knows of the matte lobes
+    Color read_glossy;  // … and of the others
     SurfacePoint point;
 
     Vertex(const Geometry& geometry, const Ray& ray, const Hit& hit)

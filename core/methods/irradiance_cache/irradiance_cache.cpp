@@ -63,11 +63,10 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
     return follow_chains<Candidate>(world, camera, pixels, Stream::camera_chains, options, progress,
                                     [&](SeenVertex& vertex, std::vector<Candidate>& found) {
                                         Bsdf& bsdf = vertex.point.bsdf;
-                                        if (!is_black(bsdf.diffuse_albedo(vertex.wo)))
-                                            found.push_back(vertex.candidate());
+                                        add_sides(vertex.point, vertex.wo, vertex.candidate(), found);
                                         if (!mark) return LobeSet::glossy;
                                         mark(vertex.point, vertex.wo);
-                                        bsdf.set_cached(LobeSet::diffuse);
+                                        bsdf.set_cached(LobeSet::matte);
                                         return LobeSet::uncached;
                                     });
 }

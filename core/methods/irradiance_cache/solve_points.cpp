@@ -31,14 +31,22 @@ uint32_t far_rounds(const IrradianceCacheOptions& options) {
     return static_cast<uint32_t>((count + far_round - 1) / far_round);
 }
 
-/// Diffuse points, on each side that reflects.
+/// Points where irradiance is wanted, on each side that reflects it or lets it through.
 Candidates diffuse_candidates(const SurfacePoints& surface, size_t count, uint32_t pass, uint32_t seed) {
     Candidates out;
-    for (const auto& [hit, key] : surface.spread(count, pass, seed))
-        surface.for_each_side(hit, [&, key = key](const SurfacePoint& point, Vec3 wo) {
-            if (is_black(point.bsdf.diffuse_albedo(wo))) return;
-            out.emplace_back(point, 0.0f, hash(key, static_cast<uint32_t>(out.size() & 1)));
-        });
+    for (const auto& [hit, key] : surface.spread(count, pass, seed)) {
+        Candidates wanted;
+        surface.for_each_side(
+            hit, [&](const SurfacePoint& point, Vec3 wo) { add_sides(point, wo, Candidate(point, 0.0f, 0), wanted); });
+        Candidates sides;  // each of them once, though what is seen from both sides of a curtain wants both
+        for (const Candidate& c : wanted)
+            if (std::ranges::none_of(sides, [&](const Candidate& o) { return dot(o.normal, c.normal) > 0; }))
+                sides.push_back(c);
+        for (Candidate& c : sides) {
+            c.key = hash(key, static_cast<uint32_t>(out.size() & 1));
+            out.push_back(c);
+        }
+    }
     return out;
 }
 

@@ -4,12 +4,13 @@
 // Photon mapping, second pass [Jensen01]. At a vertex that the camera sees, directly or after glossy lobes:
 //
 //   emission                  what the ray meets, weighted against light sampling after a glossy lobe
-//   direct                    by light sampling: all of the diffuse lobes', the glossy lobes' weighted
+//   direct                    by light sampling: all of the matte lobes', the glossy lobes' weighted
 //   caustics                  light that met glossy lobes only: density of the caustic map, ρ / π · E
 //   diffuse interreflection   looked up in the global map, or gathered: diffuse rays to what the point sees
+//   light through sheets      the same, of the sheet's other side
 //   glossy lobes              the path goes on, to the next vertex that the camera sees
 //
-// At a vertex that a gather ray meets, directly or after glossy lobes: direct light and photons of both maps by its diffuse
+// At a vertex that a gather ray meets, directly or after glossy lobes: direct light and photons of both maps by its matte
 // lobes; no emission and no light through its glossy lobes, which the first vertex has as direct light and as caustics.
 // So each path of light belongs to exactly one term.
 //
@@ -23,6 +24,7 @@
 #include "methods/photon_map/photon_gathering.h"
 
 #include <algorithm>
+#include <optional>
 
 #include "transport/path_loop.h"
 
@@ -79,9 +81,9 @@ class Gatherer {
         if (goes_on) continue_paths(paths, vertices, next);
     }
 
-    /// Direct light: the diffuse lobes take all of it; the glossy lobes, where no gather leads here, their weighted part.
+    /// Direct light: the matte lobes take all of it; the glossy lobes, where no gather leads here, their weighted part.
     void sample_lights(std::span<State> paths, std::span<const Vertex> vertices) {
-        LitLobes lobes{.alone = LobeSet::diffuse, .shared = LobeSet::glossy};
+        LitLobes lobes{.alone = LobeSet::matte, .shared = LobeSet::glossy};
         for (size_t i = 0; i < vertices.size(); ++i) {
             const Vertex& v = vertices[i];
             if (v.missed()) continue;
@@ -92,29 +94,37 @@ class Gatherer {
         }
     }
 
-    /// Indirect light that the diffuse lobes reflect, as far as photons tell it here; where gather rays must find it,
-    /// `gathers_` says so.
+    /// Indirect light that the matte lobes scatter, as far as photons tell it here; where gather rays must find it,
+    /// `gathers_` says by which lobes.
     void read_photons(std::span<const State> paths, std::span<Vertex> vertices) {
-        gathers_.assign(vertices.size(), 0);
+        gathers_.assign(vertices.size(), std::nullopt);
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
             if (v.missed()) continue;
-            const Color albedo = v.point.bsdf.diffuse_albedo(v.wo_local);
-            if (is_black(albedo)) continue;
-            const DensityPoint at(v.point, v.wo);
-            const Color reflected = paths[i].throughput * albedo * inv_pi;
-            if (paths[i].gathering) {
-                const auto far = far_irradiance(world_, maps_, at, v.hit.t, max_photon_edges(), progress_);
-                gathers_[i] = !far;
-                v.read_diffuse = reflected * (far ? *far : density(maps_.caustic, at, maps_.reading.caustic));
-            } else if (options_.gather_rays == 0) {
-                const Color diffuse = density(maps_.global, at, maps_.reading.global);
-                v.read_diffuse = reflected * (diffuse + density(maps_.caustic, at, maps_.reading.caustic));
-            } else {
-                gathers_[i] = 1;
-                v.read_diffuse = reflected * density(maps_.caustic, at, maps_.reading.caustic);
-            }
+            const bool reflected = read_side(paths[i], v, LobeSet::diffuse, v.wo),
+                       passed = read_side(paths[i], v, LobeSet::translucent, -v.wo);
+            if (reflected && passed)
+                gathers_[i] = LobeSet::matte;
+            else if (reflected || passed)
+                gathers_[i] = reflected ? LobeSet::diffuse : LobeSet::translucent;
         }
+    }
+
+    /// The part of those `lobes` that scatter the light on the side of `from`; true where gather rays must find more.
+    bool read_side(const State& path, Vertex& v, LobeSet lobes, Vec3 from) {
+        const Color albedo = v.point.bsdf.albedo(v.wo_local, lobes);
+        if (is_black(albedo)) return false;
+        const DensityPoint at(v.point, from);
+        const Color scattered = path.throughput * albedo * inv_pi;
+        if (path.gathering) {
+            const auto far = far_irradiance(world_, maps_, at, v.hit.t, max_photon_edges(), progress_);
+            v.read_matte += scattered * (far ? *far : density(maps_.caustic, at, maps_.reading.caustic));
+            return !far;
+        }
+        v.read_matte += scattered * density(maps_.caustic, at, maps_.reading.caustic);
+        if (options_.gather_rays > 0) return true;
+        v.read_matte += scattered * density(maps_.global, at, maps_.reading.global);
+        return false;
     }
 
     Color density(const PhotonMap& map, const DensityPoint& at, DensityOptions options) {
@@ -125,7 +135,7 @@ class Gatherer {
     /// Most edges that a photon's path may have so that it is not too long together with the camera's path.
     int max_photon_edges() const { return options_.max_depth < 0 ? -1 : options_.max_depth - edges_; }
 
-    /// Gather rays by the diffuse lobes, and one ray by the glossy lobes.
+    /// Gather rays by the matte lobes, and one ray by the glossy lobes.
     void continue_paths(std::span<const State> paths, std::span<const Vertex> vertices, Paths<State>& next) {
         constexpr uint32_t gather_dimensions = 6;  // kept for gathers, so that both parts never share one
         const auto parts = static_cast<uint32_t>(edges_ == 1 ? options_.gather_rays : 1);
@@ -137,7 +147,7 @@ class Gatherer {
                 one.sampler = one.sampler.split(parts, part);
                 one.throughput *= 1 / static_cast<float>(parts);
                 one.gathering = true;
-                push(one, v, LobeSet::diffuse, next);
+                push(one, v, *gathers_[i], next);
             }
             if (!v.point.bsdf.has(LobeSet::glossy)) continue;
             State one = paths[i];
@@ -160,7 +170,7 @@ class Gatherer {
     Progress& progress_;
     int edges_ = 0;  // of all paths under way
     Shadows shadows_;
-    std::vector<uint8_t> gathers_;  // for each vertex
+    std::vector<std::optional<LobeSet>> gathers_;  // for each vertex
 };
 
 }  // namespace

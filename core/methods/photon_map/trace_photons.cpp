@@ -4,7 +4,7 @@
 // References   [Jensen01] photon tracing, [ArvoKirk90] Russian roulette, [Veach97 §5.3] shading normals and refraction
 //              are not symmetric: photons need the adjoint of what radiance does
 //
-// Departures   A path scatters by its diffuse or by its glossy lobes, chosen by their albedo, so that each photon is
+// Departures   A path scatters by its matte or by its glossy lobes, chosen by their albedo, so that each photon is
 //              either a caustic one or not, whatever the material. Culled backs are not there for those who look
 //              (scene/intersect.h), so photons, which run against looks, end at backs and pass through fronts, which they
 //              light as well.
@@ -108,11 +108,11 @@ class Tracer {
         return s.scattered_diffusely ? options_.stored.indirect : options_.stored.caustic;
     }
 
-    /// Stores the photons that arrived at diffuse surfaces.
+    /// Stores the photons that arrived at matte surfaces, on the side where they arrived.
     void store(std::span<const State> states, std::span<const Vertex> vertices) {
         for (size_t i = 0; i < states.size(); ++i) {
             const Vertex& v = vertices[i];
-            if (v.missed() || ended_[i] || !v.point.bsdf.has(LobeSet::diffuse) || !wanted(states[i])) continue;
+            if (v.missed() || ended_[i] || !v.point.bsdf.has(LobeSet::matte) || !wanted(states[i])) continue;
             const Vec3 normal = v.point.normal;
             const Vec3 n = dot(normal, v.wo) >= 0 ? normal : -normal;
             photons.push_back({v.point.position, states[i].power, v.wo, n, static_cast<float>(edges(states[i]))});
@@ -143,8 +143,8 @@ class Tracer {
         const Vec2 u = s.sampler.next_2d();
         const float u_roulette = s.sampler.next_1d();
 
-        // Choose the diffuse or the glossy lobes, in proportion to what they reflect of this photon.
-        const float diffuse = luminance(point.bsdf.albedo(from_local, LobeSet::diffuse) * s.power),
+        // Choose the matte or the glossy lobes, in proportion to what they reflect of this photon.
+        const float diffuse = luminance(point.bsdf.albedo(from_local, LobeSet::matte) * s.power),
                     glossy = luminance(point.bsdf.albedo(from_local, LobeSet::glossy) * s.power);
         if (!(diffuse + glossy > 0)) return false;
         const float p_diffuse = diffuse / (diffuse + glossy);
@@ -153,8 +153,8 @@ class Tracer {
         u_lobe = std::min((diffusely ? u_lobe : u_lobe - p_diffuse) / p, below_one);
         if (diffusely && !options_.stored.indirect) return false;
         const auto to = diffusely && point.frame.n != point.normal
-                            ? scatter_as_seen(v, u)
-                            : scatter_by_lobes(point, v, u_lobe, u, diffusely ? LobeSet::diffuse : LobeSet::glossy);
+                            ? scatter_as_seen(v, u_lobe, u)
+                            : scatter_by_lobes(point, v, u_lobe, u, diffusely ? LobeSet::matte : LobeSet::glossy);
         if (!to) return false;
         const Color power = s.power * to->weight * (1 / p);
         // Unlike paths from the eye, photons keep equal powers: roulette at each vertex takes what the surface absorbs.
@@ -187,17 +187,22 @@ class Tracer {
         return Onward{to->direction, sample.weight * adjoint, sample.straight};
     }
 
-    /// By the diffuse lobes of a surface whose shading normal is not its geometric one. Who looks at it flatly sees it with a
+    /// By the matte lobes of a surface whose shading normal is not its geometric one. Who looks at it flatly sees it with a
     /// normal bent towards him, so light leaves in all directions above the geometric surface, and not only above the
     /// shading normal's: a direction is chosen by the geometric cosine, and weighed with what is seen from there.
-    std::optional<Onward> scatter_as_seen(const Vertex& v, Vec2 u) const {
+    std::optional<Onward> scatter_as_seen(const Vertex& v, float u_side, Vec2 u) const {
         const Vec3 n = dot(v.point.normal, v.wo) >= 0 ? v.point.normal : -v.point.normal;
-        const Vec3 to = Frame::around(n).to_world(square_to_cosine_hemisphere(u));
+        const float reflected = luminance(v.point.bsdf.diffuse_albedo(v.wo_local)),
+                    passed = luminance(v.point.bsdf.translucent_albedo(v.wo_local));
+        const float p_reflected = reflected / (reflected + passed);
+        const bool through = u_side >= p_reflected;
+        const float p_side = through ? 1 - p_reflected : p_reflected;
+        const Vec3 to = Frame::around(through ? -n : n).to_world(square_to_cosine_hemisphere(u));
         const SurfacePoint seen = world_.geometry.surface_point(v.hit, to);
         const Vec3 wi = seen.frame.to_local(v.wo), wo = seen.frame.to_local(to);
         if (wi.z * dot(v.wo, seen.normal) <= 0) return std::nullopt;
-        const Color f = seen.bsdf.eval(wo, wi, LobeSet::diffuse).f;
-        return Onward{to, f * (pi * std::fabs(wi.z) / dot(v.wo, n))};
+        const Color f = seen.bsdf.eval(wo, wi, LobeSet::matte).f;
+        return Onward{to, f * (pi * std::fabs(wi.z) / (dot(v.wo, n) * p_side))};
     }
 
     const World& world_;

@@ -71,7 +71,7 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
                 found.push_back(candidate_for(vertex.candidate(), point, vertex.wo, factors, cache));
                 set_cached(point.bsdf, factors);
             }
-            point.bsdf.set_cached(LobeSet::diffuse);
+            point.bsdf.set_cached(LobeSet::matte);
             return LobeSet::uncached;
         });
 }
