@@ -6,6 +6,7 @@
 #include "scene/intersect.h"
 
 #include <bit>
+#include <cmath>
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -129,12 +130,21 @@ void prepare(RTCRay8& packet, int* valid, Backs backs) {
     }
 }
 
-/// The first eight of `rays`; where there are fewer, the other lanes stay as they are and are not valid.
+/// Whether Embree can follow the ray: it stops the process (or, where it was built without its checks, answers wrongly)
+/// for components that are NaN or beyond 1.844e18. Scenes that reach out to 1e18 m, and bad arithmetic, lead there.
+bool is_sound(const Ray& ray) {
+    constexpr float most = 1.8e18f;
+    const auto within = [](Vec3 v) { return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most; };
+    return within(ray.origin) && within(ray.direction) && !std::isnan(ray.t_min) && !std::isnan(ray.t_max);
+}
+
+/// The first eight of `rays`; lanes beyond them, and of rays that are not sound, are not valid and meet nothing.
 void fill(RTCRay8& packet, std::span<const Ray> rays, int* valid) {
     const size_t live = std::min<size_t>(8, rays.size());
     for (size_t i = live; i < 8; ++i) valid[i] = 0;
     for (size_t i = 0; i < live; ++i) {
         const Ray& ray = rays[i];
+        valid[i] = is_sound(ray) ? -1 : 0;
         packet.org_x[i] = ray.origin.x;
         packet.org_y[i] = ray.origin.y;
         packet.org_z[i] = ray.origin.z;
@@ -232,7 +242,7 @@ void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out, Ba
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
         fill(packet, some, valid);
         query(valid, impl_->scene, &packet);
-        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = packet.tfar[i] < 0;
+        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = valid[i] == 0 || packet.tfar[i] < 0;
     }
 }
 
@@ -248,7 +258,7 @@ void Intersector::transmitted(std::span<const Ray> rays, std::span<Color> out) c
         passed = through;
         query(valid, impl_->scene, &packet);
         passed = nullptr;
-        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = packet.tfar[i] < 0 ? Color() : through[i];
+        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = valid[i] == 0 || packet.tfar[i] < 0 ? Color() : through[i];
     }
 }
 

@@ -55,6 +55,7 @@ class Intersector {
     Intersector(const Intersector&) = delete;
 
     /// Closest hit of each ray. Rays are taken eight at a time in order, so results depend on a batch's order only.
+    /// A ray with NaN, or with components beyond 1.8e18, meets nothing, and no light passes along it.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence = Coherence::none,
                    Backs backs = Backs::culled) const;
     /// out[i] = 1 where anything lies between t_min and t_max.

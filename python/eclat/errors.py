@@ -53,6 +53,12 @@ def printable(text: str, *, lines: bool = False) -> str:
     return _UNPRINTABLE.sub(lambda c: c[0] if lines and c[0] == "\n" else ascii(c[0])[1:-1], text)
 
 
+def shown(value: object) -> str:
+    """`repr(value)` for a message: on one line, whatever the value is, and at most 80 characters."""
+    text = " ".join(repr(value).split())
+    return text if len(text) <= 80 else text[:77] + "..."
+
+
 def did_you_mean(word: str, known: Iterable[str]) -> str:
     """`"; did you mean 'x'?"` for the nearest known word, or an empty string when none is near."""
     matches = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)

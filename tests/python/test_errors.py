@@ -7,9 +7,10 @@ from __future__ import annotations
 import threading
 import warnings
 
+import numpy as np
 import pytest
 
-from eclat.errors import EclatError, EclatWarning, did_you_mean, heard_warnings, printable, warn
+from eclat.errors import EclatError, EclatWarning, did_you_mean, heard_warnings, printable, shown, warn
 
 
 def test_the_nearest_word_is_proposed_and_only_a_near_one() -> None:
@@ -68,3 +69,8 @@ def test_warnings_in_a_block_within_are_heard_outside_too() -> None:
 def test_control_characters_are_spelled_out() -> None:
     assert printable("a\x1b[31mb\x07\x9b\u202e\udc80é°\n") == r"a\x1b[31mb\x07\x9b\u202e\udc80é°\n"
     assert printable("a\r\nb\t", lines=True) == "a\\r\nb\\t"
+
+
+def test_values_are_shown_on_one_short_line() -> None:
+    assert shown("a\nb") == repr("a\nb") and shown(2.5) == "2.5"
+    assert "\n" not in shown(np.eye(5)) and len(shown(np.eye(5))) == 80

@@ -42,7 +42,8 @@ def read_points(name: str) -> tuple[Float64, Float64]:
         places = "line"
     if len(table) == 0:
         raise EclatError(f"{label}: expected points, one per line, got none")
-    lengths = np.linalg.norm(table[:, 3:], axis=1)
+    with np.errstate(all="ignore"):
+        lengths = np.linalg.norm(table[:, 3:], axis=1)
     bad = ~np.isfinite(table).all(axis=1) | ~(lengths > 0) | ~np.isfinite(lengths)
     if bad.any():
         row = int(np.argmax(bad))

@@ -20,7 +20,7 @@ import numpy as np
 
 from eclat import _core
 from eclat.bridge.compiled import fingerprint
-from eclat.errors import EclatError, did_you_mean, warn
+from eclat.errors import EclatError, did_you_mean, shown, warn
 from eclat.files.archive import read_archive, write_archive
 from eclat.measure.error_estimate import ErrorEstimate, error_text
 from eclat.methods.work import Care, Purpose, Work
@@ -313,7 +313,7 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
         return default
     if isinstance(what, Method | Prepared):
         return what
-    raise EclatError(f"expected a method, its name or what was solved, got {what!r}")
+    raise EclatError(f"expected a method, its name or what was solved, got {shown(what)}")
 
 
 def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Solved:

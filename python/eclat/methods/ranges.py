@@ -9,7 +9,7 @@ import math
 import numbers
 from typing import Any, get_args, get_type_hints
 
-from eclat.errors import EclatError, did_you_mean
+from eclat.errors import EclatError, did_you_mean, shown
 
 _KINDS: dict[type, tuple[type, str]] = {
     bool: (bool, "True or False"),
@@ -34,7 +34,7 @@ def check_types(method: object) -> None:
         base, noun = _KINDS[kind]
         if not isinstance(value, base) or isinstance(value, bool) != (kind is bool):
             empty = " or None" if type(None) in alternatives else ""
-            raise EclatError(f"{type(method).__name__}: {field.name} must be {noun}{empty}, got {value!r}")
+            raise EclatError(f"{type(method).__name__}: {field.name} must be {noun}{empty}, got {shown(value)}")
         if type(value) not in (bool, int, float):
             object.__setattr__(method, field.name, kind(value))
 
@@ -45,7 +45,7 @@ def check_range(method: object, name: str, low: float, high: float) -> None:
     if value is None:
         return
     if not isinstance(value, int | float) or math.isnan(value) or not low <= value <= high:
-        raise EclatError(f"{type(method).__name__}: {name} must be between {low:g} and {high:g}, got {value!r}")
+        raise EclatError(f"{type(method).__name__}: {name} must be between {low:g} and {high:g}, got {shown(value)}")
 
 
 def check_names(method: object, *names: str) -> None:
@@ -55,7 +55,7 @@ def check_names(method: object, *names: str) -> None:
         value, known = getattr(method, name), get_args(types[name])
         if value not in known:
             raise EclatError(
-                f"{type(method).__name__}: {name} must be one of {', '.join(known)}, got {value!r}"
+                f"{type(method).__name__}: {name} must be one of {', '.join(known)}, got {shown(value)}"
                 + did_you_mean(str(value), known)
             )
 

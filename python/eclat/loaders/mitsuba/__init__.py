@@ -11,7 +11,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from eclat.errors import EclatError, did_you_mean
+from eclat.errors import EclatError, did_you_mean, shown
 from eclat.loaders.mitsuba.assemble import assemble
 from eclat.loaders.mitsuba.dicts import parse_bsdf, parse_dict
 from eclat.loaders.mitsuba.materials import Materials, known_kinds
@@ -67,8 +67,8 @@ def load_material(bsdf: Mapping[str, Any], base_folder: Path | None = None) -> M
     """
     kinds = known_kinds()
     kind = bsdf.get("type")
-    if kind not in kinds:
-        raise EclatError(f"expected a bsdf of type {', '.join(kinds)}, got {kind!r}{did_you_mean(str(kind), kinds)}")
+    if not isinstance(kind, str) or kind not in kinds:
+        raise EclatError(f"expected a bsdf of type {', '.join(kinds)}, got {shown(kind)}{did_you_mean(str(kind), kinds)}")
     node = parse_bsdf(bsdf, Path(base_folder) if base_folder is not None else Path())
     material = Materials().of(node)
     for name in node.properties:

@@ -11,7 +11,7 @@ from typing import Any
 
 import numpy as np
 
-from eclat.errors import EclatError, did_you_mean
+from eclat.errors import EclatError, did_you_mean, shown
 from eclat.loaders.mitsuba import kinds
 from eclat.loaders.mitsuba.node import MAX_DEPTH, Color, Node, Rgb, Uniform, check_number, snake_case
 from eclat.loaders.mitsuba.references import Identifiers, resolve_references
@@ -26,8 +26,10 @@ def parse_dict(scene: Mapping[str, Any], folder: Path) -> Node:
     """The tree of a scene given as a dict, references resolved. Raises EclatError with the path of keys."""
     if not isinstance(scene, Mapping):
         raise EclatError(f"expected a dict with the scene, got {type(scene).__name__}")
-    if scene.get("type") != "scene":
-        raise EclatError(f"dict: expected 'type': 'scene', got {scene.get('type')!r}")
+    kind = scene.get("type")
+    # An array would compare to an array.
+    if not isinstance(kind, str) or kind != "scene":
+        raise EclatError(f"dict: expected 'type': 'scene', got {shown(kind)}")
     identifiers = Identifiers()
     root = _node(scene, "scene", "", folder, identifiers, 0)
     resolve_references(root, identifiers)
@@ -64,11 +66,11 @@ def _add_object(
     where = f"dict{path}"
     kind = given.get("type")
     if not isinstance(kind, str):
-        raise EclatError(f"{where}: expected an object with 'type': a string, got {kind!r}")
+        raise EclatError(f"{where}: expected an object with 'type': a string, got {shown(kind)}")
     if kind == "ref":
         target = given.get("id")
         if not isinstance(target, str):
-            raise EclatError(f"{where}: expected the 'id' of an object, got {target!r}")
+            raise EclatError(f"{where}: expected the 'id' of an object, got {shown(target)}")
         node.children.append((name, Node("ref", "", where, (folder,), id=target)))
         return
     _refuse_misspelt(kind, where)
@@ -93,7 +95,7 @@ def _refuse_misspelt(kind: str, where: str) -> None:
     known = [name for names in kinds.PLUGINS.values() for name in names]
     near = "" if kind in known else did_you_mean(kind[:60], known)
     if near:
-        raise EclatError(f"{where}: expected a type that Mitsuba has, got {kind!r}{near}")
+        raise EclatError(f"{where}: expected a type that Mitsuba has, got {shown(kind)}{near}")
 
 
 def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:

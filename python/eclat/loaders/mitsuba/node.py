@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.errors import EclatError
+from eclat.errors import EclatError, shown
 from eclat.loaders.files import resolve
 
 MAX_DEPTH = 50
@@ -179,8 +179,8 @@ class Node:
 
     def mismatch(self, name: str, expected: str, got: object) -> EclatError:
         """The error to raise for a property of the wrong kind."""
-        shown = f"a {got.tag} of type {got.type!r}" if isinstance(got, Node) else _shown(got)
-        return EclatError(f"{self.where}, {name}: expected {expected}, got {shown}")
+        what = f"a {got.tag} of type {got.type!r}" if isinstance(got, Node) else shown(got)
+        return EclatError(f"{self.where}, {name}: expected {expected}, got {what}")
 
 
 def snake_case(name: str) -> str:
@@ -196,7 +196,7 @@ def parse_number(text: str, where: str) -> float:
     stripped = text.strip().rstrip(",")
     if len(stripped) <= 400 and _NUMBER.fullmatch(stripped):
         return check_number(float(stripped.rstrip("f")), where)
-    raise EclatError(f"{where}: expected a number, got {_shown(text)}")
+    raise EclatError(f"{where}: expected a number, got {shown(text)}")
 
 
 def check_number(value: float, where: str) -> float:
@@ -218,7 +218,7 @@ def parse_boolean(text: str, where: str) -> bool:
         return True
     if word in ("false", "0", "no"):
         return False
-    raise EclatError(f"{where}: expected true or false, got {_shown(text)}")
+    raise EclatError(f"{where}: expected true or false, got {shown(text)}")
 
 
 def parse_vector(text: str, where: str) -> Vector:
@@ -227,10 +227,5 @@ def parse_vector(text: str, where: str) -> Vector:
     if len(numbers) == 1:
         numbers = numbers * 3
     if len(numbers) != 3:
-        raise EclatError(f"{where}: expected three numbers, got {_shown(text)}")
+        raise EclatError(f"{where}: expected three numbers, got {shown(text)}")
     return numbers[0], numbers[1], numbers[2]
-
-
-def _shown(value: object) -> str:
-    text = repr(value)
-    return text if len(text) <= 80 else text[:77] + "..."

@@ -53,13 +53,16 @@ def transform_directions(matrix: Matrix, directions: NDArray[Any]) -> Matrix:
 
 
 def transform_normals(matrix: Matrix, normals: NDArray[Any]) -> Matrix:
-    """Unit normals (N, 3) transformed by the inverse transpose; degenerate ones are zero."""
+    """Unit normals (N, 3) transformed by the inverse transpose; those of what it squeezes to a line are +z."""
     # The cofactors are the inverse transpose times the determinant; they exist for singular matrices too.
     a, b, c = matrix[:3, 0], matrix[:3, 1], matrix[:3, 2]
     cofactors = np.stack([np.cross(b, c), np.cross(c, a), np.cross(a, b)], axis=1)
     if is_mirrored(matrix):
         cofactors = -cofactors
-    return normalize(np.asarray(normals, dtype=np.float64) @ cofactors.T)
+    turned = normalize(np.asarray(normals, dtype=np.float64) @ cofactors.T)
+    # What a matrix squeezes to a line has no area, and no normal.
+    turned[~turned.any(axis=1)] = (0, 0, 1)
+    return turned
 
 
 def normalize(vectors: Matrix) -> Matrix:

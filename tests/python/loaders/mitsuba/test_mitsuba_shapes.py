@@ -222,6 +222,14 @@ def test_shapes_that_cannot_be_are_refused() -> None:
         load_dict({"type": "scene", "s": {"type": "cube", "to_world": far}})
 
 
+def test_normals_stay_unit_where_a_transform_leaves_no_area() -> None:
+    with pytest.warns(EclatWarning, match="flattens the shape"):
+        scene = load_dict({"type": "scene", "s": {"type": "cube", "to_world": np.diag([1.0, 0, 0, 1])}})
+    normals = scene.meshes[0].normals
+    assert normals is not None
+    np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-6)
+
+
 def test_a_million_copies_are_refused_before_they_fill_the_memory() -> None:
     group = {"type": "shapegroup", "ball": {"type": "sphere"}}
     copy = {"type": "instance", "group": {"type": "ref", "id": "group"}}
