@@ -258,7 +258,8 @@ void Intersector::transmitted(std::span<const Ray> rays, std::span<Color> out) c
         passed = through;
         query(valid, impl_->scene, &packet);
         passed = nullptr;
-        for (size_t i = 0; i < some.size(); ++i) out[begin + i] = valid[i] == 0 || packet.tfar[i] < 0 ? Color() : through[i];
+        for (size_t i = 0; i < some.size(); ++i)
+            out[begin + i] = valid[i] == 0 || packet.tfar[i] < 0 ? Color() : through[i];
     }
 }
 

@@ -88,7 +88,9 @@ def _keep(one: workers.Input, outcome: workers.Outcome, seed: int, keep: Path) -
     folder = keep / f"{seed}-{one.number}"
     folder.mkdir(parents=True, exist_ok=True)
     path = workers.path_in(folder, one)
-    story = f"{outcome.format}, {path.name}: {outcome.word} in {outcome.place}\n\n{printable(outcome.story, lines=True)}"
+    story = (
+        f"{outcome.format}, {path.name}: {outcome.word} in {outcome.place}\n\n{printable(outcome.story, lines=True)}"
+    )
     (folder / "finding.txt").write_text(story, encoding="utf-8")
     print(f"  FOUND: input {one.number}: {outcome.word} in {outcome.place}; kept in {folder}", flush=True)
 

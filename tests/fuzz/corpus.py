@@ -116,7 +116,9 @@ def _gltf() -> list[Files]:
 
 def _obj() -> list[Files]:
     vertices = "v -1 0 -1 0.5 0.5 1\nv -1 0 1 1 1 1\nv 1 0 1 1 0 0\nv 1 0 -1 0 1 0\nv 0 1.5 0 0 0 0\n"
-    faces = "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 1 0\ng floor\nusemtl a\nf 1/1/1 2/2/1 3/3/1 4/1/1\ns 1\nusemtl b\nf -1 2// 1\n"
+    faces = (
+        "vt 0 0\nvt 1 0\nvt 1 1\nvn 0 1 0\ng floor\nusemtl a\nf 1/1/1 2/2/1 3/3/1 4/1/1\ns 1\nusemtl b\nf -1 2// 1\n"
+    )
     text = f"# made by a fuzzer\nmtllib scene.mtl\no part\n{vertices}{faces}usemtl lamp\nf 5/1 3/2 4/3\ns off\n"
     mtl = (
         "newmtl a\nKd 0.8 0.7 0.6\nKs 0.2 0.2 0.2\nNs 50\nillum 2\nmap_Kd -s 2 2 1 a.png\nmap_Bump -bm 0.1 a.png\n"
@@ -164,7 +166,8 @@ def _ply() -> list[Files]:
 _ENVIRONMENT = """<emitter type="envmap"><string name="filename" value="sky.hdr"/>
     <transform name="to_world"><rotate x="1" angle="90"/></transform></emitter>
 """
-_DAYLIGHT = """<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.8" z="0.2"/><float name="turbidity" value="3"/></emitter>
+_DAYLIGHT = """<emitter type="sunsky"><vector name="sun_direction" x="0.3" y="0.8" z="0.2"/>
+    <float name="turbidity" value="3"/></emitter>
 """
 _SHAPES = """<scene version="2.1.0">
     <sensor type="thinlens"><float name="fov" value="40"/><float name="aperture_radius" value="0.1"/>
@@ -234,7 +237,7 @@ def _images() -> list[Files]:
     wanted = {
         "PNG": ("rgba", "rgb", "grey", "bit", "palette", "deep"),
         "JPEG": ("rgb", "grey"),
-        **{kind: ("rgb", "palette") for kind in ("BMP", "TIFF", "PCX", "GIF")},
+        **dict.fromkeys(("BMP", "TIFF", "PCX", "GIF"), ("rgb", "palette")),
         **{"TGA": ("rgba", "palette"), "WEBP": ("rgba",), "PPM": ("rgb", "bit", "deep"), "DDS": ("rgba",)},
     }
     for kind, names in wanted.items():

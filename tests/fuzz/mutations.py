@@ -219,7 +219,7 @@ def _damaged_array(array: np.ndarray, random: Random) -> np.ndarray:
         return np.concatenate([array, array]) if array.ndim else array
     changed = array.copy().reshape(-1)
     if changed.size:
-        values = FLOATS if array.dtype.kind == "f" else INTEGERS[:8] + (-1,)
+        values = FLOATS if array.dtype.kind == "f" else (*INTEGERS[:8], -1)
         with np.errstate(all="ignore"):
             value = np.array(random.choice(values)).astype(array.dtype)
         changed[random.randrange(changed.size)] = value

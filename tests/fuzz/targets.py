@@ -175,7 +175,7 @@ def try_options(path: Path, random: Random) -> str:
 
 
 TARGETS: dict[str, Target] = {
-    **{name: try_scene for name in ("gltf", "obj", "ply", "mitsuba", "serialized")},
+    **dict.fromkeys(("gltf", "obj", "ply", "mitsuba", "serialized"), try_scene),
     "dict": try_dict,
     "image": try_image,
     "points": try_points,

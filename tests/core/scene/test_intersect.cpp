@@ -207,3 +207,27 @@ TEST_CASE("rays pass through culled backs, alone and where they are translucent,
         CHECK(passed > 100);
     }
 }
+
+TEST_CASE("rays that the ray tracer cannot follow meet nothing, and leave those beside them alone") {
+    const Soup s = soup(200);
+    const Intersector rays_in(s.shown(), s.triangles, s.sieves, {});
+    const auto sound = random_rays(16, infinity);
+    std::vector<Hit> expected(sound.size()), hits(sound.size());
+    rays_in.intersect(sound, expected);
+    auto rays = sound;
+    rays[1].origin.x = 2e18f;
+    rays[3].direction = {NAN, 0, 0};
+    rays[10].direction = {0, infinity, 0};
+    rays[12].t_max = NAN;
+    const auto broken = [](size_t i) { return i == 1 || i == 3 || i == 10 || i == 12; };
+    std::vector<uint8_t> hidden(rays.size());
+    std::vector<Color> passed(rays.size());
+    rays_in.intersect(rays, hits);
+    rays_in.occluded(rays, hidden);
+    rays_in.transmitted(rays, passed);
+    for (size_t i = 0; i < rays.size(); ++i) {
+        CHECK(hits[i].triangle == (broken(i) ? no_triangle : expected[i].triangle));
+        CHECK(bool(hidden[i]) == (broken(i) || !expected[i].missed()));
+        CHECK(passed[i].r == (hidden[i] ? 0 : 1));
+    }
+}

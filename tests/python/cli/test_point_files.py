@@ -41,7 +41,7 @@ def test_ways_to_write_the_same(tmp_path: Path, text: str | bytes) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("0 0 0 0 1e200 0", ", line 1: expected a finite point and a normal that is not zero, got 0 0 0 0 1e+200 0"),
+        ("0 0 0 0 1e200 0", ", line 1: expected a finite position and a normal that is not zero, got 0 0 0 0 1e+200 0"),
         ("", ": expected points, one per line, got none"),
         ("x y z\n", ": expected points, one per line, got none"),
         ("1 2 3 0 0 1\n1 2 3\n", ", line 2: expected six numbers x y z nx ny nz, got '1 2 3'"),

@@ -68,7 +68,9 @@ def load_material(bsdf: Mapping[str, Any], base_folder: Path | None = None) -> M
     kinds = known_kinds()
     kind = bsdf.get("type")
     if not isinstance(kind, str) or kind not in kinds:
-        raise EclatError(f"expected a bsdf of type {', '.join(kinds)}, got {shown(kind)}{did_you_mean(str(kind), kinds)}")
+        raise EclatError(
+            f"expected a bsdf of type {', '.join(kinds)}, got {shown(kind)}{did_you_mean(str(kind), kinds)}"
+        )
     node = parse_bsdf(bsdf, Path(base_folder) if base_folder is not None else Path())
     material = Materials().of(node)
     for name in node.properties:
