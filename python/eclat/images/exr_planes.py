@@ -63,16 +63,19 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
     ):
         raise EclatError(f"expected data inside the display window {display}, got the data window {window}")
     file = OpenEXR.File(io.BytesIO(data), separate_channels=True)
+    if not file.parts:
+        raise EclatError("expected the pixels that the header promises, but the file is cut off or damaged")
     channels = {}
-    for name, channel in file.channels().items():
-        plane = _full_size(np.asarray(channel.pixels), (channel.xSampling, channel.ySampling), window)
-        if plane is not None:
-            channels[name] = _placed(plane, window, display)
-    to_xyz = _rgb_to_xyz(header.get("chromaticities"), where)
-    converted = _undo_luminance_chroma(channels, to_xyz[1])
-    if not np.array_equal(to_xyz, _rgb_to_xyz(None, where)):
-        _convert(channels, np.linalg.inv(_rgb_to_xyz(None, where)) @ to_xyz)
-        converted = True
+    with np.errstate(all="ignore"):  # Texels may be infinite or NaN.
+        for name, channel in file.channels().items():
+            plane = _full_size(np.asarray(channel.pixels), (channel.xSampling, channel.ySampling), window)
+            if plane is not None:
+                channels[name] = _placed(plane, window, display)
+        to_xyz = _rgb_to_xyz(header.get("chromaticities"), where)
+        converted = _undo_luminance_chroma(channels, to_xyz[1])
+        if not np.array_equal(to_xyz, _rgb_to_xyz(None, where)):
+            _convert(channels, np.linalg.inv(_rgb_to_xyz(None, where)) @ to_xyz)
+            converted = True
     return Planes(header, channels, converted)
 
 

@@ -43,7 +43,8 @@ def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
         raise
     except (RuntimeError, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:
         raise EclatError(f"the image cannot be decoded: {error}") from None
-    outside = (image[..., :3] < -_GAMUT * np.abs(image[..., :3]).max(axis=-1, keepdims=True)).any(axis=-1)
+    with np.errstate(all="ignore"):  # Texels may be infinite or NaN; whoever asked for them says what becomes of these.
+        outside = (image[..., :3] < -_GAMUT * np.abs(image[..., :3]).max(axis=-1, keepdims=True)).any(axis=-1)
     if found.converted:
         if outside.any():
             warn(f"{path.name}: {int(outside.sum())} texels lie outside the colours of Rec. 709; they are cut at 0")

@@ -95,8 +95,8 @@ def blackbody_to_rgb(temperature: float) -> tuple[float, float, float]:
     if not (np.isfinite(temperature) and temperature > 0):
         raise EclatError(f"expected a temperature above 0 K, got {temperature:g}")
     metres = WAVELENGTHS * 1e-9
-    exponent = _PLANCK * _LIGHT_SPEED / (metres * _BOLTZMANN * temperature)
-    with np.errstate(over="ignore"):  # cold bodies: exp → ∞, radiance → 0
+    with np.errstate(over="ignore", divide="ignore"):  # cold bodies: exp → ∞, radiance → 0
+        exponent = _PLANCK * _LIGHT_SPEED / (metres * _BOLTZMANN * temperature)
         radiance = 2 * _PLANCK * _LIGHT_SPEED**2 / metres**5 / np.expm1(exponent) * 1e-9
     return emission_to_rgb(WAVELENGTHS, radiance)
 

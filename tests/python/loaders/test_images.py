@@ -172,6 +172,22 @@ def test_damaged_images_are_refused_or_read(tmp_path: Path, data: st.DataObject)
     assert image.ndim == 3 and image.shape[2] in (1, 3, 4)
 
 
+def test_exr_files_that_end_in_their_pixels_say_so(tmp_path: Path) -> None:
+    path = exr(NUMBERS.random((40, 40, 3), dtype=np.float32), tmp_path / "a.exr")
+    data = path.read_bytes()
+    with pytest.raises(EclatError, match="expected the pixels that the header promises"):
+        read_image_file(path, data[: len(data) // 2])
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan])
+def test_exr_texels_that_are_not_finite_pass_without_foreign_warnings(tmp_path: Path, value: float) -> None:
+    path = exr(np.full((4, 4, 3), value, np.float32), tmp_path / "a.exr")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        image, _ = read_image_file(path, path.read_bytes())
+    np.testing.assert_array_equal(image, np.float32(value))
+
+
 @pytest.mark.parametrize("keep", [0, 10, 100, 300])
 def test_truncated_exr_files(tmp_path: Path, keep: int) -> None:
     path = exr(NUMBERS.random((40, 40, 3), dtype=np.float32), tmp_path / "a.exr")

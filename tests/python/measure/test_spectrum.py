@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
@@ -78,4 +80,7 @@ def test_curves_that_are_none_are_refused(wavelengths: list[float], values: list
 def test_temperatures_are_above_zero() -> None:
     with pytest.raises(EclatError, match="above 0 K, got -3"):
         spectrum.blackbody_to_rgb(-3)
-    assert spectrum.blackbody_to_rgb(1e-3) == (0, 0, 0)
+    for cold in (1e-3, 1e-320):
+        with warnings.catch_warnings():
+            warnings.simplefilter("error")
+            assert spectrum.blackbody_to_rgb(cold) == (0, 0, 0)

@@ -52,11 +52,11 @@ def test_entities_and_deep_nesting_are_refused_before_they_hurt(tmp_path: Path) 
     [
         ([], "expected a dict with the scene, got list"),
         ({}, "expected 'type': 'scene', got None"),
-        ({"type": np.eye(4)}, r"expected 'type': 'scene', got array\(\[\[1.*\.\.\.$"),
-        ({"type": "scene", "a": {"type": np.eye(4)}}, r"an object with 'type': a string, got array.*\.\.\.$"),
+        ({"type": np.eye(4)}, r"expected 'type': 'scene', got array\(\[\[1.*\)$"),
+        ({"type": "scene", "a": {"type": np.eye(4)}}, r"an object with 'type': a string, got array.*\)$"),
         (
             {"type": "scene", "a": {"type": "sphere", "radius": np.eye(4)}},
-            r"radius: expected a number, got array.*\.\.\.$",
+            r"radius: expected a number, got array.*\)$",
         ),
         ({"type": "scene", "a": {"type": 3}}, r"dict\['a'\]: expected an object with 'type'"),
         ({"type": "scene", "a": {"type": "ref"}}, r"dict\['a'\]: expected the 'id'"),
