@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Éclat: global illumination by irradiance caching, beside an unbiased path tracer."""
+"""Éclat: global illumination by irradiance caching and other methods, with an unbiased path tracer as the reference."""
 
 from __future__ import annotations
 
@@ -70,7 +70,8 @@ _HOMES = {
     "EclatError": "eclat.errors",
     "EclatWarning": "eclat.errors",
 }
-"""Name → module: imported when first used, so that `eclat --help` need not load the core."""
+"""Maps public names to their modules, which are imported when a name is first used, so that `eclat --help` does not
+load the core."""
 
 __all__ = [
     "METHODS",

@@ -1,7 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 
-"""`python -m eclat`: the command line, also where the script `eclat` is not on the path."""
+"""The command line as `python -m eclat`, which works even if the script `eclat` is not on the path."""
 
 import sys
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Errors for the user's mistakes and warnings that can be collected; each message tells the reader what to do."""
+"""The errors for mistakes of the user, and warnings that can be collected."""
 
 from __future__ import annotations
 
@@ -13,22 +13,26 @@ from contextvars import ContextVar
 
 
 class EclatError(ValueError):
-    """A user's mistake, such as a bad file or option. The message states what was expected; the CLI exits with 2."""
+    """A mistake of the user, such as a bad file or option. The message states what was expected and what was got; the
+    command line exits with code 2."""
 
 
 class EclatWarning(UserWarning):
-    """Something was replaced, ignored or guessed; the result is still usable. The CLI prints it, scenes keep it."""
+    """A warning that something was replaced, ignored or guessed, while the result is still usable. The command line
+    prints it, and loaded scenes keep it."""
 
 
 _heard: ContextVar[tuple[list[str], ...]] = ContextVar("heard", default=())
-"""Lists that keep what is said in this thread or task: `warnings.catch_warnings` would mix those of all threads."""
+"""Lists that collect the warnings of this thread or task. `warnings.catch_warnings` would mix the warnings of all
+threads."""
 
 _UNPRINTABLE = re.compile("[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
-"""Control characters, which a terminal obeys, those that turn the direction of text, and bytes that are no text."""
+"""Characters that must not be printed: control characters, which a terminal interprets, characters that change the
+direction of text, and surrogates, which represent undecodable bytes."""
 
 
 def warn(message: str) -> None:
-    """Issue an `EclatWarning` that points at the caller's caller."""
+    """Issue an `EclatWarning`, located at the caller of the function that calls `warn`."""
     for heard in _heard.get():
         heard.append(message)
     warnings.warn(message, EclatWarning, stacklevel=3)
@@ -36,7 +40,7 @@ def warn(message: str) -> None:
 
 @contextmanager
 def heard_warnings() -> Iterator[list[str]]:
-    """The text of every `EclatWarning` of this thread until the block ends; they are issued all the same."""
+    """Collect the texts of all `EclatWarning`s of this thread until the block ends; the warnings are still issued."""
     heard: list[str] = []
     token = _heard.set((*_heard.get(), heard))
     try:
@@ -46,9 +50,8 @@ def heard_warnings() -> Iterator[list[str]]:
 
 
 def printable(text: str, *, lines: bool = False) -> str:
-    """`text` with its control characters spelled out (`\\x1b`), so that a name from a file cannot steer a terminal.
-
-    With `lines`, line ends stay.
+    """Escape the control characters of `text` (as in `\\x1b`), so that a name from a file cannot control a terminal.
+    With `lines`, ends of lines are not escaped.
     """
     return _UNPRINTABLE.sub(lambda c: c[0] if lines and c[0] == "\n" else ascii(c[0])[1:-1], text)
 
@@ -60,6 +63,6 @@ def shown(value: object) -> str:
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
-    """`"; did you mean 'x'?"` for the nearest known word, or an empty string when none is near."""
+    """Return `"; did you mean 'x'?"` with the known word most similar to `word`, or "" if none is similar."""
     matches = difflib.get_close_matches(word, list(known), n=1, cutoff=0.6)
     return f"; did you mean {matches[0]!r}?" if matches else ""

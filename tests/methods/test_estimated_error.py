@@ -14,7 +14,7 @@ from eclat import _core
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import relative_rmse
 from eclat.methods.records.laws import core_options
-from eclat.methods.records.solving import Where, where_wanted
+from eclat.methods.records.solving import Where, functions_for
 from eclat.scenes import build
 from eclat.verbs.solve import purpose_of
 
@@ -50,7 +50,7 @@ def furnace() -> eclat.Scene:
 def test_records_that_are_wrong_by_a_known_factor_in_a_furnace(furnace: eclat.Scene, factor: float) -> None:
     """Closed, emits 1, reflects half: radiance 2, of which 1 is emitted, 0.5 direct and 0.5 in the cache."""
     solution = scaled(eclat.solve(furnace, size=SIZE, check=False), factor)
-    found = interval(estimated(solution, where_wanted(furnace, purpose_of(furnace, size=SIZE))))
+    found = interval(estimated(solution, functions_for(furnace, purpose_of(furnace, size=SIZE))))
     R = 1.5 + 0.5 * factor  # as shown
     expected = abs(factor - 1) * 0.5 / (R * 1.01**0.5)
     # The records' own noise in a furnace is some hundredths of what was put there.
@@ -67,7 +67,7 @@ def test_irradiance_at_points_and_everywhere(furnace: eclat.Scene) -> None:
     options = eclat.IrradianceCache(max_error=0.05)
     for keywords in ({"points": (points, normals)}, {"view_independent": True}):
         solution = scaled(eclat.solve(furnace, options, check=False, **keywords), 1.1)
-        found = interval(estimated(solution, where_wanted(furnace, purpose_of(furnace, **keywords))))
+        found = interval(estimated(solution, functions_for(furnace, purpose_of(furnace, **keywords))))
         shown = 1 + 1.1  # in units of π, as the cache shows it
         assert found.error == pytest.approx(0.1 / (shown**2 * 1.01) ** 0.5, rel=0.1)
 
@@ -77,7 +77,7 @@ def test_the_mean_over_many_seeds_is_the_error_of_the_picture() -> None:
     scene = build("cornell-box")
     options = eclat.IrradianceCache(max_error=0.08, rows=6)
     solution = eclat.solve(scene, options, size=SIZE, check=False)
-    where = where_wanted(scene, purpose_of(scene, size=SIZE))
+    where = functions_for(scene, purpose_of(scene, size=SIZE))
     squares = [estimated(solution, where, rays=100_000, seed=s) for s in range(24)]
     mean = np.mean([e.squared for e in squares])
     spread = np.std([e.squared for e in squares], ddof=1)
@@ -99,7 +99,7 @@ def test_same_bits_on_one_thread_and_two() -> None:
     scene = build("glossy-box")
     solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.08), size=SIZE, check=False)
     one, two = (
-        estimated(solution, where_wanted(scene, purpose_of(scene, size=SIZE)), 100_000, threads=n) for n in (1, 2)
+        estimated(solution, functions_for(scene, purpose_of(scene, size=SIZE)), 100_000, threads=n) for n in (1, 2)
     )
     assert (one.squared, one.deviation, one.missed) == (two.squared, two.deviation, two.missed)
     assert np.array_equal(one.places, two.places)
@@ -112,13 +112,13 @@ def test_depth_is_that_of_the_solve(furnace: eclat.Scene) -> None:
     check = _core.ErrorCheck()
     check.rays, check.max_depth = 200_000, settings.max_depth
     found = interval(
-        where_wanted(furnace, purpose_of(furnace, size=SIZE)).estimate(solution.core(), check, _core.Progress(), None)
+        functions_for(furnace, purpose_of(furnace, size=SIZE)).estimate(solution.core(), check, _core.Progress(), None)
     )
     assert found.error < 0.004
     # The same records against all depths lack ρ³ / (1 − ρ) of light.
     check.max_depth = -1
     found = interval(
-        where_wanted(furnace, purpose_of(furnace, size=SIZE)).estimate(solution.core(), check, _core.Progress(), None)
+        functions_for(furnace, purpose_of(furnace, size=SIZE)).estimate(solution.core(), check, _core.Progress(), None)
     )
     # Pixels that are left to paths have no such error.
     assert found.unserved < 0.3

@@ -69,6 +69,6 @@ def test_light_through_a_pane_needs_no_chance(half_width: float) -> None:
 def test_path_says_that_light_of_points_by_mirrors_is_missing() -> None:
     floor, mirror = lamp_beside(MIRROR, 0.01).meshes[1:]
     scene = Scene(meshes=(floor, mirror), lights=(PointLight((0.8, 1.5, 0.0), (1.0, 1.0, 1.0)),))
-    with pytest.warns(EclatWarning, match="no path finds it"):
+    with pytest.warns(EclatWarning, match="no path can find this light"):
         eclat.irradiance(scene, POINTS, NORMALS, eclat.Path(), samples=1)
     assert statistics(scene)[LIGHT_BY_CHANCE] > 0.1

@@ -175,7 +175,7 @@ def test_a_solution_of_another_depth_is_refused(cornell: eclat.Scene) -> None:
         lambda: eclat.render(cornell, solution, samples=1),
         lambda: eclat.irradiance(cornell, *points, solution),
     ):
-        with pytest.raises(eclat.EclatError, match="solved with max_depth 3: expected the same, got -1"):
+        with pytest.raises(eclat.EclatError, match="expected 3, with which this cache was solved, got -1"):
             call()
     one_bounce = eclat.irradiance(cornell, *points, solution, component="indirect", max_depth=3)
     truth = eclat.irradiance(cornell, *points, eclat.Path(), component="indirect", max_depth=3, samples=8192)

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How scenes, arguments and long calls cross into the compiled core."""
+"""The bridge to the compiled core: it checks arguments, converts scenes, and runs long calls."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Arguments that the verbs share, checked once: each function returns the value to use or raises EclatError."""
+"""Checks of the arguments that several verbs share. Each function returns the value to use or raises EclatError."""
 
 from __future__ import annotations
 
@@ -13,39 +13,44 @@ from eclat.images.image import check_size
 from eclat.scene import Camera, FloatArray, Scene
 
 DEFAULT_SIZE = (1280, 720)
+"""Size of a picture in pixels if neither the caller nor the camera gives one."""
 MAX_SAMPLES = 1 << 24
+"""Largest number of samples per pixel or per point."""
 MAX_ERROR_RANGE = (0.0005, 0.5)
-"""Relative errors that can be asked for, of records and of pictures."""
+"""Smallest and largest relative error that can be requested of records and pictures."""
 
 
 def chosen_camera(scene: Scene, camera: int | Camera) -> Camera:
-    """Return `camera` itself, or the scene's camera of that number."""
+    """Return `camera` itself, or the camera of the scene with that index."""
     if isinstance(camera, Camera):
         return camera
     if not 0 <= camera < len(scene.cameras):
-        raise EclatError(f"camera {camera} of {len(scene.cameras)}: {scene.name or 'the scene'} has no such camera")
+        limit = f"an index from 0 and below {len(scene.cameras)}, the number of cameras of {scene.name or 'the scene'}"
+        raise EclatError(f"camera: expected {limit}, got {camera}")
     return scene.cameras[camera]
 
 
 def picture_size(camera: Camera, size: tuple[int, int] | None) -> tuple[int, int]:
-    """Return the requested width and height, else the camera's, else `DEFAULT_SIZE`."""
+    """Return the requested width and height, or else those of the camera, or else `DEFAULT_SIZE`, in pixels."""
     width, height = size or camera.size or DEFAULT_SIZE
     check_size(width, height)
     return int(width), int(height)
 
 
 def checked_crop(crop: tuple[int, int, int, int] | None, width: int, height: int) -> tuple[int, int, int, int]:
-    """Return the crop (x0, y0, x1, y1) in pixels; None means the whole picture."""
+    """Return the crop (x0, y0, x1, y1) in pixels, x1 and y1 exclusive; None means the whole picture."""
     if crop is None:
         return (0, 0, width, height)
     x0, y0, x1, y1 = crop
     if not (0 <= x0 < x1 <= width and 0 <= y0 < y1 <= height):
-        raise EclatError(f"crop {crop} must lie inside the picture of {width}x{height} pixels")
+        raise EclatError(
+            f"crop must be a rectangle x0, y0, x1, y1 inside the picture of {width}x{height} pixels, got {crop}"
+        )
     return (x0, y0, x1, y1)
 
 
 def checked_seed(seed: int) -> int:
-    """Return a seed of 32 bits."""
+    """Return the seed, a number of 32 bits."""
     if not 0 <= seed < 2**32:
         raise EclatError(f"seed must be between 0 and {2**32 - 1}, got {seed}")
     return seed
@@ -68,7 +73,7 @@ def checked_samples(samples: int) -> int:
 
 
 def checked_max_error(max_error: float) -> float:
-    """Return a relative error that is within the supported range."""
+    """Return the wanted relative error, which must be within `MAX_ERROR_RANGE`."""
     low, high = MAX_ERROR_RANGE
     if not low <= max_error <= high:
         raise EclatError(f"max_error must be between {low:g} and {high:g}, got {max_error}")
@@ -76,7 +81,7 @@ def checked_max_error(max_error: float) -> float:
 
 
 def checked_max_depth(max_depth: int) -> int:
-    """Return the largest number of edges of a path: −1 (no limit) or at least 1."""
+    """Return the greatest number of edges of a path: −1 (no limit) or at least 1."""
     if max_depth == 0 or max_depth < -1:
         raise EclatError(f"max_depth must be -1 (unlimited) or at least 1, got {max_depth}")
     return max_depth
@@ -90,7 +95,7 @@ def checked_time(time: float | None) -> float | None:
 
 
 def points_with_normals(points: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Points (N, 3) and unit normals (N, 3), both float64; N may be 0."""
+    """Return points (N, 3) and unit normals (N, 3), both float64; N may be 0."""
     points = np.atleast_2d(np.asarray(points, np.float64))
     normals = np.atleast_2d(np.asarray(normals, np.float64))
     if points.shape != normals.shape or points.ndim != 2 or (points.size and points.shape[1] != 3):
@@ -101,7 +106,7 @@ def points_with_normals(points: FloatArray, normals: FloatArray) -> tuple[FloatA
     if bad.any():
         row = int(np.argmax(bad))
         raise EclatError(
-            f"points and normals must be finite, and normals not zero; "
-            f"got {points[row].tolist()} and {normals[row].tolist()} at index {row}"
+            f"points and normals must be finite, and normals must not be zero; "
+            f"got the point {points[row].tolist()} with the normal {normals[row].tolist()} at index {row}"
         )
     return points, normals / lengths[:, None]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A scene's arrays, handed to the core once and kept as long as the scene lives."""
+"""Conversion of a scene to the compiled core; the result is kept as long as the scene exists."""
 
 from __future__ import annotations
 
@@ -32,14 +32,15 @@ from eclat.scene import (
 
 @dataclass(frozen=True)
 class Compiled:
-    """The core's scene. It lives in a frame shifted by `center` (taken in double precision), so that float32 suffices
-    far from the origin."""
+    """The scene in the compiled core. Its coordinates are relative to `center`, which is subtracted in double
+    precision, so that float32 suffices for scenes far from the origin."""
 
     core: _core.Scene
     center: FloatArray
 
     def to_core(self, points: FloatArray) -> np.ndarray:
-        """World positions (N, 3) in the core's frame, float32. Raises EclatError for those beyond its reach."""
+        """Convert world positions (N, 3) to the coordinates of the core, float32. Raises EclatError if one is too far
+        away."""
         return self._shifted(points, "points", "point")
 
     def _shifted(self, points: FloatArray, what: str, noun: str) -> np.ndarray:
@@ -48,11 +49,11 @@ class Compiled:
         return np.ascontiguousarray(local, np.float32)
 
     def camera(self, camera: Camera, size: tuple[int, int]) -> _core.Camera:
-        """The core's camera for a picture of `size` (width, height)."""
+        """Make the core's camera for a picture of `size` (width, height) in pixels."""
         width, height = size
         matrix = np.asarray(camera.to_world, np.float64)
         if matrix.shape != (4, 4) or not np.isfinite(matrix).all():
-            raise EclatError(f"camera {camera.name!r}: to_world must be a finite 4×4 matrix")
+            raise EclatError(f"camera {camera.name!r}: to_world must be a finite 4×4 matrix, got {matrix.tolist()}")
         columns = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
         half_width, half_height = camera.half_extent(width / height)
         axes = tuple(tuple(map(float, columns[:, i])) for i in range(3))
@@ -60,7 +61,7 @@ class Compiled:
         position = tuple(map(float, self._shifted(matrix[:3, 3], what, "position")))
         check_length(camera.aperture_radius, what, "aperture_radius")
         check_length(camera.focus_distance, what, "focus_distance")
-        # For a perspective camera this is a slope, so that the corners are directions.
+        # For a perspective camera this is the extent at unit distance, and the corners of the picture are directions.
         for reach, axis in zip((half_width, half_height), camera.shift, strict=True):
             check_length(reach * (1 + 2 * abs(axis)), what, "the picture's extent (fov, shift)")
         return _core.Camera(
@@ -73,7 +74,8 @@ _cache: weakref.WeakKeyDictionary[Scene, Compiled] = weakref.WeakKeyDictionary()
 
 
 def compiled(scene: Scene) -> Compiled:
-    """The core's form of `scene`, made at the first call. Raises EclatError if the core refuses the scene."""
+    """Return the scene in the compiled core, converting it at the first call. Raises EclatError if the core refuses
+    it."""
     found = _cache.get(scene)
     if found is None:
         try:
@@ -185,7 +187,7 @@ class _Compiler:
             out.normal_scale = material.normal_map.scale
         out.emits = material.emission is not None and any(c > 0 for c in material.emission.constant)
         out.emission = self.value(material.emission or grey(0.0))
-        # What is not there from behind does not shine there.
+        # A surface that is invisible from behind does not emit there either.
         out.emission_two_sided = material.emission_two_sided and (material.two_sided or not material.back_culled)
         return out
 
@@ -199,7 +201,7 @@ def _reads_tangents(material: Material) -> bool:
 
 
 def fingerprint(scene: Scene) -> str:
-    """A hash of everything that affects light: geometry, materials and lights, but not cameras."""
+    """Compute a hash of everything that affects the light: geometry, materials and lights, but not cameras."""
     digest = hashlib.sha256()
 
     def feed(x: object) -> None:

@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The limits of coordinates: a single check of every position that enters the core.
-
-The core and its ray tracer compute in float32, whose squares end at 3.4e38. A ray that starts beyond is invalid to Embree,
-which stops the process where it was built to check, and answers wrongly where it was not.
+"""The limits of coordinates, which are checked for every position that enters the core.
+The core and Embree compute in float32, so squares of lengths must be below 3.4e38. A ray from a position beyond the
+limit is invalid: a build of Embree with checks stops the process, and one without checks returns wrong hits.
 """
 
 from __future__ import annotations
@@ -15,21 +14,22 @@ from eclat.errors import EclatError
 from eclat.scene import FloatArray, triangle_areas
 
 FARTHEST = 1e18
-"""Metres in any coordinate: the sum of the squares of three differences of such is 1.2e37."""
+"""Largest absolute coordinate in metres: the sum of the squares of three differences of such coordinates is 1.2e37."""
 
 LARGEST_AREA = 4e18
-"""m² of a triangle: the cross product of its edges is then squared to 6.4e37. (The Earth has 5e14 m².)"""
-_SURELY_SMALL = 1e8
-"""Metres of a mesh along each axis, below which no triangle needs to be looked at."""
+"""Largest area of a triangle in m²: the square of the cross product of its edges is then 6.4e37. (The surface of the
+Earth has 5e14 m².)"""
+_SMALL_EXTENT = 1e8
+"""Extent of a mesh along each axis, in metres, up to which its triangles need not be checked."""
 
 
 def check_areas(positions: FloatArray, triangles: NDArray[np.integer], what: str) -> None:
     """Raise EclatError for the first triangle larger than `LARGEST_AREA`, which would otherwise be rendered black."""
-    if not len(positions) or not len(triangles) or not np.ptp(positions, axis=0).max() > _SURELY_SMALL:
+    if not len(positions) or not len(triangles) or not np.ptp(positions, axis=0).max() > _SMALL_EXTENT:
         return
     index = np.asarray(triangles)
     if index.min() < 0 or index.max() >= len(positions):
-        return  # the core names the triangle
+        return  # The core reports the triangle.
     areas = triangle_areas(np.asarray(positions)[index])
     large = np.isfinite(areas) & (areas > LARGEST_AREA)
     if large.any():
@@ -42,7 +42,8 @@ def check_areas(positions: FloatArray, triangles: NDArray[np.integer], what: str
 def check_reach(positions: FloatArray, what: str, noun: str = "position") -> None:
     """Raise EclatError for the first of the (N, 3) `positions`, in the core's frame, that lies beyond `FARTHEST`.
 
-    NaN passes here: the core names it. `what` has the positions, such as "mesh 0"; `noun` says what they are.
+    NaN is not reported here, because the core reports it. In the message, `what` names the object, such as "mesh 0",
+    and `noun` its positions.
     """
     table = np.asarray(positions).reshape(-1, 3)
     far = np.isfinite(table) & (np.abs(table) > FARTHEST)
@@ -54,6 +55,6 @@ def check_reach(positions: FloatArray, what: str, noun: str = "position") -> Non
 
 
 def check_length(value: float, what: str, noun: str) -> None:
-    """Raise EclatError where a length in metres is not finite or beyond `FARTHEST`."""
+    """Raise EclatError if a length in metres is not finite or is larger than `FARTHEST`."""
     if not abs(value) <= FARTHEST:
         raise EclatError(f"{what}: {noun} must be finite and within {FARTHEST:g} m, got {value:g}")

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Long calls into the core: they run beside the main thread, which reports progress and stops them on Ctrl-C."""
+"""Long calls into the core, which run in a second thread, while the main thread reports progress and cancels them on
+Ctrl-C."""
 
 from __future__ import annotations
 
@@ -12,19 +13,20 @@ from typing import TypeVar
 from eclat import _core
 
 ProgressReport = Callable[[str, float, dict[str, float]], None]
-"""Called about ten times a second from the main thread with phase, fraction done (0..1) and statistics."""
+"""A function that is called about ten times a second in the main thread, with the phase, the finished fraction (0..1)
+and statistics."""
 
 T = TypeVar("T")
 
 
 def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None, progress: _core.Progress) -> T:
-    """Run `call(progress)` on its own thread; an exception in `report`, or Ctrl-C, cancels the call and is raised.
-
-    When this returns or raises, the call has ended.
+    """Run `call(progress)` in another thread and return its result.
+    An exception in `report`, or Ctrl-C, cancels the call and is raised. The call has always ended when this function
+    returns or raises.
     """
     outcome: list[T] = []
     failure: list[BaseException] = []
-    # Not Thread.join: interrupted by Ctrl-C, it may take a running thread for a finished one (CPython 3.11).
+    # Thread.join is not used, because after Ctrl-C it may treat a running thread as finished (CPython 3.11).
     ended = threading.Event()
 
     def work() -> None:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The methods, which are ways to compute light. Each is a module of this folder; this module lists them all."""
+"""The methods, which are the ways to compute light. Each method is a module of this folder; this module registers all
+of them."""
 
 from __future__ import annotations
 
@@ -27,7 +28,7 @@ for _method in (Direct, Path, IrradianceCache, RadianceCache, PhotonMap, Radiosi
     register(_method)
 
 DEFAULT_METHOD = IrradianceCache.name
-"""The method that all verbs use where none is given."""
+"""Name of the method that all verbs use if none is given."""
 
 __all__ = [
     "DEFAULT_METHOD",

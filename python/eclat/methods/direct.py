@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The method direct, which computes only light that arrives straight from lights."""
+"""The method `direct`, which computes only light that arrives straight from lights."""
 
 from __future__ import annotations
 
@@ -15,11 +15,12 @@ from eclat.scene import Scene
 
 @dataclass(frozen=True)
 class Direct(Method):
-    """Emission and light that arrives straight from lights: paths of at most two edges."""
+    """Direct light only: emission, and light that reaches surfaces straight from lights (paths of at most two
+    edges)."""
 
     name: ClassVar[str] = "direct"
     cannot: ClassVar[str] = (
-        "All indirect light is missing: of every path that is longer than from a light to a surface to the camera."
+        "All indirect light is missing: no path is longer than from a light to a surface to the camera."
     )
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:

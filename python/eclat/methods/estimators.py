@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Estimators that are functions in Python: arrays of rays or points in, arrays of light out."""
+"""Estimators made from Python functions, which take arrays of rays or points and return arrays of light."""
 
 from __future__ import annotations
 
@@ -13,15 +13,17 @@ from eclat.bridge.compiled import compiled
 from eclat.scene import FloatArray, Scene
 
 RadianceFunction = Callable[[FloatArray, FloatArray, FloatArray], FloatArray | tuple[FloatArray, FloatArray]]
-"""Origins (N, 3) in metres, unit directions (N, 3) and a random number in [0, 1) for each ray (N,), the same at each call
-with the same seed → radiance (N, 3), or a pair: radiance, and the part of it of paths with at most two edges."""
+"""A function from origins (N, 3) in metres, unit directions (N, 3) and a random number in [0, 1) for each ray (N,) to
+the radiance (N, 3) along the rays, or to a pair: the radiance, and its part from paths with at most two edges. The
+random numbers are the same for the same seed."""
 
 IrradianceFunction = Callable[[FloatArray, FloatArray, str], FloatArray]
-"""Positions (N, 3) in metres, unit normals (N, 3) and "total" or "indirect" → irradiance (N, 3), W·m⁻²."""
+"""A function from positions (N, 3) in metres, unit normals (N, 3) and "total" or "indirect" to irradiance (N, 3) in
+W·m⁻²."""
 
 
 def radiance_from(scene: Scene, function: RadianceFunction) -> _core.Estimator:
-    """Make an estimator of radiance along camera rays from a function, which is called for some hundred rays at a
+    """Make an estimator of radiance along camera rays from a function, which is called for a few hundred rays at a
     time."""
     prepared = compiled(scene)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Irradiance caching: diffuse indirect light from records."""
+"""The method `irradiance-cache`, which interpolates diffuse indirect light between records."""
 
 from __future__ import annotations
 
@@ -19,24 +19,23 @@ from eclat.scene import Scene
 
 @dataclass(frozen=True)
 class IrradianceCache(RecordOptions):
-    """Irradiance caching: diffuse indirect light comes from records, and the rest is traced.
-
-    `max_error` determines the spacing and the rays of near and far records. A field that is None takes the value that
-    follows from `max_error`.
+    """Irradiance caching: diffuse indirect light is interpolated between records, and all other light is traced.
+    `max_error` determines how close the near and far records are to each other, and how many rays they take. A field
+    that is None is computed from `max_error`.
     """
 
     name: ClassVar[str] = "irradiance-cache"
     cannot: ClassVar[str] = (
-        "Only indirect light on diffuse surfaces is cached; glossy reflections are traced, with noise. Indirect shadows "
-        "narrower than a record's radius are blurred. Caustics of small lamps are met by chance, those of point, spot and "
-        "directional lights are missing."
+        "Only indirect light on diffuse surfaces is cached; glossy reflections are traced, with noise. Indirect shadows that "
+        "are narrower than the radius of a record are blurred. Caustics of small lamps are found only by chance, and those "
+        "of point, spot and directional lights are missing."
     )
     solved: ClassVar[type[Solved] | None] = Solution
 
     def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Solution:
         care = care or Care()
         if care.deadline is not None:
-            compiled(scene)  # before a clock looks at what rays take
+            compiled(scene)  # The conversion must not count in the measured time of rays.
             return solve_within(scene, self, care.deadline, purpose, work, care)
         return solve_records(scene, self, purpose, work, care)
 

@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The interface of all methods, and of what they prepare for a scene. The verbs know nothing else of a method.
-
-A method is a value: its options. It *prepares* a scene for a purpose, and what it prepared gives estimators: of radiance
-along camera rays, and of irradiance at points. What can also be kept in a file is a `Solved`. A new method needs its
-own class, its solved class if it has one, and a call of `register`.
+"""The interface of all methods, through which alone the verbs use a method.
+A method is an object that holds its options. It *prepares* a scene for a purpose; the result, a `Prepared`, makes
+estimators of radiance along camera rays and of irradiance at points. A result that can also be kept in a file is a
+`Solved`. A new method needs a class of its own, a subclass of `Solved` if its results can be kept, and a call of
+`register`.
 """
 
 from __future__ import annotations
@@ -28,130 +28,136 @@ from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
 
 PassEstimator = Callable[[int, _core.Progress], _core.Estimator]
-"""Number of a sample, from 0 → the estimator that takes it."""
+"""A function from the index of a sample, from 0, to the estimator that takes this sample."""
 
 
 class Prepared(ABC):
-    """What a method has ready for one scene: the estimators that the verbs read.
-
-    Classes are frozen dataclasses that have at least these fields.
+    """The result of preparing one scene by a method, which makes the estimators that the verbs use.
+    Subclasses are frozen dataclasses that have at least these fields.
     """
 
     options: Method
     statistics: dict[str, float]
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        """This value itself, after a check of scene and depth, so that verbs take methods and solutions alike."""
+        """Return this object after checking its scene and depth, so that verbs can use methods and solutions in the
+        same way."""
         if care is not None and care.refine:
-            raise EclatError("refine: expected a method, got what was solved: `eclat.refine` goes on from that")
+            raise EclatError("refine: expected a method, got a solution; call `eclat.refine` to refine a solution")
         self.require_match(scene, work.max_depth)
         return self
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
-        """Raise EclatError if it was prepared for another scene or depth."""
+        """Raise EclatError if this was prepared for another scene or another `max_depth`."""
         return
 
     @abstractmethod
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
-        """The estimator of radiance along camera rays. `estimators.radiance_from` makes one from a Python function."""
+        """Make the estimator of radiance along camera rays. `estimators.radiance_from` makes one from a Python
+        function."""
 
     @abstractmethod
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
-        """The estimator of irradiance at points. `estimators.irradiance_from` makes one from a Python function."""
+        """Make the estimator of irradiance at points. `estimators.irradiance_from` makes one from a Python function."""
 
     def passes(self, scene: Scene, work: Work) -> PassEstimator | None:
-        """One estimator for each sample of all pixels; None if `radiance_estimator` serves all samples."""
+        """Return a function that makes a new estimator for each sample, or None if `radiance_estimator` takes all
+        samples."""
         return None
 
     @property
     def estimate(self) -> ErrorEstimate | None:
-        """The estimated error for the purpose it was prepared for; None if the error was not estimated."""
+        """The estimated error for the purpose that this was prepared for; None if the error was not estimated."""
         return None
 
     @property
     def record_positions(self) -> FloatArray | None:
-        """World positions of the records to show in pictures, shape (N, 3); None if there are no records."""
+        """World positions (N, 3) of the records, which pictures can show; None if there are no records."""
         return None
 
     def layers(self, film: _core.Film) -> dict[str, np.ndarray]:
-        """The layers that this method adds to those that all pictures have."""
+        """Return the layers that this method adds to the layers of all pictures."""
         return {}
 
     def picture_statistics(self, film: _core.Film) -> dict[str, float]:
-        """The entries that it adds to the statistics of a picture."""
+        """Return the entries that this method adds to the statistics of a picture."""
         return {}
 
 
 class Solved(Prepared):
-    """The solution of a scene by a method. It can be saved, loaded, merged, described and used again.
-
-    Classes are frozen dataclasses, made with `repr=False` and `eq=False`, that have at least these fields.
+    """The solution of a scene by a method, which can be saved, loaded, merged, described and used again.
+    Subclasses are frozen dataclasses, made with `repr=False` and `eq=False`, that have at least these fields.
     """
 
     called: ClassVar[str]
-    """How messages call it: "cache"."""
+    """Noun for such a solution in messages, such as "cache"."""
     consists_of: ClassVar[str]
-    """What `len` counts: "records"."""
+    """Noun for the parts that `len` counts, such as "records"."""
     format: ClassVar[int]
-    """Version of the format of its files, counted up when it changes."""
+    """Version of the format of its files, which is incremented whenever the format changes."""
 
     fingerprint: str
     """The fingerprint of the scene (`bridge.compiled.fingerprint`)."""
     max_depth: int
     complete: bool = True
-    """False where a solve was interrupted."""
+    """False if the solve was interrupted."""
 
     @abstractmethod
     def __len__(self) -> int: ...
 
     @abstractmethod
     def arrays(self) -> dict[str, np.ndarray]:
-        """The arrays to save, by name."""
+        """Return the arrays to save, by name."""
 
     def header(self) -> dict[str, Any]:
-        """The JSON-compatible values to save besides the arrays and the fields that all solutions have."""
+        """Return the JSON-compatible values to save, besides the arrays and the fields that all solutions have."""
         return {}
 
     @classmethod
     @abstractmethod
     def from_parts(cls, common: Common, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Self:
-        """Make a solution from saved data. Raises KeyError, TypeError or ValueError with the name of a damaged
-        array."""
+        """Make a solution from saved data. Raises DamagedArrayError, KeyError, TypeError or ValueError if it is
+        damaged."""
 
     def merged(self, other: Self) -> Self:
-        """Merge two solutions of the same scene, options and depth. Raises EclatError if the method cannot."""
-        raise EclatError(f"merge: expected records or photons, got {self.options.name}, whose solutions are whole")
+        """Merge two solutions of the same scene, options and depth. Raises EclatError if the method cannot merge."""
+        raise EclatError(f"merge: expected records or photons, got a {self.called}: {self.options.name} cannot merge")
 
     @property
     def nbytes(self) -> int:
-        """The size of the arrays in bytes."""
+        """Total size of the arrays in bytes."""
         return sum(array.nbytes for array in self.arrays().values())
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
-        """Raise EclatError if it was solved for another scene or depth. Warn if it is incomplete."""
+        """Raise EclatError if this was solved for another scene or another `max_depth`. Warn if it is incomplete."""
         if self.fingerprint != fingerprint(scene):
             raise EclatError(
-                f"this {self.called} was solved for another scene: geometry, materials or lights differ; solve it again"
+                f"this {self.called} was solved for another scene: geometry, materials or lights differ; solve this scene again"
             )
         if self.max_depth != max_depth:
             raise EclatError(
-                f"this {self.called} was solved with max_depth {self.max_depth}: expected the same, got {max_depth}"
+                f"max_depth: expected {self.max_depth}, with which this {self.called} was solved, got {max_depth}"
             )
         if not self.complete:
-            warn(f"this {self.called} is incomplete, since its solve was interrupted: more is traced, with more noise")
+            warn(
+                f"this {self.called} is incomplete, because its solve was interrupted: where it lacks light, paths are traced, "
+                "with more noise"
+            )
 
     def merge(self, other: Solved) -> Solved:
-        """Merge two solutions. Raises EclatError if methods, scenes or options differ."""
+        """Merge two solutions. Raises EclatError if their methods, scenes or options differ."""
         if type(self) is not type(other):
-            raise EclatError(f"merge: expected two of one kind, got a {self.called} and a {other.called}")
+            raise EclatError(f"merge: expected two solutions of one kind, got a {self.called} and a {other.called}")
         if self.fingerprint != other.fingerprint:
-            raise EclatError(f"merge: each {self.called} was solved for a scene of its own: expected the same scene")
+            raise EclatError(f"merge: expected two solutions of the same scene, got a {self.called} of another scene")
         if (self.options, self.max_depth) != (other.options, other.max_depth):
-            raise EclatError(f"merge: each {self.called} was solved with options of its own: expected the same options")
+            raise EclatError(
+                f"merge: expected two solutions with the same options and max_depth, got a {self.called} with others"
+            )
         return self.merged(other)
 
     def save(self, path: str | os.PathLike[str]) -> None:
-        """Write an `.npz` file, completely or not at all. Raises EclatError if it cannot be written."""
+        """Write an `.npz` file, either completely or not at all. Raises EclatError if it cannot be written."""
         header = {
             "format": self.format,
             "method": self.options.name,
@@ -165,14 +171,17 @@ class Solved(Prepared):
 
     @classmethod
     def load(cls, path: str | os.PathLike[str], scene: Scene | None = None) -> Self:
-        """Read a saved solution. Raises EclatError, also if it was solved for another scene than a given `scene`."""
+        """Read a saved solution.
+        Raises EclatError if the file cannot be read, holds another kind of solution, or was solved for another scene
+        than `scene`, if that is given.
+        """
         found = _load(path, scene)
         if not isinstance(found, cls):
             raise EclatError(f"{os.fspath(path)}: expected a {cls.called}, got a {found.called}")
         return found
 
     def describe(self) -> str:
-        """One line of text that describes the solution."""
+        """Describe the solution in one line of text."""
         parts = [f"{len(self):,} {self.consists_of}", *self.remarks()]
         if "seconds" in self.statistics:
             parts.append(f"{self.statistics['seconds']:.1f} s")
@@ -181,11 +190,11 @@ class Solved(Prepared):
         return ", ".join(filter(None, (*parts, error_text(self.statistics))))
 
     def remarks(self) -> list[str]:
-        """Further text for `describe`."""
+        """Return further parts of the text of `describe`."""
         return []
 
     def facts(self) -> dict[str, Any]:
-        """The same facts as JSON-compatible values, for programs."""
+        """Return the facts that `describe` states as JSON-compatible values, for programs."""
         return {self.consists_of: len(self), "complete": self.complete, "statistics": dict(self.statistics)}
 
     def picture_statistics(self, film: _core.Film) -> dict[str, float]:
@@ -197,7 +206,7 @@ class Solved(Prepared):
 
 @dataclass(frozen=True)
 class Common:
-    """The fields that all solutions have, as they were saved."""
+    """The fields that all solutions have, as read from a file."""
 
     options: Any
     fingerprint: str
@@ -211,54 +220,59 @@ class Method(ABC):
     """A way to compute light, with its options. Every field has a default that suits most scenes."""
 
     name: ClassVar[str]
-    """On the command line, in files and in tables."""
+    """Name of the method on the command line, in files and in tables."""
     cannot: ClassVar[str]
-    """What it leaves out or gets wrong, for people who compare."""
+    """The light that the method leaves out or gets wrong, as the comparison page describes it."""
     solved: ClassVar[type[Solved] | None] = None
-    """What `solve` makes, which can be kept in files; None where there is nothing to keep."""
+    """The class of the solutions that `solve` makes, which can be kept in files; None if the method has none."""
     for_whole_scene: ClassVar[bool] = True
-    """What it solves serves every purpose; else it is made for a view, for points or for all surfaces, and its error there
-    is estimated and can be refined."""
+    """Whether a solution serves every purpose. Otherwise a solution is made for a view, for points or for all surfaces;
+    its error there is estimated, and it can be refined."""
     has_records: ClassVar[bool] = False
-    """Indirect light is interpolated between records: it varies slowly, and is best read by samples where pixels are noisy."""
+    """Whether indirect light is interpolated between records. Such light has little noise, so pictures use adaptive
+    sampling by default."""
 
     @property
     def options(self) -> Method:
-        """This method itself, so that verbs take methods and solutions alike."""
+        """This method itself, so that verbs can use methods and solutions in the same way."""
         return self
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
-        """Accept every scene and depth, since nothing was solved."""
+        """Accept every scene and depth, because nothing was solved."""
         return
 
     def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Solved:
-        """Compute a solution that can be kept. Raises EclatError if the method has nothing to solve."""
-        raise EclatError(f"{self.name} has nothing to solve: expected one of {', '.join(solving_methods())}")
+        """Compute a solution, which can be kept in a file. Raises EclatError if the method has nothing to solve."""
+        raise EclatError(
+            f"solve: expected one of {', '.join(solving_methods())}, got {self.name}, which has nothing to solve"
+        )
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        """Prepare what pictures and points are computed from."""
+        """Prepare the scene for a purpose, so that pictures or the light at points can be computed."""
         return self.solve(scene, purpose, work, care)
 
     def refine(
         self, solved: Solved, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None
     ) -> Solved:
-        """Solve again with finer settings, until the error meets `max_error`; None takes one step.
+        """Solve again with finer settings, until the estimated error is below `max_error`; None takes one step.
 
         Raises EclatError if the method cannot be refined.
         """
-        raise EclatError(f"refine: expected records, got a {solved.called}, which can only be solved anew")
+        raise EclatError(
+            f"refine: expected records, got a {solved.called}, which cannot be refined: solve the scene again"
+        )
 
     def at_effort(self, share: float, max_error: float) -> Self:
-        """The same method with the given share (1 or less) of its effort, or with the given error, whichever its
-        options express. Comparisons use it for their levels."""
+        """Return the method with the given share (0..1) of its effort, or with the given error, depending on its
+        options. `compare` uses it for its levels."""
         return self
 
 
 Source = Method | Prepared
-"""What light is computed by: what the verbs are given."""
+"""The argument of the verbs that determines how light is computed."""
 
 METHODS: dict[str, type[Method]] = {}
-"""Name → method."""
+"""Maps names to the classes of methods."""
 
 M = TypeVar("M", bound=type[Method])
 S = TypeVar("S", bound=Solved)
@@ -271,19 +285,20 @@ def register(method: M) -> M:
 
 
 def solving_methods() -> list[str]:
-    """Names of the methods whose solutions can be kept."""
+    """List the names of the methods whose solutions can be kept."""
     return [name for name, method in METHODS.items() if method.solved is not None]
 
 
 def method_class(name: str) -> type[Method]:
-    """The method with the given name. Raises EclatError, which suggests the nearest name, if there is none."""
+    """Return the class of the method with the given name. Raises EclatError, which suggests the nearest name, if there
+    is none."""
     if name not in METHODS:
         raise EclatError(f"unknown method {name!r}, expected one of {', '.join(METHODS)}{did_you_mean(name, METHODS)}")
     return METHODS[name]
 
 
 def make_options(method: str, **settings: object) -> Method:
-    """A method with some fields set. Raises EclatError for an unknown method or field."""
+    """Make a method with some options set. Raises EclatError if the method or an option is unknown."""
     cls = method_class(method)
     known = [field.name for field in dataclasses.fields(cls)]
     for key in settings:
@@ -297,12 +312,13 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
 
     Parameters
     ----------
-    what : a method, its class, its name, a solution, or None. A class or a name takes those `settings` that it has.
-    default : the method that None stands for.
+    what : a method, its class, its name, a solution, or None. For a class or a name, the `settings` that are options of
+        the method are applied.
+        default : the method that is returned for None.
 
     Raises
     ------
-    EclatError : the name is unknown, or `what` is nothing of the above.
+    EclatError : the name is unknown, or `what` is none of these.
     """
     if isinstance(what, str):
         what = method_class(what)
@@ -313,13 +329,12 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
         return default
     if isinstance(what, Method | Prepared):
         return what
-    raise EclatError(f"expected a method, its name or what was solved, got {shown(what)}")
+    raise EclatError(f"expected a method, its class, its name or a solution, got {shown(what)}")
 
 
 def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Solved:
-    """Read a solution of any method that `eclat solve` or `save` wrote.
-
-    Raises EclatError.
+    """Read a solution of any method, which `eclat solve` or `Solved.save` wrote.
+    Raises EclatError if the file cannot be read, or if it was solved for another scene than `scene`, if that is given.
     """
     return _load(path, scene)
 
@@ -327,11 +342,10 @@ def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Sol
 def merge(first: S, second: S) -> S:
     """Merge two solutions of one scene. The result has the records of both, sorted and without duplicates, or the
     photons of both.
-
-    The order of the two does not matter. Merged photons are equal to those of one emission; merged records differ from
-    those of one joint solve.
-
-    Raises EclatError if methods, scenes or options differ, if both hold the photons of the same seed, or for radiosity.
+    The order of the two does not matter. Merged photons are statistically equivalent to photons that are traced
+    together; merged records differ from records that are solved together.
+    Raises EclatError if the methods, scenes or options differ, if both hold the photons of the same seed, or if they
+    are solutions of radiosity.
     """
     merged = first.merge(second)
     assert isinstance(merged, type(first))
@@ -344,24 +358,27 @@ def _load(path: str | os.PathLike[str], scene: Scene | None) -> Solved:
     known = METHODS.get(str(header.get("method")))
     cls = known.solved if known is not None else None
     if known is None or cls is None:
-        raise EclatError(f"{name}: nothing that Éclat solved, or of another version: solve the scene again")
+        raise EclatError(
+            f"{name}: expected a solution of this version of Éclat, got another file: solve the scene again"
+        )
     if header.get("format") != cls.format:
-        raise EclatError(f"{name}: a {cls.called} of another version of Éclat: solve the scene again")
+        raise EclatError(
+            f"{name}: expected a {cls.called} of this version of Éclat, got one of another version: solve the scene again"
+        )
     try:
         common = _common(known(**header["options"]), header)
         solved = cls.from_parts(common, header, arrays)
     except DamagedArrayError as error:
-        raise EclatError(f"{name}: the array {str(error)!r} is damaged") from error
+        raise EclatError(f"{name}: the array {str(error)!r} is damaged: solve the scene again") from error
     except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
-        raise EclatError(f"{name}: its header is damaged ({error})") from error
+        raise EclatError(f"{name}: the header is damaged ({error}): solve the scene again") from error
     if scene is not None:
         solved.require_match(staged(scene), solved.max_depth)
     return solved
 
 
 def _common(options: Method, header: Mapping[str, Any]) -> Common:
-    """The fields that all solutions have. Raises KeyError or ValueError if the header lacks one or holds a wrong
-    one."""
+    """Read the fields that all solutions have. Raises KeyError or ValueError if one is missing or has a wrong type."""
     for name, kind in (("fingerprint", str), ("max_depth", int), ("complete", bool), ("statistics", dict)):
         if type(header[name]) is not kind:
             raise ValueError(f"{name} is {header[name]!r:.60}")
@@ -370,4 +387,4 @@ def _common(options: Method, header: Mapping[str, Any]) -> Common:
 
 
 class DamagedArrayError(ValueError):
-    """An array of a file is missing or malformed. The argument is its name."""
+    """An array of a file is missing or malformed; the argument is the name of the array."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Path tracing, which is unbiased and therefore the reference for all other methods."""
+"""The method `path`, path tracing, which is unbiased and therefore the reference for all other methods."""
 
 from __future__ import annotations
 
@@ -20,16 +20,16 @@ from eclat.scene import Scene
 
 @dataclass(frozen=True)
 class Path(Method):
-    """Unbiased path tracing: the reference."""
+    """Path tracing: unbiased, and therefore the reference for all other methods."""
 
     name: ClassVar[str] = "path"
     cannot: ClassVar[str] = (
-        "Caustics of small lamps are met by chance; those of point, spot and directional lights never, so they are missing. "
-        "Nothing else is wrong but noise."
+        "Caustics of small lamps are found only by chance, and those of point, spot and directional lights are missing. "
+        "The only other error is noise."
     )
 
     roulette_depth: int = ROULETTE_DEPTH
-    """Number of edges after which a path may be ended at random (1 or more)."""
+    """Number of edges after which Russian roulette may end a path (1 or more)."""
 
     def __post_init__(self) -> None:
         check_types(self)
@@ -37,15 +37,16 @@ class Path(Method):
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
         if scene.lights:
-            _warn_of_unseen_light(scene, work)
+            _warn_of_missing_caustics(scene, work)
         return Traced(self, roulette_depth=self.roulette_depth)
 
 
-def _warn_of_unseen_light(scene: Scene, work: Work) -> None:
-    """Points and spots by mirrors: photons tell how much light no path from the eye can find."""
+def _warn_of_missing_caustics(scene: Scene, work: Work) -> None:
+    """Warn if much light of point, spot and directional lights arrives by mirrors or glass, where no camera path can
+    find it. A few photons, traced from the lights, measure its share."""
     _, unseen = _core.focused_light(compiled(scene).core, work.max_depth, work.seed, work.threads, _core.Progress())
     if unseen > LEAST_BY_CHANCE:
         warn(
-            f"{100 * unseen:.2g} % of the light of lamps is that of points, spots or directions by mirrors or glass: no path "
-            "finds it, and it is missing here; photon-map has it"
+            f"path: {100 * unseen:.2g} % of the light of the lamps comes from point, spot or directional lights by way of "
+            "mirrors or glass; no path can find this light, so it is missing; use photon-map to compute it"
         )

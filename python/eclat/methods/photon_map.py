@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Photon mapping: photons of a scene as a value, and the method that traces and reads them."""
+"""Photon mapping: the method with its options, and its solution, the photons of a scene."""
 
 from __future__ import annotations
 
@@ -22,34 +22,35 @@ from eclat.methods.work import Care, Purpose, View, Work
 from eclat.scene import FloatArray, Material, Scene
 
 COLUMNS = 13
-"""Floats of a photon: position, power, direction, normal, edges."""
+"""Number of floats per photon: position (3), power (3), direction (3), normal (3) and number of edges (1)."""
 
 MOST_PATHS = 1 << 20
-"""Emitted for a map in which nothing has been stored; where photons are found, `PATHS_PER_PHOTON` times their wanted number
-may be emitted besides."""
+"""Largest number of paths that are emitted for a map, in addition to `PATHS_PER_PHOTON` paths per wanted photon."""
 
 PATHS_PER_PHOTON = 64
+"""Largest number of paths that are emitted per wanted photon."""
 
 
 @dataclass(frozen=True)
 class Emission:
-    """Which paths a map's photons are of: maps of the same ones hold the same photons."""
+    """The paths from which photons were stored; maps with equal emissions hold the same photons."""
 
     seed: int
     paths: int
-    """Emitted for the global map."""
+    """Number of paths emitted for the global map."""
     caustic_paths: int
-    """Emitted for the caustic map."""
+    """Number of paths emitted for the caustic map."""
 
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Photons(Solved):
     """The photons of a scene, on surfaces with a diffuse lobe.
 
-    `stored` and `caustic` are (photons, 13) float32 arrays in the core's frame: light that was scattered diffusely before it
-    arrived, and light that met mirrors, glass and gloss only. Light straight from lights is not stored: it is sampled where
-    it is wanted. Use `positions`, `powers`, `directions`, `normals` and `edges` to look inside. `max_depth` is what it was
-    traced with.
+    `stored` and `caustic` are float32 arrays (photons, 13) in the coordinates of the core. `stored` holds the global
+    map, photons that were scattered diffusely before they arrived; `caustic` holds photons that met only mirrors, glass
+    and glossy surfaces. Photons straight from lights are not stored, because direct light is sampled when it is needed.
+    The properties give the values by name. `max_depth` is the greatest number of edges of a path with which the photons
+    were traced.
     """
 
     called: ClassVar[str] = "photon map"
@@ -66,7 +67,7 @@ class Photons(Solved):
     max_depth: int = -1
 
     def __len__(self) -> int:
-        """The number of photons in both maps."""
+        """Return the number of photons in both maps."""
         return len(self.stored) + len(self.caustic)
 
     def _both(self, columns: slice) -> np.ndarray:
@@ -74,50 +75,50 @@ class Photons(Solved):
 
     @property
     def paths(self) -> tuple[int, int]:
-        """Paths emitted for either map."""
+        """The numbers of paths that were emitted for the global and for the caustic map."""
         return sum(e.paths for e in self.emissions), sum(e.caustic_paths for e in self.emissions)
 
     @property
     def positions(self) -> FloatArray:
-        """(N, 3) world positions, those of caustic photons last, as in all arrays here."""
+        """(N, 3) world positions in metres. In this and all other properties, the caustic photons come last."""
         return self._both(slice(0, 3)).astype(np.float64) + self.center
 
     @property
     def powers(self) -> FloatArray:
-        """(N, 3) power of each photon, W: their sum is the indirect flux that arrives on diffuse surfaces."""
+        """(N, 3) power of each photon in W. Their sum is the indirect flux that arrives on diffuse surfaces."""
         paths = np.repeat(np.maximum(self.paths, 1), (len(self.stored), len(self.caustic)))
         each: FloatArray = self._both(slice(3, 6)).astype(np.float64) / paths[:, None]
         return each
 
     @property
     def directions(self) -> np.ndarray:
-        """(N, 3) unit vectors towards where the photons came from."""
+        """(N, 3) unit vectors in the directions from which the photons came."""
         return self._both(slice(6, 9))
 
     @property
     def normals(self) -> np.ndarray:
-        """(N, 3) unit normals of the surfaces, on the side where the photons arrived."""
+        """(N, 3) unit normals of the surfaces, on the side at which the photons arrived."""
         return self._both(slice(9, 12))
 
     @property
     def edges(self) -> np.ndarray:
-        """(N,) edges of the photons' paths: 2 after one bounce."""
+        """(N,) numbers of edges of the photons' paths: 2 after one bounce."""
         return self._both(slice(12, 13))[:, 0].astype(np.int64)
 
     @property
     def is_caustic(self) -> np.ndarray:
-        """(N,) whether a photon belongs to the caustic map."""
+        """(N,) True for photons of the caustic map."""
         return np.arange(len(self)) >= len(self.stored)
 
     def maps(
         self, scene: Scene, *, gather: bool, threads: int = 0, progress: ProgressReport | None = None
     ) -> _core.PhotonMaps:
-        """The maps as the core reads them; with `gather`, irradiance is computed for gather rays to end in."""
+        """Make the core's form of the maps; with `gather`, irradiance is computed in which gather rays can end."""
         options = _core.PhotonMapReading()
         options.nearest, options.caustic_nearest = self.options.nearest, self.options.caustic_nearest
         options.kernel = core_enum(_core.Kernel, self.options.kernel)
         options.gather, options.guided = gather, self.options.guided
-        options.seed = self.emissions[0].seed ^ 0x9E3779B9  # irradiance is wanted where photons of another seed arrive
+        options.seed = self.emissions[0].seed ^ 0x9E3779B9  # The points with irradiance must not be the photons' own.
         options.threads = threads
         arrays = (np.ascontiguousarray(photons, np.float32) for photons in (self.stored, self.caustic))
         stored, caustic = zip(arrays, map(float, self.paths), strict=True)
@@ -138,10 +139,11 @@ class Photons(Solved):
     def irradiance(
         self, scene: Scene, points: FloatArray, normals: FloatArray, *, caustic: bool = False, threads: int = 0
     ) -> np.ndarray:
-        """(N, 3) irradiance at points of surfaces, W·m⁻²: the density of one map there, blur and noise included.
-
-        Light that was scattered diffusely before it arrived, or with `caustic` what met mirrors, glass and gloss only.
-        `eclat.irradiance` is the better estimate of all light, at points anywhere.
+        """Estimate the irradiance (N, 3) in W·m⁻² at points of surfaces from the density of one map, with its blur and
+        noise.
+        The global map gives the light that was scattered diffusely before it arrived; with `caustic`, the caustic map
+        gives the light that met only mirrors, glass and glossy surfaces. `eclat.irradiance` gives a better estimate of
+        all light, at any points.
         """
         self.require_match(scene, self.max_depth)
         places, sides = points_with_normals(points, normals)
@@ -177,17 +179,16 @@ class Photons(Solved):
         )  # fmt: skip
 
     def merged(self, other: Photons) -> Photons:
-        """The photons of both, as if they had been emitted together; the order of the two does not matter.
-
-        Raises EclatError where both hold the same photons (the same seed).
+        """Merge the photons of both maps as if they had been emitted together; the order of the two does not matter.
+        Raises EclatError if both hold the same photons, those of the same seed.
         """
         shared = {e.seed for e in self.emissions} & {e.seed for e in other.emissions}
         if shared:
             raise EclatError(
-                f"merge: both maps hold the photons of seed {min(shared)}: expected maps of different seeds"
+                f"merge: expected photon maps of different seeds, got two that hold the photons of seed {min(shared)}"
             )
         one, two = sorted((self, other), key=lambda p: p.emissions[0].seed)
-        # Maps of several seeds each may interleave: photons are put in an order of their own.
+        # The photons are sorted, so that the result does not depend on the order in which maps are merged.
         return Photons(
             one.options, one.fingerprint, _in_order(one.stored, two.stored), _in_order(one.caustic, two.caustic),
             one.center, tuple(sorted(one.emissions + two.emissions, key=lambda e: e.seed)), max_depth=one.max_depth,
@@ -196,7 +197,8 @@ class Photons(Solved):
 
 @dataclass(frozen=True, eq=False)
 class ProgressivePhotons(Prepared):
-    """Nothing but options: sample n of a pixel reads the photons of pass n, in discs that shrink."""
+    """Progressive photon mapping, which keeps no photons: sample n of a pixel reads the photons of pass n, in shrinking
+    discs."""
 
     options: PhotonMap
     statistics: dict[str, float] = field(default_factory=dict)
@@ -220,17 +222,24 @@ class ProgressivePhotons(Prepared):
         return estimator
 
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
-        raise EclatError("progressive photon mapping has an estimator for each pass only")
+        raise EclatError(
+            "photon-map: with progressive=True, there is an estimator for each sample, but none for all samples"
+        )
 
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
-        raise EclatError(NO_PHOTONS_ARE_KEPT)
+        raise EclatError(PROGRESSIVE_KEEPS_NO_PHOTONS)
 
 
-NO_PHOTONS_ARE_KEPT = "progressive photon mapping keeps no photons, it makes pictures only: expected progressive=False"
+PROGRESSIVE_KEEPS_NO_PHOTONS = (
+    "photon-map: expected progressive=False, got True: progressive photon mapping keeps no photons "
+    "and makes only pictures"
+)
+"""The message for uses of progressive photon mapping other than pictures."""
 
 
 def _photon_edges(max_depth: int) -> int:
-    """Edges of a photon's path for light paths of at most `max_depth`, whose last edge ends in the camera."""
+    """Return the greatest number of edges of a photon's path; the path to the camera, of at most `max_depth` edges, has
+    one more."""
     return -1 if max_depth < 0 else max_depth - 1
 
 
@@ -239,8 +248,8 @@ def _in_order(a: np.ndarray, b: np.ndarray) -> np.ndarray:
     return both[np.lexsort(both.T)]
 
 
-def _glossy_somewhere(scene: Scene) -> bool:
-    """Whether any surface could focus light."""
+def _has_glossy_surfaces(scene: Scene) -> bool:
+    """Return whether any surface could focus light."""
 
     def glossy(material: Material) -> bool:
         parts = [*material.children, *([] if material.back is None else [material.back])]
@@ -255,12 +264,12 @@ def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
     Raises EclatError for progressive photon mapping, which keeps no map.
     """
     if options.progressive:
-        raise EclatError(NO_PHOTONS_ARE_KEPT)
+        raise EclatError(PROGRESSIVE_KEEPS_NO_PHOTONS)
     started, counted, prepared = clock.perf_counter(), _core.Progress(), compiled(scene)
     max_edges = _photon_edges(work.max_depth)
 
     def traced(phase: str, caustic: bool, wanted: int) -> tuple[np.ndarray, int]:
-        if max_edges in (0, 1) or (caustic and not _glossy_somewhere(scene)):
+        if max_edges in (0, 1) or (caustic and not _has_glossy_surfaces(scene)):
             return np.zeros((0, COLUMNS), np.float32), 0
         tracing = _core.PhotonTracing()
         tracing.caustic, tracing.photons = caustic, wanted
@@ -272,7 +281,9 @@ def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
     stored, paths = traced("photons", False, options.photons)
     caustic, caustic_paths = traced("caustic photons", True, options.caustic_photons)
     if 0 < len(stored) < options.photons:
-        warn(f"only {len(stored):,} of {options.photons:,} photons were stored after {paths:,} paths")
+        warn(
+            f"photon-map: only {len(stored):,} of the wanted {options.photons:,} photons were stored after {paths:,} paths"
+        )
     statistics = {
         "photons": float(len(stored)),
         "caustic_photons": float(len(caustic)),
@@ -287,40 +298,42 @@ def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
 
 
 FEWEST_PHOTONS = 1000
-"""Fewest photons of either map."""
+"""Smallest number of photons that can be requested for either map."""
 
 
 @dataclass(frozen=True)
 class PhotonMap(Method):
-    """Photon mapping: indirect light from photons that are traced from the lights; caustics too."""
+    """Photon mapping: indirect light, including caustics, is estimated from photons that are traced from the lights."""
 
     name: ClassVar[str] = "photon-map"
     cannot: ClassVar[str] = (
-        "Light is blurred over the disc of an estimate, and at edges and thin walls some is lost or leaks; only with "
-        "`progressive` does that vanish. Glossy reflections are traced, with noise."
+        "Light is blurred over the discs in which photons are collected, and at edges and thin walls some light is lost or "
+        "leaks; these errors vanish only with `progressive`. Glossy reflections are traced, with noise."
     )
     solved: ClassVar[type[Solved] | None] = Photons
 
     photons: int = 200_000
-    """Number of photons to store after at least one diffuse reflection."""
+    """Number of photons in the global map, which were reflected diffusely at least once."""
     caustic_photons: int = 200_000
-    """Number of photons to store that met only mirrors, glass and glossy surfaces."""
+    """Number of photons in the caustic map, which met only mirrors, glass and glossy surfaces."""
     nearest: int = 100
-    """Number of photons in one estimate: more give less noise and more blur."""
+    """Number of photons in one estimate. More photons give less noise and more blur."""
     caustic_nearest: int = 60
-    """The same for caustics."""
+    """Number of photons in one estimate of caustics."""
     kernel: Literal["uniform", "cone", "epanechnikov"] = "epanechnikov"
-    """How a photon's weight falls with its distance."""
+    """Kernel by which the weight of a photon decreases with its distance."""
     gather: int = 4
-    """Number of rays of the final gather per sample of a pixel; 0 shows the photons directly."""
+    """Number of rays of the final gather per sample of a pixel. With 0, the photons are shown directly."""
     guided: bool = True
-    """Whether to learn where on lights and in which directions photons are emitted that will be stored."""
+    """Whether to learn from which positions and in which directions of the lights photons are emitted that will be
+    stored, and emit more photons there."""
     progressive: bool = False
     """Whether to trace new photons for each sample of the pixels and show them directly, in discs that shrink from
-    sample to sample, so that both noise and blur vanish. `photons` is then the number of paths emitted per sample."""
+    sample to sample, so that noise and blur both vanish. `photons` is then the number of paths that are emitted per
+    sample."""
     alpha: float = 0.7
-    """How slowly the discs of `progressive` shrink, 0.1..0.95: a larger value gives less noise, and blur that vanishes
-    later."""
+    """Parameter of `progressive`, 0.1..0.95: with a larger value the discs shrink more slowly, which gives less noise,
+    and blur that vanishes later."""
 
     def __post_init__(self) -> None:
         check_types(self)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Radiance caching: records of light by direction for glossy surfaces, beside those of irradiance."""
+"""The method `radiance-cache`, which adds to irradiance caching records of the light from all directions, for glossy
+surfaces."""
 
 from __future__ import annotations
 
@@ -13,16 +14,15 @@ from eclat.methods.records.options import RadianceOptions
 
 @dataclass(frozen=True)
 class RadianceCache(RadianceOptions, IrradianceCache):
-    """Radiance caching: irradiance caching for diffuse surfaces, and records of light by direction for glossy ones.
-    Sharp reflections are traced.
-
-    Records of radiance are made for views and for all surfaces; for points, which have no lobes, only records of
+    """Radiance caching: irradiance caching for diffuse surfaces, and records of radiance from all directions for glossy
+    surfaces. Sharp reflections are traced.
+    Records of radiance are made for views and for all surfaces. For points, which have no glossy lobes, only records of
     irradiance are made.
     """
 
     name: ClassVar[str] = "radiance-cache"
     cannot: ClassVar[str] = (
-        "Lobes sharper than the harmonics of its order are traced, with noise. Indirect shadows narrower than a record's "
-        "radius, and reflections of what is smaller than a lobe, are blurred. Caustics of small lamps are met by chance, "
-        "those of point, spot and directional lights are missing."
+        "Lobes that are too sharp for harmonics of the chosen order are traced, with noise. Indirect shadows that are narrower "
+        "than the radius of a record, and reflections of details that are smaller than a lobe, are blurred. Caustics of small "
+        "lamps are found only by chance, and those of point, spot and directional lights are missing."
     )

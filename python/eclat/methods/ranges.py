@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Checks of the types, ranges and names of options when a method is made."""
+"""Checks of the options of a method when it is made: their types, ranges and names."""
 
 from __future__ import annotations
 
@@ -16,13 +16,13 @@ _KINDS: dict[type, tuple[type, str]] = {
     int: (numbers.Integral, "a whole number"),
     float: (numbers.Real, "a number"),
 }
-"""A field's type → the types that values may have, and what messages call it."""
+"""Maps the type of a field to the type that its values may have, and to the noun for it in messages."""
 
 
 def check_types(method: object) -> None:
-    """Raise EclatError for the first field whose value is not of its type: a truth value, a whole number or a number.
-
-    Numbers of other types, such as NumPy's, become Python numbers, which can be saved. `check_names` checks words.
+    """Raise EclatError for the first field whose value does not have its type: bool, a whole number or a number.
+    Numbers of other types, such as those of NumPy, are converted to Python numbers, which can be saved. `check_names`
+    checks fields that hold one of several names.
     """
     types = get_type_hints(type(method))
     for field in dataclasses.fields(method):  # type: ignore[arg-type]
@@ -49,7 +49,7 @@ def check_range(method: object, name: str, low: float, high: float) -> None:
 
 
 def check_names(method: object, *names: str) -> None:
-    """Raise EclatError if a field is not one of the words of its `Literal` type."""
+    """Raise EclatError if the value of a field is not one of the names of its `Literal` type."""
     types = get_type_hints(type(method))
     for name in names:
         value, known = getattr(method, name), get_args(types[name])
@@ -61,5 +61,5 @@ def check_names(method: object, *names: str) -> None:
 
 
 def core_enum(kind: Any, name: str) -> Any:
-    """The member of one of the core's enums that an option names: "split-sphere" is `split_sphere` there."""
+    """Return the member of an enum of the core that an option names: "split-sphere" is the member `split_sphere`."""
     return kind[name.replace("-", "_")]

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Methods without preparation, which trace all light on request."""
+"""The result of preparing a method that computes nothing in advance, but traces all light when it is needed."""
 
 from __future__ import annotations
 
@@ -13,16 +13,16 @@ from eclat.methods.work import Work
 from eclat.scene import Scene
 
 ROULETTE_DEPTH = 5
-"""Edges of a path before it may be ended at random, where no option says otherwise."""
+"""Default number of edges of a path after which Russian roulette may end it."""
 
 
 @dataclass(frozen=True, eq=False)
 class Traced(Prepared):
-    """Camera paths and gathers at points, with at most `most_edges` edges."""
+    """Paths from the camera and from points, with at most `most_edges` edges."""
 
     options: Method
     most_edges: int = -1
-    """−1 unlimited."""
+    """Greatest number of edges of a path; −1 sets no limit."""
     roulette_depth: int = ROULETTE_DEPTH
     statistics: dict[str, float] = field(default_factory=dict)
 

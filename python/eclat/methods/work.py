@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The requests to methods: for which purpose a scene is prepared, how, and with how many checks."""
+"""The parts of a request to a method: the purpose that a scene is prepared for, the common settings, and the checks."""
 
 from __future__ import annotations
 
@@ -12,33 +12,34 @@ from eclat.scene import Camera, FloatArray
 
 @dataclass(frozen=True)
 class Work:
-    """The settings that all work on a scene shares. Their values are checked."""
+    """The settings that all computations for a scene share; their values have been checked."""
 
     max_depth: int = -1
-    """Edges of a path: 1 emission, 2 direct light, −1 unlimited."""
+    """Greatest number of edges of a path: 1 is emission only, 2 adds direct light, −1 sets no limit."""
     seed: int = 0
     threads: int = 0
-    """0 means all processors."""
+    """Number of threads; 0 means all processors."""
     progress: ProgressReport | None = None
 
 
 @dataclass(frozen=True)
 class Care:
-    """Whether the error of a solve is checked and refined, and how long the solve may take."""
+    """Requests about the quality of a solve: whether its error is estimated and refined, and how long it may take."""
 
     check: bool = False
-    """Estimate the error."""
+    """Whether the error is estimated."""
     refine: bool = False
-    """Solve again until the estimate meets the `max_error` of the options."""
+    """Whether to solve again until the estimated error is below the `max_error` of the options."""
     keep_partial: bool = False
-    """Let KeyboardInterrupt carry what is done as its attribute `partial`."""
+    """Whether a KeyboardInterrupt gets what is finished as its attribute `partial`."""
     deadline: float | None = None
-    """The `time.perf_counter` at which the picture must be ready: prepare as finely as that allows."""
+    """Value of `time.perf_counter` at which the picture must be finished; the scene is prepared as finely as this
+    allows. None sets no limit."""
 
 
 @dataclass(frozen=True, eq=False)
 class View:
-    """A scene is prepared for a picture of `size` (width, height)."""
+    """The purpose of a picture of `size` (width, height) pixels."""
 
     camera: Camera
     size: tuple[int, int]
@@ -46,7 +47,7 @@ class View:
 
 @dataclass(frozen=True, eq=False)
 class AtPoints:
-    """A scene is prepared for points: positions and unit normals, (N, 3) each."""
+    """The purpose of irradiance at points: positions and unit normals, (N, 3) each."""
 
     positions: FloatArray
     normals: FloatArray
@@ -54,7 +55,7 @@ class AtPoints:
 
 @dataclass(frozen=True)
 class Everywhere:
-    """A scene is prepared for all surfaces."""
+    """The purpose of all surfaces, for all views."""
 
 
 Purpose = View | AtPoints | Everywhere

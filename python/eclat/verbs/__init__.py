@@ -1,3 +1,4 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""What Éclat does: solve, render, irradiance, bake, compare; each works with all methods."""
+"""The verbs, the functions that users call: solve, render, irradiance, bake, compare and denoise. Except for denoise,
+each works with all methods."""

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb bake: light maps, which hold the irradiance of all surfaces for viewers that cannot compute it."""
+"""The verb `bake`, which computes light maps: images of the irradiance on all surfaces, for viewers that cannot compute
+it."""
 
 from __future__ import annotations
 
@@ -31,15 +32,16 @@ from eclat.stage.staging import staged
 from eclat.verbs.irradiance import Component, checked_component
 
 SAMPLES = 256
-"""Samples of the lights per texel."""
+"""Default number of samples of the lights per texel."""
 
 MAX_SIZE = 4096
-"""Width and height that every WebGL 2 device takes."""
+"""Default largest width and height in texels, which most WebGL 2 devices support."""
 
 LARGEST_SIZE = 16384
+"""Upper limit of `max_size` in texels."""
 
 BLACK_ROWS = 3
-"""Below the charts, for what is dark."""
+"""Number of black rows below the charts, which hold the texel that all dark surfaces share."""
 
 
 def bake(
@@ -60,28 +62,30 @@ def bake(
     threads: int | None = None,
     progress: ProgressReport | None = None,
 ) -> Lightmap:
-    """The light map of `scene`: an image of the irradiance on all its surfaces.
+    """Compute the light map of `scene`, an image of the irradiance on all its surfaces.
 
     Parameters
     ----------
-    what : how light is computed, as for `eclat.irradiance`; None is irradiance caching.
-    component : "total", or "direct" or "indirect" light alone. With "indirect" the saved file keeps its lights, and a
-        viewer adds their light itself.
-    texel_size : the side of a texel in metres. None chooses it so that the map has about a quarter of a million texels.
-    sides : "auto" gives both sides of two-sided sheets their own texels, but not the inside of solids; "front" shows
-        the front's light on both sides; "both" gives each side of every two-sided surface its own texels.
-    samples : samples of the lights per texel, and paths per texel with `Path`, divided among the texel's points.
-    supersampling : number of points along a texel's side. With 2, a texel holds the mean of four points.
-    max_error : wanted relative error of the indirect light if `what` is None.
-    gutter : texels between charts beyond those that bilinear filtering reads: 2, or 2ⁿ for viewers that read n levels
-        of a mip map.
-    max_size : largest width and height of the map in texels.
-    charts_timeout : seconds after which xatlas is stopped and flat pieces of surfaces become charts; 0 skips xatlas.
+    what : a method, its class or its name, or a solution, as for `eclat.irradiance`; None means irradiance caching.
+    component : the light to compute: "total", "direct" or "indirect". With "indirect", the saved file keeps the scene's
+        lights, and the viewer adds their direct light itself.
+    texel_size : side of a texel in metres. None chooses it so that the map has about a quarter of a million texels.
+    sides : "auto" gives both sides of two-sided sheets their own texels, but only the outside of solids; "front" shows
+        the light of the front on both sides; "both" gives each side of every two-sided surface its own texels.
+    samples : number of samples of the lights per texel, and of paths per texel with `Path`; they are divided among the
+        points of the texel.
+    supersampling : number of points along the side of a texel, 1..8. With 2, a texel holds the mean of four points.
+    max_error : wanted relative error of the indirect light, if `what` is None, a class or a name.
+    max_depth : greatest number of edges of a path: 2 is direct light, −1 sets no limit.
+    gutter : number of texels between charts, in addition to those that bilinear filtering reads, 2..64: 2, or 2ⁿ for
+        viewers that use n levels of a mip map.
+    max_size : largest width and height of the map in texels, 16..16384.
+    charts_timeout : seconds after which xatlas is stopped and each flat piece of a surface becomes a chart; 0 does not
+        use xatlas.
 
     Raises
     ------
-    EclatError : the scene has no surfaces, the map would be larger than `max_size`, or arguments are out of range. It
-        is raised before the work starts.
+    EclatError : the scene has no surfaces, the map would be larger than `max_size`, or an argument is out of range.
 
     Examples
     --------
@@ -110,7 +114,7 @@ def bake(
     points = sample_points(corners, texels, supersampling)
     gathered = gather(scene, source, points, visible_points(scene, solid, points, settings), settings)
     image = _image(texels, corners, atlas, gathered, gutter)
-    # All dark surfaces share one black texel with the texels that filtering reads around it.
+    # All dark surfaces share one black texel; filtering also reads the texels around it.
     image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
     return Lightmap(
         scene=scene,
@@ -147,16 +151,17 @@ def _check_map(sides: str, supersampling: int, gutter: int, max_size: int) -> No
 
 
 def _lit_area(scene: Scene, lit: list[Side]) -> float:
-    """The area in m² of the surfaces that get texels. Raises EclatError if there are none; warns of normal maps."""
+    """Compute the area in m² of the surfaces that get texels. Raises EclatError if there are no surfaces; warns if
+    there are normal maps."""
     if not sum(areas(side.part.mesh).sum() for side in lit) > 0:
-        raise EclatError(f"{scene.name or 'the scene'}: has no surfaces to bake light on")
+        raise EclatError(f"bake: {scene.name or 'the scene'} has no surfaces, so there is nothing to bake")
     if any(mesh.material.normal_map is not None for mesh in scene.meshes):
-        warn("normal maps are not in the light map, whose irradiance is for the surfaces without them")
+        warn("bake: the light map ignores normal maps; its irradiance is that of the surfaces without them")
     return float(sum(areas(side.part.mesh)[side.lit].sum() for side in lit))
 
 
 def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: GatheredTexels, gutter: int) -> FloatArray:
-    """The fitted irradiance of the map, shape (H, W, 3). Texels that nobody sees take the mean of their neighbours."""
+    """Fit the irradiance of the map, (H, W, 3). Texels that no viewer can see take the mean of their neighbours."""
     seen = gathered.seen
     numbers = np.full((atlas.height, atlas.width), -1, np.int64)
     numbers[texels.rows[seen], texels.columns[seen]] = np.arange(int(seen.sum()))
@@ -173,7 +178,7 @@ def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: GatheredTex
 
 
 def _parts(sides: list[Side], atlas: Atlas, size: tuple[int, int]) -> tuple[Part, ...]:
-    """The parts with their vertices split at chart borders, and light map coordinates from (0, 0) to (1, 1)."""
+    """Make the parts, with vertices split at the borders of charts and with light map coordinates in (0, 0)..(1, 1)."""
     black = np.array([1.5, size[1] - BLACK_ROWS / 2])
     found = []
     for side, unwrapped in zip(sides, atlas.meshes, strict=True):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb compare: it renders a scene by several methods and measures each picture against a reference."""
+"""The verb `compare`, which renders a scene by several methods and measures each picture against a reference."""
 
 from __future__ import annotations
 
@@ -28,32 +28,33 @@ from eclat.stage.staging import staged
 ProgressReport = Callable[[str, float, dict[str, float]], None]
 
 LONGER_SIDE = 512
-"""Pixels along the longer side of the pictures where no size is given: enough to judge by, at an affordable reference."""
+"""Longer side of the pictures in pixels if no size is given: large enough to judge the pictures, small enough that the
+reference is affordable."""
 
 REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
-"""XORed into the seed: the references must be unrelated to each other and to the pictures."""
+"""Numbers that are XORed into the seed, so that the references are independent of each other and of the pictures."""
 
 
 @dataclass(frozen=True)
 class Effort:
-    """How hard the methods try, and at how many levels.
-
-    The last level uses the full effort. Each earlier level has a quarter of the samples (or seconds), photons and
-    patches of the next one, and twice its error, so noise and bias should halve from level to level.
+    """The effort of the methods at several levels.
+    The last level uses the full effort. Each earlier level takes a quarter of the samples (or seconds), photons and
+    patches of the next level and asks for twice its error, so noise and bias should halve from level to level.
     """
 
     levels: int = 4
     samples: int = 64
     max_error: float = 0.01
     time: float | None = None
-    """Seconds at the last level, instead of samples."""
+    """Seconds that every method takes at the last level, instead of `samples`; None uses `samples`."""
 
     def __post_init__(self) -> None:
         if not 1 <= self.levels <= 10:
             raise EclatError(f"levels: expected 1 to 10, got {self.levels}")
 
     def at(self, level: int) -> tuple[dict[str, Any], float]:
-        """Arguments of `render` at a level from 0, and `max_error` of options that have one."""
+        """Return the arguments of `render` for a level, counted from 0, and the `max_error` of methods that have
+        one."""
         factor = 2 ** (self.levels - 1 - level)
         max_error = min(MAX_ERROR_RANGE[1], self.max_error * factor)
         if self.time is not None:
@@ -63,19 +64,19 @@ class Effort:
 
 @dataclass(frozen=True)
 class Measurement:
-    """One picture in numbers. Errors are relative (0.01 = 1 %)."""
+    """The measured errors of one picture, which are relative (0.01 = 1 %), and its statistics."""
 
     method: str
     level: int
     error: float
     error_away_from_edges: float | None
     flip: float | None
-    """Mean LDR-FLIP, None without the package flip-evaluator."""
+    """Mean LDR-FLIP; None if the package flip-evaluator is not installed."""
     statistics: dict[str, float] = field(default_factory=dict)
 
     @property
     def seconds(self) -> float:
-        """Solve and render."""
+        """Seconds that solving and rendering took."""
         return float(self.statistics.get("seconds", math.nan))
 
 
@@ -92,7 +93,7 @@ class MethodResult:
 
 @dataclass(frozen=True, eq=False)
 class Reference:
-    """Two independent reference pictures. If only one is given, it stands for both."""
+    """Two independent reference pictures. If there is only one, `a` and `b` are the same picture."""
 
     a: Image
     b: Image
@@ -106,8 +107,7 @@ class Reference:
 
     @property
     def noise(self) -> float | None:
-        """The relative error of the mean, estimated from the difference of the two pictures; None if there is only
-        one."""
+        """Relative error of the mean, estimated from the difference of the two pictures; None if there is only one."""
         if self.a is self.b:
             return None
         half = (self.a.pixels.astype(np.float64) - self.b.pixels) / 2
@@ -117,16 +117,16 @@ class Reference:
 
 @dataclass(frozen=True, eq=False)
 class Comparison:
-    """Everything that the comparison page shows."""
+    """The results of a comparison, which the comparison page shows."""
 
     scene: str
     reference: Reference
     results: tuple[MethodResult, ...]
     exposure: float
-    """Stops at which pictures are shown and FLIP is measured."""
+    """Exposure in stops at which pictures are shown and FLIP is measured."""
 
     def table(self) -> list[dict[str, Any]]:
-        """One JSON-compatible row for each measurement."""
+        """Return one JSON-compatible row for each measurement."""
         names = [f.name for f in fields(Measurement)]
         return [{name: getattr(m, name) for name in names} for r in self.results for m in r.measurements]
 
@@ -146,22 +146,22 @@ def compare(
     threads: int | None = None,
     progress: ProgressReport | None = None,
 ) -> Comparison:
-    """Render `scene` by several methods and measure them.
+    """Render `scene` by several methods and measure their errors.
 
     Parameters
     ----------
-    methods : methods, their classes or their names; default all of `METHODS`.
-    effort : the number of levels, and their samples, errors or seconds.
+    methods : methods, their classes or their names; None compares all of `METHODS`.
+    effort : the number of levels, and their samples, errors or seconds; None takes the defaults of `Effort`.
     reference : the reference pictures. The default is two path-traced pictures with `reference_samples` paths per pixel
         each.
-    exposure : exposure in stops. By default the log-average luminance of the reference becomes mid grey
+    exposure : exposure in stops. With None, the log-average luminance of the reference becomes mid-grey
         (`auto_exposure`).
-    size : (width, height) in pixels. The default is the size of the reference, or the camera's scaled down to
-        `LONGER_SIDE`.
+    size : (width, height) in pixels. The default is the size of the reference if given, or that of the camera, scaled
+        down to `LONGER_SIDE`.
 
     Raises
     ------
-    EclatError : unknown method, a reference of another size, and whatever `render` raises.
+    EclatError : a method is unknown, the reference has another size, or `render` raises it.
     """
     scene = staged(scene)
     chosen = _known(methods)
@@ -187,7 +187,7 @@ def compare(
 def render_reference(
     scene: Scene, samples: int, seed: int, progress: ProgressReport | None, common: Mapping[str, Any]
 ) -> Reference:
-    """Two path-traced pictures from unrelated seeds."""
+    """Render two path-traced pictures with independent seeds."""
     pictures = [
         render(
             scene,
@@ -203,7 +203,7 @@ def render_reference(
 
 
 def default_size(scene: Scene, camera: int) -> tuple[int, int]:
-    """The camera's size, or 16:9, scaled down to `LONGER_SIDE` pixels."""
+    """Return the camera's size, or 1280 × 720 if it has none, scaled down so that its longer side is `LONGER_SIDE`."""
     width, height = (scene.cameras[camera].size if camera < len(scene.cameras) else None) or (1280, 720)
     scale = min(1.0, LONGER_SIDE / max(width, height))
     return max(1, round(width * scale)), max(1, round(height * scale))
@@ -228,7 +228,7 @@ def _measured(name: str, images: Sequence[Image], reference: Reference, truth: I
 
 
 def _known(methods: Sequence[str | Method | type[Method]] | None) -> list[Method]:
-    """Methods, each once."""
+    """Return the methods without duplicates. Raises EclatError for an unknown one."""
     try:
         found = [as_method(method).options for method in methods or METHODS]
     except EclatError as error:
@@ -237,7 +237,7 @@ def _known(methods: Sequence[str | Method | type[Method]] | None) -> list[Method
 
 
 def _levels(method: Method, effort: Effort) -> list[tuple[Method, dict[str, Any]]]:
-    """The options and other arguments of `render` for each level. Identical levels are merged."""
+    """List the methods and the other arguments of `render` for each level; equal levels appear once."""
     levels: list[tuple[Method, dict[str, Any]]] = []
     for level in range(effort.levels):
         bounds, max_error = effort.at(level)
@@ -248,7 +248,7 @@ def _levels(method: Method, effort: Effort) -> list[tuple[Method, dict[str, Any]
 
 
 def _labelled(progress: ProgressReport | None, label: str) -> ProgressReport | None:
-    """Report progress under a name that identifies the current rendering."""
+    """Make a progress function that puts `label`, the name of the current picture, before the phase."""
     if progress is None:
         return None
     report = progress

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb irradiance: how much light falls on points."""
+"""The verb `irradiance`, which computes how much light falls on points."""
 
 from __future__ import annotations
 
@@ -35,18 +35,18 @@ from eclat.stage.staging import staged
 Component = Literal["total", "direct", "indirect"]
 
 RAYS_OF_TRACED_PATH, RAYS_OF_GATHER_PATH = 7, 2.5
-"""Rays of a path that is traced to its end, shadow rays included, and of one that ends in a far record. Counted in the
-Cornell box; darker rooms have shorter paths, so that both methods cost less there."""
+"""Mean number of rays, shadow rays included, of a path that is traced to its end, and of a path that ends in a far
+record. They were counted in the Cornell box; in darker rooms paths are shorter, so both methods cost less."""
 
 PATHS_OF_POINT = 8192
-"""Paths per point where nothing is solved: the error is then about one per cent, and falls with their square root."""
+"""Number of paths per point with which the error is about 1 %; the error is proportional to the inverse square root of
+this number."""
 
 
 def paths_for_few(count: int, max_error: float) -> int | None:
-    """The number of paths per point if paths to all points take fewer rays than records would; otherwise None.
-
-    The rule counts rays, so that the choice is the same on every machine: records first need their far records, which
-    cost the same for one point as for thousands.
+    """Return the number of paths per point if tracing paths takes fewer rays than records do, and None otherwise.
+    The rule counts rays instead of seconds, so that the choice is the same on every machine. Records first need far
+    records, which cost the same for one point as for thousands.
     """
     options = core_options(IrradianceCache(max_error=max_error))
     paths = max(1, round(PATHS_OF_POINT * (0.01 / max_error) ** 2))
@@ -70,42 +70,48 @@ def irradiance(
     progress: ProgressReport | None = None,
     statistics: dict[str, float] | None = None,
 ) -> NDArray[np.float32]:
-    """Irradiance at `points` on the side of their `normals`: (N, 3) RGB in W·m⁻², lux where the scene is photometric.
+    """Compute the irradiance at `points` on the side of their `normals`.
 
     Parameters
     ----------
     points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
-    what : a method, its class or its name, a solution, or None. None is irradiance caching, or paths if the points are
-        so few that paths take fewer rays (`paths_for_few`). A class or a name takes `max_error`, where the method has
-        one.
+    what : a method, its class or its name, a solution, or None. None means irradiance caching, or path tracing if there
+        are so few points that paths take fewer rays (`paths_for_few`). For a class or a name, the method's option
+        `max_error`, if it has one, is set to `max_error`.
 
         ====================  ==================================================================================
-        `Solution`            indirect light is read from its records; a point that none of them serves is
-                              gathered, its rays ending in the Solution's far records
-        `IrradianceCache`     the same, with records solved for these points first
-        `Photons`             each point is gathered by `samples` paths that end in the photons' irradiance
-        `PhotonMap`           the same, with photons traced first
-        `RadiositySolution`   each point is gathered by `samples` paths that end in the patches' irradiance
-        `Radiosity`           the same, with the scene solved first
-        `Path`                unbiased: each point is gathered by `samples` paths
-        `Direct`              light straight from lights only
+        `Solution`            Indirect light is read from its records. At points that no record covers, it is
+                              gathered by rays that end in the far records of the Solution.
+        `IrradianceCache`     The same, with records that are first solved for these points.
+        `Photons`             Each point is gathered by `samples` paths, which end in the irradiance of the
+                              photons.
+        `PhotonMap`           The same, with photons that are traced first.
+        `RadiositySolution`   Each point is gathered by `samples` paths, which end in the irradiance of the
+                              patches.
+        `Radiosity`           The same, with patches that are solved first.
+        `Path`                Each point is gathered by `samples` paths, without bias.
+        `Direct`              Only light straight from lights is computed.
         ====================  ==================================================================================
 
-    component : "direct" is what arrives straight from lights, the environment and suns included; "indirect" the rest;
-        the same for every method.
-    max_error : wanted relative error of the indirect light if `what` is None.
-    samples : samples of the lights per point, and paths per point with `Path`.
-    max_depth : edges of a path, as for pictures: 2 is direct light, −1 unlimited. What was solved must have been solved
-        with the same.
-    statistics : a dict that is filled with `points`, `served` (by records) and `gathered` (both only where a cache
-        was read), `paths` per point (only where None chose them), `rays` and `seconds`; `direct_error`, the relative
-        error of light straight from lights (one deviation, from halves of its samples), and where the error of records
-        is known, `estimated_error` of both.
+    component : the light to compute. "direct" is the light that arrives straight from lights, including the environment
+        and suns; "indirect" is all other light; "total" is both. The meaning is the same for every method.
+    max_error : wanted relative error of the indirect light, if `what` is None, a class or a name.
+    samples : number of samples of the lights per point, and of paths per point with `Path`.
+    max_depth : greatest number of edges of a path, as for pictures: 2 is direct light, −1 sets no limit. A solution must
+        have been solved with the same value.
+    statistics : a dict that is filled with the number of `points`; the numbers of points `served` by records and
+        `gathered`, if records were read; the number of `paths` per point, if None chose path tracing; `rays` and
+        `seconds`; `direct_error`, the relative error of light straight from lights (one standard deviation, from two
+        halves of its samples); and `estimated_error`, that of all light, if the error of the records is known.
+
+    Returns
+    -------
+    An array (N, 3) float32 of RGB irradiance in W·m⁻², or in lux if the scene is photometric.
 
     Raises
     ------
-    EclatError : arrays do not fit or are not finite, a solution is for another scene or depth, or arguments are out of
-        range.
+    EclatError : the arrays differ in shape or are not finite, a solution belongs to another scene or another
+        `max_depth`, or an argument is out of range.
 
     Examples
     --------
@@ -125,7 +131,7 @@ def irradiance(
     source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
     source.require_match(scene, max_depth)
     if not asks_for_indirect(component, max_depth):
-        source = Direct()  # Light that arrives straight from lights is the same for every method.
+        source = Direct()  # All methods give the same light straight from lights.
     elif what is None and (paths := paths_for_few(len(places.positions), max_error)) is not None:
         source, samples = Path(), max(samples, paths)
         counts["paths"] = float(samples)
@@ -154,9 +160,11 @@ def irradiance(
 def stated_errors(
     found: NDArray[np.floating], direct_errors: NDArray[np.floating], solved: dict[str, float]
 ) -> dict[str, float]:
-    """What is known of the error of irradiance (N, 3), relative as in `metrics.relative_rmse`: `direct_error`, from halves
-    of the light samples of each point, whose standard errors are (N,) luminances; and where the error of records was
-    estimated, `estimated_error` of both together."""
+    """Compute the known errors of irradiance `found` (N, 3), which are relative as in `metrics.relative_rmse`.
+    `direct_error` is the error of light straight from lights, from the standard errors `direct_errors` (N,) of its
+    luminance at each point. If `solved`, the statistics of the solution, hold the error of the records,
+    `estimated_error` is the error of all light.
+    """
     light = luminance(found).astype(np.float64)
     scale = light**2 + RELATIVE_C * float(np.mean(light**2)) if len(light) else light
     relative = np.divide(direct_errors.astype(np.float64) ** 2, scale, out=np.zeros_like(light), where=scale > 0)
@@ -167,7 +175,7 @@ def stated_errors(
 
 
 def asks_for_indirect(component: Component, max_depth: int) -> bool:
-    """Whether indirect light is wanted too, not only light straight from lights."""
+    """Return whether indirect light is wanted, and not only light straight from lights."""
     return component != "direct" and (max_depth < 0 or max_depth > 2)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The verb solve: it computes the part of a method's work that can be kept and used again."""
+"""The verbs `solve` and `refine`, which compute the solution of a method for a scene, to keep it and use it again."""
 
 from __future__ import annotations
 
@@ -107,40 +107,46 @@ def solve(
     refine: bool = False,
     progress: ProgressReport | None = None,
 ) -> Solved:
-    """Solve a scene by a method; `render`, `irradiance` and `bake` can read the solution.
-
-    Records of irradiance and radiance caching are made for a view (the default), for points, or for all surfaces.
-    Photons and radiosity are solved for the whole scene, so only `max_depth`, `seed`, `threads` and `progress` apply to
-    them.
+    """Solve a scene by a method. `render`, `irradiance` and `bake` can read the solution.
+    The records of irradiance caching and radiance caching are made for a view (the default), for points, or for all
+    surfaces. Photon maps and radiosity are solved for the whole scene; only the arguments `max_depth`, `seed`,
+    `threads` and `progress` apply to them.
 
     Parameters
     ----------
-    what : a method, its class or its name; None is irradiance caching.
-    camera, size : the view, and its (width, height) in pixels, which determine the spacing of records. The defaults are
-        the scene's first camera and that camera's size.
-    points : positions and normals, (N, 3) each, instead of a view. The points need not lie on a surface. Each point
-        gets a record unless another record serves it.
-    view_independent : make records on all diffuse surfaces instead of for a view, on each side that reflects. Radiance
-        caching also makes records on all glossy surfaces, for all view directions. Lengths in pixels in the options are
-        then in 0.0016 of the distance that a record sees: in a room about a thousandth of its diagonal.
-    max_depth : edges of a path: 2 direct light only, −1 unlimited.
-    keep_partial : on Ctrl-C, give the KeyboardInterrupt an attribute `partial`: the Solution of the finished passes,
-        marked incomplete. The attribute is absent while there are only far records, which the first passes make.
-    check : estimate the error of the records by path-traced gathers that never end in a cache. This takes up to
-        `CHECK_SHARE` of the solve's rays. The statistics then hold `estimated_error` with `estimated_error_low` and
-        `_high` (95 %). The measure is that of `metrics.relative_rmse` over all pixels of the view, over the points, or
-        over all surfaces: the error of the light that records provide, relative to all light there. For a view this
-        includes gloss from records of radiance. For all surfaces it covers irradiance alone, and the statistics say so.
-    refine : solve again with finer settings until the estimate and its margin meet the `max_error` of the options. It
-        stops with a warning before a step that would take more than `laws.MOST_RAYS`. The statistics then hold the
-        number of `refinements`, and the rays and seconds of all solves together.
+    what : a method, its class or its name; None means irradiance caching.
+    camera, size : the view and its (width, height) in pixels, which determine the spacing of the records. The defaults
+        are the first camera of the scene and its size.
+    points : positions and normals, (N, 3) each, for which records are made instead of for a view. The points need not
+        lie on a surface. Each point gets a record, unless it is within the radius of another record.
+    view_independent : whether records are made on all diffuse surfaces instead of for a view, on each side that
+        reflects. Radiance caching also makes records on all glossy surfaces, for all view directions. A pixel in the
+        options then means 0.0016 times the distance that a record sees (the harmonic mean of the farther half of the
+        distances of its gather rays), which in a room is about a thousandth of its diagonal.
+    max_depth : greatest number of edges of a path: 2 is direct light only, −1 sets no limit.
+    keep_partial : whether Ctrl-C keeps what is finished. The KeyboardInterrupt then has an attribute `partial`, the
+        Solution of the finished passes, marked as incomplete. The attribute is absent during the first passes, which
+        make only far records.
+    check : whether the error of the records is estimated, by path-traced gathers that never end in a cache. They take
+        up to the share `CHECK_SHARE` of the rays of the solve. The statistics then hold `estimated_error` with
+        `estimated_error_low` and `estimated_error_high`, the ends of its 95 % confidence interval. It is the error of
+        the light from records, relative to all light as in `metrics.relative_rmse`, over the pixels of the view, the
+        points or all surfaces. For a view it includes gloss from records of radiance. For all surfaces it covers
+        irradiance alone, and `gloss_estimated` in the statistics is 0.
+    refine : whether to solve again with finer settings until the upper end of the confidence interval is below the
+        `max_error` of the options. Refining stops with a warning before a step that would take more than
+        `laws.MOST_RAYS` rays. The statistics then hold the number of `refinements`, and the rays and seconds of all
+        solves together.
 
-    The same arguments give the same bits for any number of `threads`.
+    Returns
+    -------
+    The solution: a `Solution`, `Photons` or a `RadiositySolution`. The same arguments give the same bits with any number
+    of `threads`.
 
     Raises
     ------
-    EclatError : the method has nothing to solve, arguments are out of range, arrays do not fit or are not finite, or
-        more than one of view, points and view_independent is given.
+    EclatError : the method has nothing to solve, an argument is out of range, the arrays differ in shape or are not
+        finite, or more than one of camera, points and view_independent is given.
 
     Examples
     --------
@@ -155,7 +161,8 @@ def solve(
     where_given = camera is not None or size is not None or points is not None or view_independent
     if method.for_whole_scene and (where_given or refine or keep_partial):
         raise EclatError(
-            f"solve: {method.name} is for the whole scene: expected no view, no points, no refinement and no keep_partial"
+            f"solve: {method.name} is solved for the whole scene: expected no camera, size, points, view_independent, "
+            "refine or keep_partial"
         )
     require_check(check, refine)
     purpose: Purpose = Everywhere()
@@ -180,21 +187,22 @@ def refine(
     check: bool = True,
     progress: ProgressReport | None = None,
 ) -> Solved:
-    """Solve again with finer settings than those of a Solution. Repeated calls approach the exact light.
-
-    Every setting that the error depends on becomes finer (`laws.finer`), for records and for the far records in which
-    their gathers end. All records are gathered anew with more rays, so none of the old noise stays.
+    """Solve again with finer settings than those of a Solution. The results of repeated calls converge to the exact
+    light.
+    All settings that the error depends on become finer (`laws.finer`), also those of the far records in which gather
+    rays end. All records are gathered anew with more rays, so none of the old noise remains.
 
     Parameters
     ----------
-    max_error : refine until the estimated error and its margin meet this value, as `solve` does with `refine`. None
-        takes one step, to half the error.
-    keep_partial, check : as in `solve`. Refinement towards a `max_error` needs the check.
-    camera, size, points, view_independent : what the Solution was solved for, as in `solve`.
+    max_error : refine until the upper end of the confidence interval is below this value, as `solve` does with
+        `refine`. With None, one step is taken, to half the error.
+    keep_partial, check : as in `solve`. `check` must be True if `max_error` is given.
+    camera, size, points, view_independent : the view, the points or the surfaces that the Solution was solved for, as
+        in `solve`.
 
     Raises
     ------
-    EclatError : the Solution is for another scene, or for the same reasons as in `solve`.
+    EclatError : the Solution belongs to another scene, or for the reasons given in `solve`.
     """
     scene = staged(scene)
     solution.require_match(scene, solution.max_depth)
@@ -208,9 +216,9 @@ def refine(
 
 
 def require_check(check: bool, refine: bool) -> None:
-    """Raises EclatError for a refinement without a check."""
+    """Raise EclatError if refinement is requested without the estimate of the error that it needs."""
     if refine and not check:
-        raise EclatError("refine: expected check beside it, since an estimate of the error says when to stop")
+        raise EclatError("refine: expected check=True, because refining stops at an estimated error, got check=False")
 
 
 def purpose_of(
@@ -221,9 +229,9 @@ def purpose_of(
     points: tuple[FloatArray, FloatArray] | None = None,
     view_independent: bool = False,
 ) -> Purpose:
-    """The purpose that the arguments of `solve` describe. Raises EclatError if they contradict each other."""
+    """Return the purpose that the arguments of `solve` describe. Raises EclatError if they contradict each other."""
     if (camera is not None or size is not None) + (points is not None) + view_independent > 1:
-        raise EclatError("solve: expected one of camera (with size), points and view_independent, got several")
+        raise EclatError("solve: expected at most one of camera (with size), points and view_independent, got several")
     if points is not None:
         return AtPoints(*points_with_normals(*points))
     if view_independent:

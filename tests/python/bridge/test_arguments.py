@@ -27,7 +27,7 @@ def test_a_camera_is_itself_or_a_number() -> None:
     assert arguments.chosen_camera(scene, 0) is first
     assert arguments.chosen_camera(scene, other) is other
     for number in (-1, 1):
-        with pytest.raises(EclatError, match=f"camera {number} of 1: hall has no such camera"):
+        with pytest.raises(EclatError, match=f"below 1, the number of cameras of hall, got {number}"):
             arguments.chosen_camera(scene, number)
 
 
@@ -44,8 +44,12 @@ def test_normals_become_unit_and_single_points_rows() -> None:
     [
         ([[0, 0, 0]], [[0, 0, 1], [0, 0, 1]], r"must both be \(N, 3\), got \(1, 3\) and \(2, 3\)"),
         ([[0, 0]], [[0, 1]], r"must both be \(N, 3\)"),
-        ([[0, 0, 0], [0, np.nan, 0]], [[0, 0, 1]] * 2, r"got \[0.0, nan, 0.0\] and \[0.0, 0.0, 1.0\] at index 1"),
-        ([[0, 0, 0]], [[0, 0, 0]], "normals not zero"),
+        (
+            [[0, 0, 0], [0, np.nan, 0]],
+            [[0, 0, 1]] * 2,
+            r"got the point \[0.0, nan, 0.0\] with the normal \[0.0, 0.0, 1.0\] at index 1",
+        ),
+        ([[0, 0, 0]], [[0, 0, 0]], "normals must not be zero"),
         ([[0, 0, 0]], [[0, np.inf, 0]], "must be finite"),
     ],
 )

@@ -593,7 +593,7 @@ def test_keep_partial_of_a_solve_is_marked_incomplete(where: list[str], fraction
     arguments = ["solve", "cornell-box", *where, *settings, "-o", "a.npz"]
     assert interrupted([*arguments, "--keep-partial"], "solve", fraction).returncode == 130
     scene = load("cornell-box")
-    with pytest.warns(eclat.EclatWarning, match="this cache is incomplete, since its solve was interrupted"):
+    with pytest.warns(eclat.EclatWarning, match="this cache is incomplete, because its solve was interrupted"):
         solution = eclat.Solution.load("a.npz", scene)
     assert len(solution) > 0 and not solution.complete
     os.remove("a.npz")

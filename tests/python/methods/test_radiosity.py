@@ -51,7 +51,9 @@ def test_save_and_load(solution: eclat.RadiositySolution, scene: eclat.Scene, tm
     assert isinstance(eclat.load_solved(file, scene), eclat.RadiositySolution)
     with pytest.raises(eclat.EclatError, match="solved for another scene"):
         eclat.RadiositySolution.load(file, build("furnace"))
-    with pytest.raises(eclat.EclatError, match="solved with max_depth -1: expected the same, got 4"):
+    with pytest.raises(
+        eclat.EclatError, match="max_depth: expected -1, with which this radiosity solution was solved, got 4"
+    ):
         eclat.render(scene, loaded, samples=1, size=(16, 16), max_depth=4)
 
 
@@ -91,7 +93,7 @@ def test_options_out_of_range() -> None:
 
 
 def test_radiosity_is_for_the_whole_scene(scene: eclat.Scene) -> None:
-    with pytest.raises(eclat.EclatError, match="radiosity is for the whole scene"):
+    with pytest.raises(eclat.EclatError, match="radiosity is solved for the whole scene"):
         eclat.solve(scene, OPTIONS, size=(16, 16))
 
 

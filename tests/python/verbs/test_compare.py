@@ -125,8 +125,8 @@ def test_references_from_files(api: FakeApi, capsys: pytest.CaptureFixture[str])
     for bad in (["a.exr", "c.exr"], ["a.exr", "a.exr", "a.exr"]):
         assert main([*base, *(part for name in bad for part in ("--reference", name))]) == 2
     assert capsys.readouterr().err == (
-        "eclat: --reference: expected pictures of one size, which --size must not contradict\n"
-        "eclat: --reference: expected one file or two, got 3\n"
+        "eclat: --reference: expected pictures of the same size, and of --size if that is given, got 8x8 and 9x9\n"
+        "eclat: --reference: expected one or two files, got 3\n"
     )
 
 

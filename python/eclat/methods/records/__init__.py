@@ -1,3 +1,4 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records of light, which irradiance caching and radiance caching share: their options, solving and solutions."""
+"""The records of irradiance caching and radiance caching: their options, their computation, and the solutions that hold
+them."""

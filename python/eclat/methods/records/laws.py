@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The laws by which `max_error` decides how fine records are, and how they become finer.
-
-`core_options` turns `max_error` into numbers, `finer` scales all numbers towards a smaller error, `first_options` are
-the options of a cheap solve that will be refined, and `rays_after` says what a finer solve costs.
+"""The scaling laws that relate the error of records to their options and to the number of rays.
+`core_options` computes options from `max_error`, `finer` scales all options for a smaller error, `first_options`
+returns the options of a cheap first solve, and `rays_after` predicts the number of rays of a finer solve.
 """
 
 from __future__ import annotations
@@ -21,41 +20,45 @@ from eclat.methods.records.options import RadianceOptions, RecordOptions
 
 Settings = TypeVar("Settings", bound=RecordOptions)
 
-USUAL_ERROR = 0.01
-"""For which the usual numbers below were chosen."""
+REFERENCE_ERROR = 0.01
+"""Value of `max_error` for which the numbers in `core_options` were chosen."""
 
 CHECK_SHARE_OF_REFINEMENT = 1.0
-"""Rays of a check that decides about another step, at most, in units of those of the step that it checks."""
+"""Largest number of rays of an error estimate that decides about another step, relative to the rays of the step that it
+checks."""
 
 MOST_RAYS = 2_000_000_000
-"""Most rays that one step may take: some minutes on two cores."""
+"""Largest number of rays that one step may take, which is some minutes on two cores."""
 
 RAYS_EXPONENT = 7 / 3
-"""Rays grow with the error's inverse to this power: records with its inverse, the rays of each with its rows' square."""
+"""The number of rays is proportional to error^(−7/3): the number of records is proportional to error⁻¹, the number M of
+rows of a gather to error^(−2/3), and its rays to M²."""
 
 SMALLEST_STEP, LARGEST_STEP = 0.8, 0.25
-"""Factors of the error in one step: a smaller change is not worth a solve, a larger one trusts the laws too far."""
+"""Largest and smallest factor by which one step multiplies the error: a smaller change is not worth a solve, and for a
+larger one the scaling laws are not reliable."""
 
 MARGIN = 0.8
-"""Share of the wanted error that a step aims at, since the laws are not exact."""
+"""Share of the wanted error at which a step aims, because the scaling laws are not exact."""
 
 
 FIRST_PIXELS = 4.0
-"""Lower bound of a record's radius in the first solve, and so the pixels between the places that it looks at."""
+"""Lower bound of the radius of a record in the first solve, in pixels; it is also the distance between the pixels at
+which records may be placed."""
 
 
 def core_options(
     options: RecordOptions, *, max_depth: int = -1, seed: int = 0, threads: int = 0
 ) -> _core.IrradianceCacheOptions:
-    """The core's options. Fields that are None follow from `max_error`.
-
-    The error of first-order extrapolation grows with the square of a record's radius, a gather's noise falls with the
-    number of its rows. Records are never more than √2 times as far apart as at 1 %: where they are wider than what
-    stands beside them, others must be crowded in between. What far records do not know is averaged over hemispheres, so
-    that they are spared more slowly than the error grows.
+    """Make the options of the core. Fields that are None are computed from `max_error`.
+    The error of first-order extrapolation is proportional to the square of the radius of a record, and the noise of a
+    gather is inversely proportional to its number of rows. The spacing is never more than √2 times that for an error of
+    1 %, because records that are larger than the objects near them need many small records between them. The errors of
+    far records are averaged over the hemisphere of each gather, so the number of far records and of their rays
+    decreases more slowly than `max_error` increases.
     """
     out = _core.IrradianceCacheOptions()
-    relative = options.max_error / USUAL_ERROR
+    relative = options.max_error / REFERENCE_ERROR
     usual = 0.4 if options.metric in ("minimum", "harmonic") else 0.8
     out.spacing = options.spacing if options.spacing is not None else usual * min(2.0, relative) ** 0.5
     out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), 8, 64))
@@ -77,10 +80,11 @@ def core_options(
 def core_radiance_options(
     options: RadianceOptions, *, max_depth: int = -1, seed: int = 0, threads: int = 0
 ) -> _core.RadianceCacheOptions:
-    """The core's options for records of radiance. Fields that are None follow from `max_error` as in `core_options`."""
+    """Make the core's options for records of radiance. Fields that are None are computed from `max_error`, as in
+    `core_options`."""
     out = _core.RadianceCacheOptions()
     out.irradiance = core_options(options, max_depth=max_depth, seed=seed, threads=threads)
-    relative = options.max_error / USUAL_ERROR
+    relative = options.max_error / REFERENCE_ERROR
     out.order = options.order
     out.spacing = options.gloss_spacing if options.gloss_spacing is not None else out.irradiance.spacing
     rows = int(np.clip(round(16 * relative**-0.5), 10, 96))
@@ -89,12 +93,12 @@ def core_radiance_options(
 
 
 def finer(options: Settings, ratio: float) -> Settings:
-    """Options that scale all parts of the error by `ratio` (below 1). All their numbers are explicit.
-
-    Extrapolation errs with the square of a record's radius, and what its lower bound in pixels hides is at least as wide
-    as that bound; a gather of M rows, stratified in the plane, errs with M^(-3/2). The same holds for far records, which
-    become more with the square of their density. Of gloss, what the harmonics leave of a lobe is part of the error too: less
-    of it is allowed, and more lobes are traced.
+    """Return options that scale all parts of the error by `ratio` (below 1), in which no field is None.
+    The error of extrapolation is proportional to the square of the radius of a record. Details that are smaller than
+    the lower bound of the radii, in pixels, are lost, so this bound is scaled by `ratio`. The noise of a gather of M
+    rows, which is stratified in two dimensions, is proportional to M^(-3/2). The same laws hold for far records, whose
+    number grows with the square of their density. For glossy lobes, the part of a lobe that the harmonics cannot
+    represent also counts as error: less of it is allowed, so more lobes are traced.
     """
     now = core_options(options)
     rows = ratio ** (-2 / 3)
@@ -121,18 +125,19 @@ def finer(options: Settings, ratio: float) -> Settings:
 
 
 def step_towards(estimate: ErrorEstimate, max_error: float) -> float:
-    """The error after the next step divided by the error now."""
+    """Return the factor by which the next step should multiply the error."""
     wanted = MARGIN * max_error / max(estimate.quoted, 1e-12)
     return min(SMALLEST_STEP, max(LARGEST_STEP, wanted))
 
 
 def rays_after(rays: float, ratio: float) -> float:
-    """The number of rays of the next step."""
+    """Predict the number of rays of a step that multiplies the error by `ratio`, from the number of rays of the last
+    step."""
     return float(rays * ratio**-RAYS_EXPONENT)
 
 
 def first_options(options: Settings) -> Settings:
-    """The options of a cheap solve that measures how long rays take."""
+    """Return the options of a cheap solve, which measures how long rays take."""
     coarse = core_options(replace(options, max_error=0.08, spacing=None, rows=None))
     return replace(
         options,

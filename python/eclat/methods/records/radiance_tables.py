@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The tables of reflection that radiance caching needs for a scene's materials: from disk, or computed once."""
+"""The tables of glossy lobes that radiance caching needs for the materials of a scene, which are read from disk or
+computed once."""
 
 from __future__ import annotations
 
@@ -26,9 +27,9 @@ _cache: weakref.WeakKeyDictionary[Scene, dict[tuple[int, float], _core.RadianceT
 def radiance_tables(
     scene: Scene, options: RadianceOptions, *, threads: int | None = None, progress: ProgressReport | None = None
 ) -> _core.RadianceTables:
-    """Tables for the lobes of a scene whose parameters do not vary over surfaces, and for all metallic-roughness ones.
-
-    A lobe without a table is traced. The tables are kept as long as the scene lives.
+    """Return the tables for all metallic-roughness lobes, and for the other lobes whose parameters do not vary over
+    surfaces.
+    Lobes without a table are traced. The tables are kept as long as the scene exists.
     """
     known = _cache.setdefault(scene, {})
     key = options.order, options.gloss_error

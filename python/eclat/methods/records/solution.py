@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The solved records of a scene, which can be saved, loaded, merged, inspected as arrays and used again."""
+"""The records of a scene, which can be saved, loaded, merged, read as arrays and used again."""
 
 from __future__ import annotations
 
@@ -21,27 +21,28 @@ from eclat.methods.work import Work
 from eclat.scene import FloatArray, Scene
 
 _COLUMNS = {name: slice(first, first + count) for name, first, count in _core.record_layout()}
-"""Where each field of a record lies in its row of floats, as the core says."""
+"""Columns of each field in the row of floats of a record, as the core defines them."""
 
 
 @dataclass(frozen=True, eq=False)
 class RadianceRecords:
-    """Records of incident radiance, in the core's frame."""
+    """Records of incident radiance, in the coordinates of the core."""
 
     records: np.ndarray
-    """(N, floats) as the `near` records of a Solution."""
+    """(N, floats) positions, normals and radii, in the same layout as the `near` records of a Solution."""
     values: np.ndarray
-    """(N, 3 · stride) float32: coefficients a colour in a basis that is orthonormal on the hemisphere, order² and zeros up
-    to a multiple of eight."""
+    """(N, 3 · stride) float32: the order² coefficients of each colour channel in an orthonormal basis of the
+    hemisphere, padded with zeros to a multiple of eight, the stride."""
     gradients: np.ndarray
-    """(N, 6 · stride) uint16, upper halves of float32: their derivatives along u, then along v."""
+    """(N, 6 · stride) uint16, the upper halves of float32: the derivatives of the coefficients along u, then those
+    along v."""
 
     def __len__(self) -> int:
         return len(self.records)
 
     @staticmethod
     def of(caches: _core.SolvedCaches) -> RadianceRecords:
-        """Make them from a cache of the core."""
+        """Copy the records of radiance from the caches of the core."""
         return RadianceRecords(
             np.asarray(caches.radiance_records),
             np.asarray(caches.radiance_values),
@@ -49,11 +50,11 @@ class RadianceRecords:
         )
 
     def arrays(self) -> dict[str, np.ndarray]:
-        """The arrays by the names under which they are saved."""
+        """Return the arrays by the names under which they are saved."""
         return {"radiance": self.records, "radiance_values": self.values, "radiance_gradients": self.gradients}
 
     def damage(self, order: int) -> str | None:
-        """The name of an array that does not fit records of the given order, or None."""
+        """Return the name of an array that is malformed or does not fit the given order, or None if there is none."""
         stride = -(-(order**2) // 8) * 8
         if _damaged(self.records):
             return "radiance"
@@ -70,10 +71,10 @@ class RadianceRecords:
 class Solution(Solved):
     """A solved irradiance cache of one scene.
 
-    `near` and `far` are (records, floats) float32 arrays in the core's frame; use `positions`, `normals`, `radii`,
-    `irradiance` and the gradients to look inside. `max_depth` is the depth it was solved with. A Solution that is not
-    `complete` was interrupted: its records are right, but where records are missing, reading takes longer and is
-    noisier.
+    `near` and `far` are float32 arrays (records, floats) in the coordinates of the core; the properties give the values
+    of the near records by name. `max_depth` is the greatest number of edges of a path with which the records were
+    solved. A Solution that is not `complete` was interrupted: its records are correct, but where records are missing,
+    reading takes longer and has more noise.
     """
 
     called: ClassVar[str] = "cache"
@@ -89,7 +90,7 @@ class Solution(Solved):
     max_depth: int = -1
     complete: bool = True
     radiance: RadianceRecords | None = None
-    """Records of radiance caching; None under irradiance caching."""
+    """The records of radiance caching; None for irradiance caching."""
 
     def __len__(self) -> int:
         return len(self.near)
@@ -99,7 +100,7 @@ class Solution(Solved):
 
     @property
     def positions(self) -> FloatArray:
-        """(N, 3) world positions of the records."""
+        """(N, 3) world positions of the records in metres."""
         return self._column("positions").astype(np.float64) + self.center
 
     @property
@@ -113,38 +114,39 @@ class Solution(Solved):
 
     @property
     def irradiance(self) -> np.ndarray:
-        """(N, 3) indirect irradiance without `excess`, W·m⁻²."""
+        """(N, 3) indirect irradiance in W·m⁻², without `excess`."""
         return self._column("irradiance")
 
     @property
     def excess(self) -> np.ndarray:
-        """(N, 3) irradiance in W·m⁻² from the few rays that brought more than a twentieth each; neighbours share it."""
+        """(N, 3) irradiance in W·m⁻² from the few rays that contribute more than a twentieth each; it is distributed
+        over neighbouring records."""
         return self._column("excess")
 
     @property
     def radii(self) -> np.ndarray:
-        """(N,) radius within which each record is valid, in metres."""
+        """(N,) radii in metres within which the records are valid."""
         return self._column("radii")[:, 0]
 
     @property
     def enclosed(self) -> np.ndarray:
-        """(N,) whether a record lies inside a solid, where most rays met backs of one-sided surfaces. Such records are
+        """(N,) True for records inside a solid, most of whose rays hit backs of one-sided surfaces. Such records are
         never read."""
         return self._column("enclosed")[:, 0] > 0
 
     @property
     def rotation_gradients(self) -> np.ndarray:
-        """(N, 3 channels, 3) rotation gradient of the irradiance, W·m⁻² per radian."""
+        """(N, 3 channels, 3) rotation gradients of the irradiance in W·m⁻² per radian."""
         return self._column("rotation_gradients").reshape(-1, 3, 3)
 
     @property
     def translation_gradients(self) -> np.ndarray:
-        """(N, 3 channels, 3) translation gradient of the irradiance in the tangent plane, W·m⁻³."""
+        """(N, 3 channels, 3) translation gradients of the irradiance in the tangent plane, in W·m⁻³."""
         return self._column("translation_gradients").reshape(-1, 3, 3)
 
     @property
     def estimate(self) -> ErrorEstimate | None:
-        """The estimated error of the records; None if it was not checked."""
+        """The estimated error of the records; None if it was not estimated."""
         names = ("estimated_error", "estimated_error_low", "estimated_error_high", "unserved")
         if not set(names) <= set(self.statistics):
             return None
@@ -152,7 +154,7 @@ class Solution(Solved):
         return ErrorEstimate(*(seen[name] for name in names))
 
     def core(self) -> _core.SolvedCaches:
-        """The caches as the core reads them."""
+        """Make the core's form of the records."""
         caches = _core.SolvedCaches(
             np.ascontiguousarray(self.near, np.float32),
             np.ascontiguousarray(self.far, np.float32),
@@ -206,7 +208,7 @@ class Solution(Solved):
         )  # fmt: skip
 
     def merged(self, other: Solution) -> Solution:
-        """The records of both, sorted, without duplicates."""
+        """Merge the records of both solutions, sorted and without duplicates."""
         return Solution(
             self.options, self.fingerprint, _union(self.near, other.near), _union(self.far, other.far), self.center,
             max_depth=self.max_depth, complete=self.complete and other.complete,
@@ -217,13 +219,13 @@ class Solution(Solved):
 def _damaged(array: np.ndarray) -> bool:
     if array.ndim != 2 or array.dtype != np.float32 or array.shape[1] < _COLUMNS["radii"].stop:
         return True
-    # Distances may be infinite, under an open sky.
+    # Distances may be infinite, as under an open sky.
     known = np.delete(array, _COLUMNS["distances"], axis=1)[:, : _COLUMNS["radii"].stop - 1]
     return not np.isfinite(known).all() or bool((array[:, _COLUMNS["radii"]] < 0).any())
 
 
 def _distinct(rows: np.ndarray) -> np.ndarray:
-    """The indices of distinct rows, in the order of their bytes."""
+    """Return the indices of the distinct rows, sorted by their bytes."""
     if not len(rows):
         return np.arange(0)
     keys = np.ascontiguousarray(rows).view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
@@ -256,7 +258,7 @@ def solved_from_core(
     max_depth: int,
     complete: bool,
 ) -> Solution:
-    """A Solution from what the core solved."""
+    """Make a Solution from the caches of the core."""
     center = compiled(scene).center
     radiance = RadianceRecords.of(caches) if isinstance(options, RadianceOptions) else None
     return Solution(

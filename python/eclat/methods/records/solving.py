@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How records are solved for a view, for points or for all surfaces, and how they are checked and refined."""
+"""Solving records for a view, for points or for all surfaces, estimating their error, and refining them."""
 
 from __future__ import annotations
 
@@ -26,11 +26,12 @@ from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, Work
 from eclat.scene import Scene
 
 SURFACE_POINTS = 1 << 14
-"""At which irradiance everywhere is checked, evenly spread over all surfaces."""
+"""Number of points, evenly distributed over all surfaces, at which the error of records for all surfaces is
+estimated."""
 
 
 def solve_records(scene: Scene, options: RecordOptions, purpose: Purpose, work: Work, care: Care) -> Solution:
-    """Solve records for a purpose, and check and refine them as `care` says."""
+    """Solve records for a purpose, and estimate their error and refine them as `care` requests."""
     job = Job(scene, purpose, work, care.keep_partial)
     solution = job.solve(options, CHECK_SHARE_OF_REFINEMENT if care.refine else CHECK_SHARE if care.check else 0.0)
     return job.refined(solution, options.max_error) if care.refine else solution
@@ -39,7 +40,7 @@ def solve_records(scene: Scene, options: RecordOptions, purpose: Purpose, work: 
 def refine_records(
     solution: Solution, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None
 ) -> Solution:
-    """Solve finer records until their error meets `max_error`. None takes one step, to half the error."""
+    """Solve finer records until their estimated error is below `max_error`; None takes one step, to half the error."""
     job = Job(scene, purpose, work, care.keep_partial)
     if max_error is None:
         return job.solve(finer(solution.options, 0.5), CHECK_SHARE if care.check else 0.0)
@@ -49,20 +50,20 @@ def refine_records(
 
 
 @dataclass(frozen=True)
-class Where:
-    """The purpose of records, which decides how caches are filled and how their error is estimated."""
+class CacheFunctions:
+    """The functions of the core that fill the caches for a purpose and estimate their error."""
 
     fill: Callable[[_core.SolvedCaches, _core.IrradianceCacheOptions, _core.Progress], None]
-    """In place; what it has done when it is stopped stays."""
+    """Fills the caches in place; if it is cancelled, the finished records remain."""
     estimate: Callable[
         [_core.SolvedCaches, _core.ErrorCheck, _core.Progress, _core.RadianceTables | None], _core.ErrorEstimate
     ]
     fill_radiance: (
         Callable[[_core.SolvedCaches, _core.RadianceTables, _core.RadianceCacheOptions, _core.Progress], None] | None
     ) = None
-    """The same with records of radiance; points have no lobes to be cached."""
+    """Fills the caches with records of radiance too; None for points, which have no glossy lobes."""
     estimates_gloss: bool = False
-    """Whether `estimate` looks at what is reflected, not at irradiance alone."""
+    """Whether `estimate` includes the error of glossy reflection, and not only that of irradiance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -75,35 +76,37 @@ class Job:
     keep_partial: bool = False
 
     @cached_property
-    def where(self) -> Where:
-        """How caches are filled and checked for the purpose."""
-        return where_wanted(self.scene, self.purpose)
+    def functions(self) -> CacheFunctions:
+        """The functions that fill and check caches for the purpose."""
+        return functions_for(self.scene, self.purpose)
 
     def _fill(
         self, options: RecordOptions, caches: _core.SolvedCaches, photons: _core.PhotonMaps | None
     ) -> Callable[[_core.Progress], None]:
         common = {"max_depth": self.work.max_depth, "seed": self.work.seed, "threads": self.work.threads}
-        fill_radiance, tables = self.where.fill_radiance, self._tables(options)
+        fill_radiance, tables = self.functions.fill_radiance, self._tables(options)
         if isinstance(options, RadianceOptions) and fill_radiance is not None and tables is not None:
             with_radiance = core_radiance_options(options, **common)
             with_radiance.irradiance.far_photons = photons
             return lambda p: fill_radiance(caches, tables, with_radiance, p)
         settings = core_options(options, **common)
         settings.far_photons = photons
-        return lambda p: self.where.fill(caches, settings, p)
+        return lambda p: self.functions.fill(caches, settings, p)
 
     def _tables(self, options: RecordOptions) -> _core.RadianceTables | None:
-        if not isinstance(options, RadianceOptions) or self.where.fill_radiance is None:
+        if not isinstance(options, RadianceOptions) or self.functions.fill_radiance is None:
             return None
         return radiance_tables(self.scene, options, threads=self.work.threads or None, progress=self.work.progress)
 
     def _photons(self, options: RecordOptions) -> tuple[_core.PhotonMaps | None, float]:
-        """The photons that gather rays end in, if any, and the number of rays that tracing them took."""
+        """Trace the photons in which gather rays end, if `far_photons` requests them; return them and the number of
+        rays."""
         if not options.far_photons or self.work.max_depth >= 0:
             return None, 0.0
         if self.scene.environment is not None:
             raise EclatError(
-                "far_photons: expected a scene without an environment image, whose light gathers collect themselves"
+                "far_photons: expected a scene without an environment image: photons do not carry its light; "
+                "set far_photons=0 to use far records"
             )
         photons = trace(
             self.scene, PhotonMap(photons=options.far_photons, caustic_photons=max(1000, options.far_photons // 4)),
@@ -113,7 +116,8 @@ class Job:
         return maps, photons.statistics["rays"]
 
     def solve(self, options: RecordOptions, check_share: float) -> Solution:
-        """One solve, whose check may take the given share of its rays."""
+        """Solve once, and estimate the error with up to the given share of the rays of the solve; 0 estimates no
+        error."""
         started = clock.perf_counter()
         caches, counted = _core.SolvedCaches(), _core.Progress()
         photons, photon_rays = self._photons(options)
@@ -143,9 +147,10 @@ class Job:
     def checked(
         self, solution: Solution, share: float, caches: _core.SolvedCaches | None = None, max_error: float | None = None
     ) -> Solution:
-        """The solution with an estimate of its error in the statistics. The gathers for it take at most the given share
-        of the solve's rays, and fewer if it is soon clear whether the error is above `max_error` (default: that of the
-        options)."""
+        """Add an estimate of the error to the statistics of a solution.
+        The gathers for it take at most the given share of the rays of the solve, and fewer if it is clear sooner
+        whether the error is above `max_error`, by default that of the options.
+        """
         started, counted, check = clock.perf_counter(), _core.Progress(), _core.ErrorCheck()
         check.rays = int(share * solution.statistics["rays"])
         check.wanted = solution.options.max_error if max_error is None else max_error
@@ -153,7 +158,7 @@ class Job:
         read = solution.core() if caches is None else caches
         tables = self._tables(solution.options)
         try:
-            found = run("check", lambda p: self.where.estimate(read, check, p, tables), self.work.progress, counted)
+            found = run("check", lambda p: self.functions.estimate(read, check, p, tables), self.work.progress, counted)
         except KeyboardInterrupt as stop:
             if self.keep_partial:
                 stop.partial = solution  # type: ignore[attr-defined]
@@ -166,25 +171,29 @@ class Job:
         )
         statistics |= with_light_by_chance(statistics, by_chance)
         if tables is not None:
-            statistics["gloss_estimated"] = float(self.where.estimates_gloss)
+            statistics["gloss_estimated"] = float(self.functions.estimates_gloss)
         statistics["check_rays"] = float(counted.rays)
         statistics["rays"] += float(counted.rays)
         statistics["seconds"] += clock.perf_counter() - started
         return replace(solution, statistics=statistics)
 
     def refined(self, solution: Solution, max_error: float) -> Solution:
-        """Solve with finer settings until the estimate and its margin meet `max_error`, or warn why they cannot."""
+        """Solve with finer settings until the upper end of the confidence interval is below `max_error`, or warn why
+        that is not possible."""
         refinements, rays, seconds = 0, solution.statistics["rays"], solution.statistics["seconds"]
         while (estimate := solution.estimate) is not None and estimate.high > max_error:
             ratio = laws.step_towards(estimate, max_error)
             options = finer(solution.options, ratio)
             needed = laws.rays_after(solution.statistics["rays"], ratio)
-            stopped = f"stopped at {100 * estimate.quoted:.2g} %, expected {100 * max_error:.2g} %: another refinement"
+            stopped = (
+                f"refine: stopped at an error of {100 * estimate.quoted:.2g} %, not the wanted {100 * max_error:.2g} %"
+            )
             if needed > laws.MOST_RAYS:
-                warn(f"{stopped} would take {needed / 1e6:,.0f} million rays, more than {laws.MOST_RAYS / 1e6:,.0f}")
+                limit = f"more than the limit of {laws.MOST_RAYS / 1e6:,.0f} million"
+                warn(f"{stopped}: another refinement would take {needed / 1e6:,.0f} million rays, {limit}")
                 break
             if replace(options, max_error=solution.options.max_error) == solution.options:
-                warn(f"{stopped} would need settings beyond their limits")
+                warn(f"{stopped}: all settings are at the limits of their ranges")
                 break
             try:
                 solution = self.checked(self.solve(options, 0.0), CHECK_SHARE_OF_REFINEMENT, max_error=max_error)
@@ -199,24 +208,24 @@ class Job:
         return replace(solution, statistics=solution.statistics | total)
 
 
-def where_wanted(scene: Scene, purpose: Purpose) -> Where:
-    """How caches are filled and checked for a purpose."""
+def functions_for(scene: Scene, purpose: Purpose) -> CacheFunctions:
+    """Return the functions of the core that fill and check caches for a purpose."""
     prepared = compiled(scene)
     if isinstance(purpose, AtPoints):
         positions = prepared.to_core(purpose.positions)
         directions = np.ascontiguousarray(purpose.normals, np.float32)
-        return Where(
+        return CacheFunctions(
             lambda caches, o, p: _core.solve_at_points(prepared.core, positions, directions, o, caches, p),
             lambda caches, c, p, _: _core.estimate_error_at_points(prepared.core, positions, directions, caches, c, p),
         )
     if isinstance(purpose, Everywhere):
-        return Where(
+        return CacheFunctions(
             lambda caches, o, p: _core.solve_everywhere(prepared.core, o, caches, p),
             lambda caches, c, p, _: _core.estimate_error_everywhere(prepared.core, SURFACE_POINTS, caches, c, p),
             lambda caches, tables, o, p: _core.solve_radiance_everywhere(prepared.core, tables, o, caches, p),
         )
     camera = prepared.camera(purpose.camera, purpose.size)
-    return Where(
+    return CacheFunctions(
         lambda caches, o, p: _core.solve_for_camera(prepared.core, camera, o, caches, p),
         lambda caches, c, p, tables: _core.estimate_error_for_camera(prepared.core, camera, caches, c, p, tables),
         lambda caches, tables, o, p: _core.solve_radiance_for_camera(prepared.core, camera, tables, o, caches, p),

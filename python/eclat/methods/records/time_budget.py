@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How a given time is divided between records, which are as fine as fits, and samples of pixels.
-
-A cheap solve, which looks only at every fourth pixel, tells how many rays a second this scene gets on this machine. A
-second one looks at all pixels, or at as many as there is time for. `laws` then say how fine a third one
-may be. With records' error falling with time to the power −3/7 and noise with −1/2, both parts weigh about the same at
-the best split, so that each gets about half.
+"""Division of a given time between records and samples of pixels.
+A cheap first solve, which places records at every fourth pixel only, measures the rays per second for this scene and
+machine. A second solve places records at all pixels, or at as many as there is time for. The scaling laws (`laws`) then
+give the options of the finest third solve that fits into the time. The error of records is proportional to time^(−3/7),
+and noise to time^(−1/2); the best division gives about half of the time to each.
 """
 
 from __future__ import annotations
@@ -24,27 +23,29 @@ from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
 
 SHARE_OF_RECORDS = 0.45
-"""Share that the last solve and its check get of the time that is left before them."""
+"""Share of the remaining time that the last solve and its check may take."""
 
 SHARE_OF_COVERAGE = 0.7
-"""The same as long as records do not lie as close as was asked for: pixels without one take sixteen paths a sample."""
+"""Share of the remaining time that the second solve may take. It is larger, because pixels without records take sixteen
+paths per sample."""
 
 FINEST_STEP = 1 / 64
-"""Smallest factor of the error from one solve to the next: the laws say nothing about larger steps."""
+"""Smallest factor by which one solve may multiply the error of the solve before; for larger steps the scaling laws are
+not reliable."""
 
 RAYS_OF_HALVING = 2.3
-"""Factor by which a solve takes more rays when its records lie half as far apart."""
+"""Factor by which the number of rays of a solve increases if the distance of its records is halved."""
 
 LATEST = 0.8
-"""Share of all the time after which an unfinished solve is given up, since laws can be wrong; the solve before it counts."""
+"""Share of the whole time after which an unfinished solve is abandoned, because the scaling laws can be wrong; the
+solve before it is then used."""
 
 
 def solve_within(
     scene: Scene, options: RecordOptions, deadline: float, purpose: Purpose, work: Work, care: Care
 ) -> Solution:
-    """Records that leave enough of the time until `deadline` (of `time.perf_counter`) for the pixels.
-
-    The options of the Solution hold the numbers that were chosen: with them `solve` makes the same records.
+    """Solve records that leave enough of the time until `deadline`, a value of `time.perf_counter`, for the pixels.
+    The options of the Solution hold the numbers that were chosen; `solve` makes the same records with them.
     """
     begun = clock.perf_counter()
     check_share = CHECK_SHARE if care.check else 0.0
@@ -52,7 +53,7 @@ def solve_within(
     total = last.statistics["rays"]
 
     def fitting() -> float:
-        """The number of rays that there is time for, by the speed of the last solve and without the share of a
+        """Return the number of rays for which there is time at the speed of the last solve, leaving time for a
         check."""
         left = max(0.0, deadline - clock.perf_counter())
         return left * last.statistics["rays"] / max(clock.perf_counter() - begun, 1e-9) / (1 + check_share)
@@ -60,8 +61,8 @@ def solve_within(
     timely = replace(work, progress=_until(begun + LATEST * (deadline - begun), work.progress))
     job = Job(scene, purpose, timely)
     try:
-        # First the places that are looked at come as close to each other as was asked for, since pixels without records
-        # cost the most.
+        # First, the positions of records become as close to each other as the options request, because pixels without
+        # records cost most.
         least, rays, most = last.options.least_pixels, last.statistics["rays"], fitting()
         while least >= 2 * options.least_pixels and rays * RAYS_OF_HALVING <= SHARE_OF_COVERAGE * most:
             least, rays = least / 2, rays * RAYS_OF_HALVING
@@ -71,11 +72,12 @@ def solve_within(
             covering = replace(last.options, least_pixels=least)
             last = job.solve(covering, 0.0 if finer_fits else check_share)
             total += last.statistics["rays"]
-        # Then all settings become finer.
+        # Then all options become finer.
         if finer_fits:
             ratio = (last.statistics["rays"] / max(1.0, SHARE_OF_RECORDS * fitting())) ** (1 / RAYS_EXPONENT)
             ratio = min(1.0, max(FINEST_STEP, ratio))
-            # Places lie at steps of powers of two: the next finer one only where there is time for all of it.
+            # The distance of positions is a power of two, so a finer one is used only if there is time for all of its
+            # positions.
             steps = math.floor(math.log2(1 / ratio) + 1e-6)
             fine = replace(finer(last.options, ratio), least_pixels=max(0.25, least / 2**steps))
             last = job.solve(fine, check_share)
@@ -91,7 +93,7 @@ class _LateError(Exception):
 
 
 def _until(latest: float, report: ProgressReport | None) -> ProgressReport:
-    """A `report` that also stops the work when the deadline has passed."""
+    """Wrap `report` in a progress function that also stops the work after the time `latest`."""
 
     def timely(phase: str, fraction: float, statistics: dict[str, float]) -> None:
         if clock.perf_counter() > latest:

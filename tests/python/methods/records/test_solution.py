@@ -76,10 +76,10 @@ def _write(path: Path, solution: eclat.Solution, **changes: Any) -> None:
 @pytest.mark.parametrize(
     ("changes", "message"),
     [
-        ({"format": 99}, "a cache of another version"),
-        ({"options": {"sharpness": 3}}, "its header is damaged"),
-        ({"options": {"max_error": 7}}, "its header is damaged"),
-        ({"max_depth": "deep"}, "its header is damaged"),
+        ({"format": 99}, "expected a cache of this version of Éclat, got one of another version"),
+        ({"options": {"sharpness": 3}}, "the header is damaged"),
+        ({"options": {"max_error": 7}}, "the header is damaged"),
+        ({"max_depth": "deep"}, "the header is damaged"),
         ({"near": np.zeros((3, 2), np.float32)}, "the array 'near' is damaged"),
         ({"far": np.full((1, 45), np.nan, np.float32)}, "the array 'far' is damaged"),
         ({"center": np.zeros(2)}, "the array 'center' is damaged"),
@@ -123,7 +123,7 @@ def test_merging_an_incomplete_cache_gives_an_incomplete_one(scene: eclat.Scene,
 
     both = eclat.merge(solution, replace(solution, complete=False))
     assert not both.complete and both.max_depth == 4 and len(both) == len(solution)
-    with pytest.raises(eclat.EclatError, match="options of its own: expected the same"):
+    with pytest.raises(eclat.EclatError, match="expected two solutions with the same options"):
         eclat.merge(solution, replace(solution, max_depth=3))
     with pytest.warns(eclat.EclatWarning, match="incomplete"):
         eclat.irradiance(scene, *POINTS, both, max_depth=4, samples=1)
