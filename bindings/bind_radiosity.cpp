@@ -21,8 +21,8 @@ namespace {
 
 // A patch by name: triangle; 1 for the back, 2 for one of unknown light; lower and upper half of its path.
 using PatchNames = Array<uint32_t, -1, 4>;
-// Direct and total irradiance, albedo, emitted radiosity.
-using PatchValues = Array<float, -1, 12>;
+// Direct and total irradiance, albedo, emitted and transmitted radiosity.
+using PatchValues = Array<float, -1, 15>;
 
 constexpr uint32_t back_bit = 1, unknown_bit = 2;
 
@@ -40,9 +40,9 @@ auto names_of(const std::vector<SolvedPatch>& patches) {
 }
 
 auto values_of(const std::vector<SolvedPatch>& patches) {
-    return float_array({patches.size(), 12}, [&](float* data) {
+    return float_array({patches.size(), 15}, [&](float* data) {
         for (const SolvedPatch& p : patches)
-            for (const Color& c : {p.direct, p.total, p.albedo, p.emitted})
+            for (const Color& c : {p.direct, p.total, p.albedo, p.emitted, p.transmitted})
                 for (int k = 0; k < 3; ++k) *data++ = c[k];
     });
 }
@@ -55,7 +55,7 @@ std::vector<SolvedPatch> patches_of(const PatchNames& names, const PatchValues& 
         const auto color = [&](size_t at) { return Color(values(i, at), values(i, at + 1), values(i, at + 2)); };
         p.name = {names(i, 0), (names(i, 1) & back_bit) != 0, names(i, 2) | uint64_t(names(i, 3)) << 32};
         p.unknown = (names(i, 1) & unknown_bit) != 0;
-        p.direct = color(0), p.total = color(3), p.albedo = color(6), p.emitted = color(9);
+        p.direct = color(0), p.total = color(3), p.albedo = color(6), p.emitted = color(9), p.transmitted = color(12);
     }
     return patches;
 }

@@ -868,7 +868,7 @@ class RadiosityField:
         self,
         arg0: Scene,
         arg1: Annotated[NDArray[numpy.uint32], dict(shape=(None, 4), order="C", device="cpu", writable=False)],
-        arg2: Annotated[NDArray[numpy.float32], dict(shape=(None, 12), order="C", device="cpu", writable=False)],
+        arg2: Annotated[NDArray[numpy.float32], dict(shape=(None, 15), order="C", device="cpu", writable=False)],
         arg3: int,
         /,
     ) -> None: ...

@@ -100,7 +100,7 @@ def test_points_behind_a_pane(light: str) -> None:
 CURTAIN = Material("translucent", {"reflectance": grey(0.3), "transmittance": grey(0.4)})
 
 
-@pytest.mark.parametrize("method", ["path", "irradiance-cache", "radiance-cache"])
+@pytest.mark.parametrize("method", ["path", "irradiance-cache", "radiance-cache", "radiosity"])
 @pytest.mark.parametrize("light", ["sun", "sky"])
 def test_light_through_a_curtain(light: str, method: str) -> None:
     """B = τ E / π + ρ_s ρ_g B below, and the floor of reflectance ρ_g sends ρ_g B back."""
@@ -126,8 +126,15 @@ VIEWS = {"floor": FLOOR, "from-below": CURTAIN_ABOVE, "from-above": CURTAIN_BELO
 @pytest.mark.parametrize("view", VIEWS)
 @pytest.mark.parametrize(
     "method",
-    [eclat.IrradianceCache(), eclat.PhotonMap(photons=20_000), eclat.PhotonMap(photons=20_000, gather=0)],
-    ids=["irradiance-cache", "photon-map", "photon-map-without-gather"],
+    [
+        eclat.IrradianceCache(),
+        eclat.PhotonMap(photons=20_000),
+        eclat.PhotonMap(photons=20_000, gather=0),
+        eclat.Radiosity(patches=2000),
+        eclat.Radiosity(patches=2000, gather=0),
+        eclat.Radiosity(patches=2000, gather=0, solver="shooting"),
+    ],
+    ids=["irradiance-cache", "photon-map", "photon-map-without-gather", "radiosity", "patches", "patches-by-shooting"],
 )
 def test_methods_agree_on_both_sides_of_a_curtain(small: Scene, method: Method, view: str) -> None:
     scene = replace(small, cameras=(Camera(VIEWS[view], fov=120.0),))
@@ -157,7 +164,7 @@ def test_a_cache_for_all_views_knows_what_comes_through_a_curtain(small: Scene) 
     assert found == pytest.approx(truth, rel=0.01)
 
 
-@pytest.mark.parametrize("method", ["irradiance-cache", "photon-map"])
+@pytest.mark.parametrize("method", ["irradiance-cache", "photon-map", "radiosity"])
 def test_points_behind_a_curtain(small: Scene, method: str) -> None:
     points, up = [(0.0, 0.2, 0.0), (2.0, 0.5, 1.0)], [(0.0, 1.0, 0.0)] * 2
     truth, found = (
@@ -174,7 +181,7 @@ def test_the_error_of_what_comes_through_a_curtain_is_stated(small: Scene) -> No
     assert image.metadata["statistics"]["estimated_error"] < 0.02
 
 
-@pytest.mark.parametrize("method", ["path", "irradiance-cache", "photon-map"])
+@pytest.mark.parametrize("method", ["path", "irradiance-cache", "photon-map", "radiosity"])
 def test_a_white_sheet_that_lets_half_through_is_invisible_in_a_furnace(method: str) -> None:
     sheet = Material("translucent", {"reflectance": grey(0.5), "transmittance": grey(0.5)})
     camera = Camera(look_at((0, 3, 0), (0, 1, 0.01), up=(0, 0, -1)), fov=20.0)

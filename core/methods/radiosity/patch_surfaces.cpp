@@ -64,7 +64,7 @@ class PatchMeter {
         const Material& material = world_.geometry.material_of(patch.triangle);
         const uint32_t emitter = world_.emitter(patch.triangle);
         const Frame frame = Frame::around(patch.normal);
-        Color albedo, emitted;
+        Color albedo, transmittance, emitted;
         float opacity = 0;
         const int count = samples(texture_samples);
         for (int i = 0; i < count; ++i) {
@@ -76,12 +76,19 @@ class PatchMeter {
             const SurfacePoint point = world_.geometry.surface_point(hit, wo);
             const Vec3 local = point.frame.to_local(wo);
             albedo += point.bsdf.albedo(local, material.transmits ? LobeSet::diffuse : LobeSet::all);
+            transmittance += point.bsdf.translucent_albedo(local);
             if (emitter != not_emitting) emitted += world_.lights.emitted(emitter, {hit.u, hit.v}, patch.normal);
             opacity += opacity_at(material, world_.geometry.coordinates(patch.triangle, hit.u, hit.v));
         }
         const float each = 1.0f / static_cast<float>(count);
-        // Below 1: a patch that reflects everything may stand among others that do.
-        out.albedo = min(albedo * each, Color(0.999f));
+        // Below 1: a patch that reflects everything, or lets it through, may stand among others that do.
+        constexpr float most_kept = 0.999f;
+        for (int k = 0; k < 3; ++k) {
+            const float scale =
+                each * std::min(1.0f, most_kept / std::max(1e-6f, each * (albedo[k] + transmittance[k])));
+            out.albedo[k] = albedo[k] * scale;
+            out.transmittance[k] = transmittance[k] * scale;
+        }
         out.emitted = emitted * (pi * each);
         out.opacity = opacity * each;
     }

@@ -16,9 +16,10 @@
 namespace eclat {
 
 struct PatchSurface {
-    Color albedo;   // mean over the patch, as if it reflected diffusely all that it reflects; without transmission
-    Color emitted;  // radiosity of its own light, π L_e, W m⁻²
-    Color lights;   // irradiance of the exposed part from points, spots, suns and the environment, W m⁻²
+    Color albedo;  // mean over the patch, as if it reflected diffusely all that it reflects; without transmission
+    Color transmittance;  // share of the other side's irradiance that it lets through diffusely, mean over the patch
+    Color emitted;        // radiosity of its own light, π L_e, W m⁻²
+    Color lights;         // irradiance of the exposed part from points, spots, suns and the environment, W m⁻²
     float opacity = 1;
     float closure = 1;        // share of its exposed part's form factors that other patches have: the rest is sky
     float closure_error = 0;  // two deviations of that; none where no ray met anything else

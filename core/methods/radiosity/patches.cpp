@@ -261,6 +261,14 @@ uint32_t PatchTree::find(const PatchName& name) const {
     return node;
 }
 
+uint32_t PatchTree::behind(uint32_t patch) const {
+    const PatchName front = name(patch);
+    uint32_t node = side_[2 * size_t(front.triangle) + !front.back];
+    for (int bit = 62 - __builtin_clzll(front.path); bit >= 0 && node != no_node && !nodes_[node].is_leaf(); --bit)
+        node = nodes_[node].child + static_cast<uint32_t>(front.path >> bit & 1);
+    return node;
+}
+
 void PatchTree::halve(uint32_t node) {
     const auto child = static_cast<uint32_t>(nodes_.size());
     nodes_.resize(child + 2);

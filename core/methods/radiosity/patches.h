@@ -66,6 +66,9 @@ class PatchTree {
     /// The patch at barycentric weights (u, v); `no_node` where that side has none.
     uint32_t find(uint32_t triangle, bool back, float u, float v) const;
     uint32_t find(const PatchName& name) const;
+    /// The node on the other side of its triangle that covers a patch: its mirror image, or a larger patch where that side is
+    /// not halved so far; `no_node` where that side has none.
+    uint32_t behind(uint32_t patch) const;
     PatchName name(uint32_t leaf) const;
 
   private:

@@ -44,10 +44,15 @@ PathResult patch_picture(const World& world, const RadiosityField& field, int ma
         result.direct = world.lights.emitted(emitter, {hit.u, hit.v}, wo);
     result.radiance = result.direct;
     if (max_depth == 1 || is_black(result.albedo)) return result;
-    if (const auto light = field.smooth(point)) {
-        result.direct += result.albedo * light->direct * inv_pi;
-        result.radiance = result.direct + result.albedo * light->indirect() * inv_pi;
-    }
+    const Vec3 local = point.frame.to_local(wo);
+    const auto add = [&](const SurfacePoint& side, Color albedo) {
+        const auto light = is_black(albedo) ? std::nullopt : field.smooth(side);
+        if (!light) return;
+        result.direct += albedo * light->direct * inv_pi;
+        result.radiance += albedo * light->total * inv_pi;
+    };
+    add(point, point.bsdf.diffuse_albedo(local));
+    add(point.other_side(), point.bsdf.translucent_albedo(local));
     return result;
 }
 

@@ -83,7 +83,18 @@ double power(const RadiositySystem& system, std::span<const Color> radiosity) {
 
 RadiositySystem::RadiositySystem(const PatchTree& tree, std::span<const PatchSurface> surfaces,
                                  const Exchanges& exchanges, int threads)
-    : tree_(tree), surfaces_(surfaces), exchanges_(exchanges), threads_(threads), factor_(tree.nodes().size(), 1) {}
+    : tree_(tree),
+      surfaces_(surfaces),
+      exchanges_(exchanges),
+      other_sides_(tree, surfaces),
+      threads_(threads),
+      factor_(tree.nodes().size(), 1) {}
+
+Color RadiositySystem::let_through(uint32_t patch, std::span<const Color> irradiance) const {
+    Color behind;
+    for (const auto& overlap : other_sides_.of(patch)) behind += irradiance[overlap.patch] * overlap.share;
+    return surfaces_[patch].transmittance * behind;
+}
 
 std::vector<Color> RadiositySystem::pull(std::span<const Color> radiosity) const {
     std::vector<Color> sent(tree_.nodes().size());
@@ -158,8 +169,7 @@ PatchLight solve_by_gathering(const RadiositySystem& system, const SolveLimits& 
         ++out.sweeps;
         std::vector<Color> change(radiosity.size());
         for (const uint32_t i : tree.leaves()) {
-            const PatchSurface& s = system.surface(i);
-            const Color next = s.emitted + s.albedo * out.total[i];
+            const Color next = system.leaving(i, out.total);
             for (int k = 0; k < 3; ++k) change[i][k] = std::fabs(next[k] - radiosity[i][k]);
             radiosity[i] = next;
         }
@@ -178,7 +188,7 @@ void refine_locally(const RadiositySystem& system, PatchLight& light, Progress& 
     std::vector<Color> emitted(tree.nodes().size()), radiosity(tree.nodes().size());
     for (const uint32_t i : tree.leaves()) {
         emitted[i] = system.surface(i).emitted;
-        radiosity[i] = emitted[i] + system.surface(i).albedo * light.total[i];
+        radiosity[i] = system.leaving(i, light.total);
     }
     const std::vector<Color> sent_emitted = system.pull(emitted), sent = system.pull(radiosity);
     const std::vector<Color> opaque = system.pull(system.known());

@@ -3,12 +3,15 @@
 
 // The radiosity equation over linked patches, and two ways to solve it [Goral84]:
 //
-//   B_i = E_i + ρ_i (H_i + Σ_j F_ij B_j)
+//   B_i = E_i + ρ_i I_i + τ_i I_i',   I_i = H_i + Σ_j F_ij B_j
 //
 //   B_i   radiosity                                      W m⁻²
 //   E_i   radiosity of its own light                     W m⁻²
 //   H_i   irradiance from lights that are no patches     W m⁻²
 //   F_ij  form factor
+//   I_i   irradiance                                     W m⁻²
+//   I_i'  the same of what lies behind it                W m⁻²
+//   ρ, τ  albedo, and transmittance from the back
 //
 // Irradiance comes down the tree from where links end to the patches below (push); radiosity goes up as the mean by area
 // (pull) [Hanrahan91].
@@ -21,6 +24,7 @@
 
 #include "base/progress.h"
 #include "methods/radiosity/links.h"
+#include "methods/radiosity/other_sides.h"
 #include "methods/radiosity/patch_surfaces.h"
 
 namespace eclat {
@@ -34,6 +38,7 @@ class RadiositySystem {
     const PatchTree& tree() const { return tree_; }
     const PatchSurface& surface(uint32_t patch) const { return surfaces_[patch]; }
     const Exchanges& exchanges() const { return exchanges_; }
+    const OtherSides& other_sides() const { return other_sides_; }
     int threads() const { return threads_; }
 
     /// Finds a factor for each patch so that the form factors of every patch sum to its closure, and applies it to all that
@@ -49,6 +54,14 @@ class RadiositySystem {
     /// Sums of form factors of all patches with those whose light is known, by node.
     std::vector<float> row_sums() const;
 
+    /// Radiosity of what a patch lets through, from the irradiance of all, by node.
+    Color let_through(uint32_t patch, std::span<const Color> irradiance) const;
+    /// All that leaves a patch: its own light, and what it reflects and lets through.
+    Color leaving(uint32_t patch, std::span<const Color> irradiance) const {
+        const PatchSurface& s = surfaces_[patch];
+        return s.emitted + s.albedo * irradiance[patch] + let_through(patch, irradiance);
+    }
+
     /// What nodes send, from the radiosity of patches; both by node.
     std::vector<Color> pull(std::span<const Color> radiosity) const;
     /// Irradiance of patches by other patches of these radiosities; both by node.
@@ -58,6 +71,7 @@ class RadiositySystem {
     const PatchTree& tree_;
     std::span<const PatchSurface> surfaces_;
     const Exchanges& exchanges_;
+    OtherSides other_sides_;
     int threads_;
     std::vector<float> factor_;
 };

@@ -31,12 +31,15 @@ class Shooter {
           sent_(waiting_.size()),
           patches_(waiting_.size(), 1) {
         light.total.resize(waiting_.size());
+        for (const uint32_t i : tree_.leaves()) light.total[i] = system_.surface(i).lights;
         for (uint32_t i = static_cast<uint32_t>(waiting_.size()); i-- > 0;) {
             if (tree_[i].is_leaf()) {
                 const PatchSurface& s = system_.surface(i);
-                reflects_[i] = s.albedo * (tree_[i].area * system_.receives(i));
-                unsent_[i] = s.emitted + s.albedo * s.lights;
-                light.total[i] = s.lights;
+                Color scattered = s.albedo;
+                for (const auto& o : system_.other_sides().of(i))
+                    scattered += system_.surface(o.patch).transmittance * o.share;
+                reflects_[i] = scattered * (tree_[i].area * system_.receives(i));
+                unsent_[i] = system_.leaving(i, light.total);
                 power_[i] = unsent_[i] * tree_[i].area;
             } else {
                 const uint32_t c = tree_[i].child;
@@ -54,6 +57,7 @@ class Shooter {
         subtree_.clear();
         collect(top);
         send_up(top);
+        hand_through();
         for (const uint32_t node : subtree_) send(node, sent_[node]);
         const Color power = sent_[top] * tree_[top].area;
         for (uint32_t up = tree_[top].parent; up != no_node; up = tree_[up].parent) send(up, power / tree_[up].area);
@@ -98,6 +102,10 @@ class Shooter {
             light.total[node] += arrived;
             sent_[node] = (unsent_[node] + s.albedo * arrived) * system_.sends(node);
             unsent_[node] = waiting_[node] = Color();
+            for (const auto& o : system_.other_sides().of(node)) {
+                const float spread = o.share * tree_[node].area / tree_[o.patch].area;
+                passed_.push_back({o.patch, system_.surface(o.patch).transmittance * arrived * spread});
+            }
             return;
         }
         push(node);
@@ -117,6 +125,16 @@ class Shooter {
         }
     }
 
+    /// Patches behind those that have just sent have what these let through to send in their turn.
+    void hand_through() {
+        for (const Passed& p : passed_) {
+            unsent_[p.patch] += p.radiosity;
+            const Color power = p.radiosity * tree_[p.patch].area;
+            for (uint32_t up = p.patch; up != no_node; up = tree_[up].parent) power_[up] += power;
+        }
+        passed_.clear();
+    }
+
     void send(uint32_t node, Color radiosity) {
         if (is_black(radiosity)) return;
         for (const auto& to : system_.exchanges().of(node)) {
@@ -130,11 +148,16 @@ class Shooter {
     const RadiositySystem& system_;
     const PatchTree& tree_;
     std::vector<Color> waiting_;   // irradiance that has not been handed to the patches below
-    std::vector<Color> reflects_;  // Σ ρ A of the patches below
+    std::vector<Color> reflects_;  // Σ (ρ + τ) A of the patches below, τ of what lies behind them
     std::vector<Color> power_;     // not sent yet by what lies below, W
     std::vector<Color> unsent_;    // of patches: light that lights made
     std::vector<Color> sent_;      // radiosity of this step
     std::vector<uint32_t> patches_, subtree_;
+    struct Passed {
+        uint32_t patch;
+        Color radiosity;
+    };
+    std::vector<Passed> passed_;  // through sheets in this step
 };
 
 }  // namespace

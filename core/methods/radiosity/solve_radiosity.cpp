@@ -123,12 +123,16 @@ class Solver {
     void refine() {
         std::vector<Color> radiosity(tree_.nodes().size());
         light_.total.resize(radiosity.size());
+        std::vector<Color> arriving(tree_.nodes().size());
+        for (const uint32_t i : tree_.leaves()) arriving[i] = max(inherited(i), surfaces_[i].lights);
+        const Exchanges none(tree_, {});
+        const RadiositySystem system(tree_, surfaces_, none, options_.threads);
         for (const uint32_t i : tree_.leaves()) {
             const PatchSurface& s = surfaces_[i];
-            radiosity[i] = s.emitted + max(s.albedo, Color(least_albedo)) * max(inherited(i), s.lights);
+            radiosity[i] =
+                s.emitted + max(s.albedo, Color(least_albedo)) * arriving[i] + system.let_through(i, arriving);
         }
-        const Exchanges none(tree_, {});
-        const std::vector<Color> sent = RadiositySystem(tree_, surfaces_, none, options_.threads).pull(radiosity);
+        const std::vector<Color> sent = system.pull(radiosity);
         std::vector<float> brightness(sent.size());
         for (size_t i = 0; i < sent.size(); ++i) brightness[i] = max_component(sent[i]);
         const float reference = mean(sent[0]);
@@ -238,8 +242,8 @@ class Solver {
         out.residual = light_.residual;
         for (const uint32_t i : tree_.leaves()) {
             const PatchSurface& s = surfaces_[i];
-            out.patches.push_back(
-                {tree_.name(i), light_.direct[i], light_.total[i], s.albedo, s.emitted, s.unknown() || s.cut});
+            out.patches.push_back({tree_.name(i), light_.direct[i], light_.total[i], s.albedo, s.emitted,
+                                   system.let_through(i, light_.total), s.unknown() || s.cut});
         }
         std::sort(out.patches.begin(), out.patches.end(), [](const SolvedPatch& a, const SolvedPatch& b) {
             if (a.name.triangle != b.name.triangle) return a.name.triangle < b.name.triangle;

@@ -33,6 +33,7 @@ struct SolvedPatch {
     PatchName name;
     Color direct, total;    // irradiance, W m⁻²
     Color albedo, emitted;  // mean albedo; radiosity of its own light, W m⁻²
+    Color transmitted;      // radiosity of what it lets through from its other side, W m⁻²
     bool unknown = false;   // its light, somewhere on it: it lies inside a solid, or a wall parts it
 };
 

@@ -28,14 +28,14 @@ class RadiositySolution(Solved):
 
     `patches` is (N, 4) uint32. Its columns are the index of the triangle; a set of bits (1: the patch is on the back,
     2: its light is unknown); and, in two halves, the sequence of halvings that leads from the triangle to the patch.
-    `values` is (N, 12) float32: irradiance straight from lights, total irradiance, albedo and emitted radiosity, with
-    three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`. The properties
+    `values` is (N, 15) float32: irradiance straight from lights, total irradiance, albedo, and emitted and transmitted
+    radiosity, with three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`. The properties
     give these values by name. `max_depth` is the greatest number of edges of a path in the solution; −1 means no limit.
     """
 
     called: ClassVar[str] = "radiosity solution"
     consists_of: ClassVar[str] = "patches"
-    format: ClassVar[int] = 2
+    format: ClassVar[int] = 3
 
     options: Radiosity
     fingerprint: str
@@ -110,9 +110,14 @@ class RadiositySolution(Solved):
         return self.values[:, 9:12]
 
     @property
+    def transmitted(self) -> np.ndarray:
+        """(N, 3) radiosity of the light that the patches let through from their other side, in W·m⁻²."""
+        return self.values[:, 12:15]
+
+    @property
     def radiosity(self) -> np.ndarray:
         """(N, 3) radiosity of all light that leaves the patches, in W·m⁻²; divided by π it is their radiance."""
-        leaving: np.ndarray = self.emitted + self.albedo * self.irradiance
+        leaving: np.ndarray = self.emitted + self.albedo * self.irradiance + self.transmitted
         return leaving
 
     def field(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
@@ -146,7 +151,7 @@ class RadiositySolution(Solved):
         patches, values, corners = (arrays.get(name, np.zeros(0)) for name in ("patches", "values", "corners"))
         count = len(patches) if patches.ndim else 0
         expected = {
-            "patches": (patches, (count, 4), np.uint32), "values": (values, (count, 12), np.float32),
+            "patches": (patches, (count, 4), np.uint32), "values": (values, (count, 15), np.float32),
             "corners": (corners, (count, 3, 3), np.float32),
         }  # fmt: skip
         for label, (array, shape, kind) in expected.items():
@@ -190,12 +195,11 @@ def _tell_of_gloss(scene: Scene) -> None:
     reflecting, transmitting = set(), set()
     for mesh in scene.meshes:
         for material in _parts(mesh.material):
-            if material.kind in ("dielectric", "thin_dielectric", "translucent") or (
-                material.kind == "metallic_roughness"
-                and {"transmission", "diffuse_transmission"} & material.parameters.keys()
+            if material.kind in ("dielectric", "thin_dielectric") or (
+                material.kind == "metallic_roughness" and "transmission" in material.parameters
             ):
                 transmitting.add(material.name or material.kind)
-            elif material.kind not in ("diffuse", "blend"):
+            elif material.kind not in ("diffuse", "translucent", "blend"):
                 reflecting.add(material.name or material.kind)
     if reflecting:
         warn(
