@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reflection as coefficients: f · cosθ_i of a lobe in harmonics over wi, tabulated over wo. Tables are kept on disk.
-
-The reflected radiance under light with coefficients λ is their dot product. docs/algorithms/radiance_cache.md says how
-accurate the tables are.
+"""Tables of the harmonic coefficients of BRDF lobes: for each view direction, f · cosθ_i as a function of the incident
+direction. Tables are kept on disk.
+If the incident light is given by coefficients too, the reflected radiance is the dot product of the two.
+docs/algorithms/radiance_cache.md describes the accuracy of the tables.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ Kind = Literal["lambert", "phong", "ward", "ggx", "beckmann", "metallic-roughnes
 Floats = NDArray[np.float32]
 
 MAX_ORDER = int(_core.max_table_order)
+"""Largest order of a table."""
 
 _BASES = {"spherical": _core.Basis.spherical, "hemispherical": _core.Basis.hemispherical}
 _CORE_KINDS = {
@@ -41,28 +42,30 @@ _CORE_KINDS = {
     "beckmann": _core.TableLobeKind.beckmann,
     "metallic-roughness": _core.TableLobeKind.ggx,
 }
-# α of the lobes of a metallic-roughness table, uniform in √α; below 0.1 no order up to 12 serves anywhere.
+# Values of α in a metallic-roughness table, uniform in √α. Lobes with α below 0.1 are too sharp for orders up to 12.
 _ROUGHNESS_AXIS = tuple(float(x) for x in np.linspace(0.1**0.5, 1, 20) ** 2)
 
 
 _LARGEST = 1e3
-"""No coefficient of a white lobe comes near it: it is at most the largest basis function, which is below 10."""
+"""Largest absolute value of a number in a valid table file. The coefficients of a white lobe are at most the largest
+basis function, which is below 10."""
 
 
 class Lookup(NamedTuple):
-    """Coefficients of a lobe for N directions."""
+    """The coefficients of a lobe for N view directions."""
 
     orders: NDArray[np.int64]
-    """(N,) order that the direction needs; 0 where the table's largest does not suffice: trace, do not cache."""
+    """(N,) order that each direction needs; 0 if the largest order of the table is not sufficient, so that the lobe
+    must be traced."""
     coefficients: Floats
-    """(N, terms, order²), zeros beyond each direction's order."""
+    """(N, terms, order²) coefficients, which are 0 beyond the order of each direction."""
     errors: Floats
-    """(N,) relative L2 error of the table's largest order."""
+    """(N,) relative L2 error with the largest order of the table."""
 
 
 @dataclass(frozen=True)
 class BrdfTable:
-    """A tabulated lobe; `brdf_table` makes it."""
+    """The table of a lobe, which `brdf_table` makes."""
 
     kind: Kind
     basis: Basis
@@ -71,24 +74,25 @@ class BrdfTable:
 
     @property
     def terms(self) -> int:
-        """1, or 3 where facets reflect: the factors of F0, of F90 and of the dip of metals (`split_conductor`)."""
+        """Number of terms: 3 for microfacet lobes, whose terms are multiplied by F0, by F90 and by the dip of the
+        reflectance of metals (`split_conductor`); 1 for other lobes."""
         return int(self.core.terms)
 
     def lookup(self, directions: ArrayLike, alpha: ArrayLike | None = None) -> Lookup:
-        """Coefficients for view directions (N, 3), unit vectors with z > 0 in the surface's frame.
-
-        `alpha` is the GGX roughness, a number or (N,), for "metallic-roughness" only.
+        """Look up the coefficients for view directions (N, 3), unit vectors with z > 0 in the frame of the surface.
+        `alpha` is the GGX roughness, a number or an array (N,); it is required for "metallic-roughness" and not allowed
+        otherwise. Raises EclatError for wrong shapes or numbers that are not finite.
         """
         w = np.ascontiguousarray(directions, np.float32)
         if w.ndim != 2 or w.shape[1] != 3 or not np.isfinite(w).all():
             raise EclatError(f"directions must be finite and have shape (N, 3), got {w.shape}")
         if (alpha is not None) != (self.kind == "metallic-roughness"):
             raise EclatError(
-                f"alpha must be given for tables over roughness, and for no others; this one is of {self.kind!r}"
+                f"alpha must be given for tables of 'metallic-roughness' and for no others; this table is of {self.kind!r}"
             )
         roughness = np.asarray(0.0 if alpha is None else alpha, np.float32)
         if roughness.shape not in ((), (len(w),)) or not np.isfinite(roughness).all():
-            raise EclatError(f"alpha must be a finite number or {len(w)} of them, got shape {roughness.shape}")
+            raise EclatError(f"alpha must be one finite number or an array of {len(w)}, got shape {roughness.shape}")
         orders, coefficients, errors = self.core.lookup(w, np.ascontiguousarray(np.broadcast_to(roughness, len(w))))
         return Lookup(np.asarray(orders).astype(np.int64), np.asarray(coefficients), np.asarray(errors))
 
@@ -106,25 +110,28 @@ def brdf_table(
     threads: int | None = None,
     progress: ProgressReport | None = None,
 ) -> BrdfTable:
-    """The coefficients of a white lobe over all view directions. They are computed once, in about a second, and then
-    read from disk.
+    """Return the table of the coefficients of a white lobe for all view directions. A table is computed once, in about
+    a second, and then read from disk.
 
     Parameters
     ----------
-    kind : "lambert"; "phong" with `exponent`; "ward", "ggx" or "beckmann" with `alpha`, one number or those along u and
-        v; "metallic-roughness" for GGX as in glTF with all roughnesses in one table. Reflection only.
-    masking : for "ggx", "correlated" if shadowing and masking are correlated by height, as in "metallic-roughness", or
-        "separable".
-    basis : "hemispherical", or "spherical" for least-squares fits (whose light is given by inner products over the
-        hemisphere: `harmonics.project`).
+    kind : the lobe: "lambert"; "phong" with `exponent`; "ward", "ggx" or "beckmann" with `alpha`; or
+        "metallic-roughness", the GGX lobe of glTF with all roughnesses in one table. Only reflection is tabulated.
+        alpha : roughness, one number or a pair along u and v, 0.001..1.
+        exponent : exponent of Phong's lobe, at least 0.
+    masking : for "ggx": "correlated" if shadowing and masking are correlated by height, as in "metallic-roughness";
+        otherwise "separable".
+    basis : "hemispherical", or "spherical" for least-squares fits. With fits, the light is given by inner products over
+        the hemisphere (`harmonics.project`).
     order : largest order, 1 to 12.
-    max_error : relative L2 error up to which a direction is cached; it decides each direction's order.
-    keep : read and write tables in the user's cache folder: `$XDG_CACHE_HOME/eclat`, or `~/.cache/eclat` if that is not
-        set.
+    max_error : largest relative L2 error, in (0, 1], with which a direction is represented. It determines the order of
+        each direction.
+    keep : whether to read and write tables in the cache folder of the user, `$XDG_CACHE_HOME/eclat`, or
+        `~/.cache/eclat` if that variable is not set.
 
     Raises
     ------
-    EclatError : arguments are out of range or missing.
+    EclatError : an argument is out of range or missing.
 
     Examples
     --------
@@ -144,7 +151,7 @@ def brdf_table(
     if masking not in ("separable", "correlated"):
         raise EclatError(f"masking must be separable or correlated, got {masking!r}")
     if masking == "correlated" and kind != "ggx":
-        raise EclatError(f"correlated masking is for 'ggx', got {kind!r}")
+        raise EclatError(f"masking 'correlated' is only for the kind 'ggx', got {kind!r}")
     correlated = masking == "correlated" or kind == "metallic-roughness"
     isotropic = all(u == v for u, v in lobes)
     resolution = 2 if kind == "lambert" else 64 if isotropic else 32
@@ -161,28 +168,32 @@ def brdf_table(
 
 
 def split_conductor(eta: tuple[float, float, float], k: tuple[float, float, float]) -> Floats:
-    """(3 terms, RGB) factors of a conductor's Fresnel reflectance, complex index eta + i·k per channel."""
+    """Compute the factors (3 terms, RGB) of the Fresnel reflectance of a conductor with the complex index eta + i·k per
+    channel."""
     return np.asarray(_core.split_conductor(eta, k))
 
 
 def split_dielectric(ior: float) -> Floats:
-    """(3 terms, RGB) factors of a dielectric interface's reflectance; `ior` is inside over outside."""
+    """Compute the factors (3 terms, RGB) of the reflectance of a dielectric interface; `ior` is the index inside
+    divided by that outside."""
     return np.asarray(_core.split_dielectric(ior))
 
 
 def cache_folder() -> Path:
-    """The folder of tables by the XDG base directory specification. Raises EclatError if the environment names none."""
+    """Return the folder of the tables according to the XDG base directory specification.
+    Raises EclatError if neither HOME nor XDG_CACHE_HOME is set.
+    """
     given = os.environ.get("XDG_CACHE_HOME", "")
     # The specification says that a relative path is ignored.
     try:
         base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"
     except RuntimeError:
-        raise EclatError("the cache folder: expected HOME or XDG_CACHE_HOME to be set, got neither") from None
+        raise EclatError("cache folder: expected HOME or XDG_CACHE_HOME to be set, got neither") from None
     return base / "eclat"
 
 
 def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: float | None) -> list[tuple[float, float]]:
-    """The parameters along u and v, one pair per lobe."""
+    """Return the parameters along u and v, one pair for each lobe of the table."""
     if kind not in get_args(Kind):
         known = get_args(Kind)
         raise EclatError(f"kind must be one of {', '.join(known)}, got {kind!r}{did_you_mean(str(kind), known)}")
@@ -204,7 +215,7 @@ def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: floa
 
 @cache
 def _core_digest() -> str:
-    """A digest of the code that makes tables. It identifies tables that other code has made."""
+    """Compute a digest of the compiled core, so that tables of another version are not used."""
     return hashlib.sha256(Path(str(_core.__file__)).read_bytes()).hexdigest()
 
 
@@ -213,28 +224,29 @@ def _key(*parameters: object) -> str:
 
 
 def _file(key: str) -> Path | None:
-    """The file of a table; None, with a warning, if there is no cache folder."""
+    """Return the file of a table, or warn and return None if there is no cache folder."""
     try:
         return cache_folder() / f"brdf-{key}.npz"
     except EclatError as error:
-        warn(f"{error}; the table is not kept")
+        warn(f"{error}; the table is not kept and will be computed again")
         return None
 
 
 def _read(path: Path, lobes: list[_core.TableLobe], options: _core.BrdfTableOptions) -> _core.BrdfTable | None:
-    """The table in a file; None, with a warning, if the file is damaged."""
+    """Read the table in a file; return None if there is no file, or, with a warning, if it is damaged."""
     if not os.path.lexists(path):
         return None
     try:
         arrays = arrays_from(read_file(path, where=str(path)), str(path))
         values = [arrays[name] for name in ("orders", "errors", "coefficients")]
-        # A checksum tells that no byte has changed since, not that what was written was right.
+        # The checksum of the file shows that no byte has changed, but not that the numbers were valid when they were
+        # written.
         if not all(array.dtype.kind in "fu" and (np.abs(array) <= _LARGEST).all() for array in values):
             raise ValueError(f"numbers that are not finite, or larger than {_LARGEST:g}")
         return _core.BrdfTable(lobes, options, *values)
     except (ValueError, TypeError, KeyError) as error:
         reason = str(error).removeprefix(f"{path}: ")
-        warn(f"{path}: damaged ({reason}); the table is computed anew")
+        warn(f"{path}: the table cannot be read ({reason}) and is computed again")
         return None
 
 

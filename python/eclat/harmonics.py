@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Functions of direction as coefficients of real harmonics: evaluate, project, fit, rotate, window, reconstruct.
-
-`basis` is "spherical" (orthonormal on the sphere) or "hemispherical" (orthonormal on z ≥ 0, 0 below; Gautron et al.
-2004). Order n means n bands, n² coefficients; that of (l, m) stands at l² + l + m, m > 0 with √2 cos mφ, m < 0 with
-√2 sin |m|φ, without Condon–Shortley phase. Directions are (N, 3) unit vectors. All computation is in double precision.
+"""Functions of direction as coefficients of real spherical or hemispherical harmonics, in double precision.
+`basis` is "spherical" (orthonormal on the sphere) or "hemispherical" (orthonormal on the hemisphere z ≥ 0 and 0 below
+it; Gautron et al. 2004). Order n means n bands and n² coefficients. The coefficient of (l, m) has the index l² + l + m;
+the azimuthal factor is √2 cos mφ for m > 0 and √2 sin |m|φ for m < 0, without the Condon–Shortley phase. Directions are
+unit vectors (N, 3).
 """
 
 from __future__ import annotations
@@ -24,6 +24,7 @@ Horizon = Literal["continued", "dark"]
 Doubles = NDArray[np.float64]
 
 MAX_ORDER = int(_core.max_harmonic_order)
+"""Largest order of all functions of this module."""
 
 _BASES = {"spherical": _core.Basis.spherical, "hemispherical": _core.Basis.hemispherical}
 _HORIZONS = {"continued": _core.Horizon.continued, "dark": _core.Horizon.dark}
@@ -31,7 +32,7 @@ _WINDOWS = {"hanning": _core.Window.hanning, "lanczos": _core.Window.lanczos}
 
 
 def evaluate(basis: Basis, order: int, directions: ArrayLike) -> Doubles:
-    """Values of all harmonics of `order` in each direction: (N, order²).
+    """Evaluate all harmonics up to `order` in each direction, (N, order²).
 
     Hemispherical harmonics are 0 below the horizon.
 
@@ -44,11 +45,12 @@ def evaluate(basis: Basis, order: int, directions: ArrayLike) -> Doubles:
 
 
 def quadrature(count: int, domain: Domain = "hemisphere") -> tuple[Doubles, Doubles]:
-    """Directions (N, 3) and weights (N,) in sr, N = 2 count², for integrals over the sphere or over z ≥ 0.
-
-    `count` Gauss–Legendre heights (of cosθ on the sphere; of √cosθ on the hemisphere, so that lobes along the surface
-    and hemispherical harmonics are smooth) times 2 `count` azimuths. Harmonics up to order `count` come out orthonormal
-    to rounding on the sphere; on the hemisphere take twice as many.
+    """Make N = 2 count² directions (N, 3) and weights (N,) in sr for integrals over the sphere or over the hemisphere z
+    ≥ 0.
+    There are 2 `count` azimuths and `count` polar angles. These are Gauss–Legendre nodes of cosθ on the sphere, and of
+    √cosθ on the hemisphere, as functions of which grazing lobes and hemispherical harmonics are smooth. On the sphere,
+    harmonics up to order `count` are orthonormal up to rounding errors; on the hemisphere, `count` must be twice the
+    order.
 
     Examples
     --------
@@ -76,13 +78,13 @@ def quadrature(count: int, domain: Domain = "hemisphere") -> tuple[Doubles, Doub
 def project(
     basis: Basis, order: int, directions: ArrayLike, values: ArrayLike, weights: ArrayLike | None = None
 ) -> Doubles:
-    """The inner products with all harmonics, Σ weight · value · harmonic, shape (order²,) or (order², C).
+    """Compute the inner products Σ weight · value · harmonic with all harmonics, of shape (order²,) or (order², C).
 
     Parameters
     ----------
-    values : (N,) or (N, C), the function in each direction.
-    weights : (N,) in sr: those of a quadrature, or 1 / (N · density) of random directions. None is 2π / N, that of
-        directions spread evenly over the hemisphere.
+    values : (N,) or (N, C), the values of the function in each direction.
+    weights : (N,) in sr: those of a quadrature, or 1 / (N · density) for random directions. None means 2π / N, for
+        directions that are distributed uniformly over the hemisphere.
 
     Examples
     --------
@@ -95,16 +97,17 @@ def project(
     f, one_channel = _channels("values", values, len(w))
     d = np.full(len(w), 2 * np.pi / max(len(w), 1)) if weights is None else np.ascontiguousarray(weights, np.float64)
     if d.shape != (len(w),) or not np.isfinite(d).all():
-        raise EclatError(f"weights must be {len(w)} finite numbers, one a direction, got shape {d.shape}")
+        raise EclatError(f"weights must be {len(w)} finite numbers, one per direction, got shape {d.shape}")
     return _result(_core.project_harmonics(_basis(basis), _order(order), w, f, d), one_channel)
 
 
 def fit(inner_products: ArrayLike, tikhonov: float = 1e-6) -> Doubles:
-    """The spherical coefficients of the best fit on the hemisphere, from inner products over it. The shape stays.
-
-    `project("spherical", …)` over the hemisphere gives coefficients of a function that is 0 below the horizon; its step
-    there costs accuracy. A least-squares fit leaves the lower half free; `tikhonov` times the squared norm of the
-    coefficients is added to keep it bounded. It is the best of the three representations for lobes along the surface.
+    """Compute the spherical coefficients of the least-squares fit on the hemisphere from inner products over the
+    hemisphere.
+    The result has the shape of `inner_products`. `project("spherical", …)` over the hemisphere gives the coefficients
+    of a function that is 0 below the horizon, and its discontinuity there reduces the accuracy. The least-squares fit
+    does not constrain the function below the horizon; `tikhonov` times the squared norm of the coefficients is added to
+    the squared error to keep it bounded. For grazing lobes, this is the best of the three representations.
 
     Examples
     --------
@@ -115,7 +118,7 @@ def fit(inner_products: ArrayLike, tikhonov: float = 1e-6) -> Doubles:
     """
     c, one_channel, order = _coefficients(inner_products)
     if not (tikhonov >= 0 and np.isfinite(tikhonov)):
-        raise EclatError(f"tikhonov must be a finite number ≥ 0, got {tikhonov}")
+        raise EclatError(f"tikhonov must be a finite number of at least 0, got {tikhonov}")
     try:
         return _result(_core.fit_hemisphere(order, tikhonov, c), one_channel)
     except ValueError as error:
@@ -123,7 +126,7 @@ def fit(inner_products: ArrayLike, tikhonov: float = 1e-6) -> Doubles:
 
 
 def reconstruct(basis: Basis, coefficients: ArrayLike, directions: ArrayLike) -> Doubles:
-    """The sum of coefficients times harmonics in each direction: (N,) or (N, C).
+    """Evaluate the function that coefficients represent in each direction, (N,) or (N, C).
 
     Examples
     --------
@@ -135,10 +138,10 @@ def reconstruct(basis: Basis, coefficients: ArrayLike, directions: ArrayLike) ->
 
 
 def window(kind: Window, coefficients: ArrayLike) -> Doubles:
-    """Coefficients with a factor for each band that reduces ringing. The factor of band 0 is 1, which keeps the mean.
-
-    "hanning" is (1 + cos πl/n) / 2, "lanczos" is sin(πl/n) / (πl/n). Use it for lighting in an orthonormal basis, not
-    for BRDFs or for the inputs and outputs of `fit`.
+    """Multiply the coefficients of each band by a factor that reduces ringing. The factor of band 0 is 1, which keeps
+    the mean.
+    The factor of band l of n is (1 + cos πl/n) / 2 for "hanning" and sin(πl/n) / (πl/n) for "lanczos". Windows are for
+    light in an orthonormal basis, and not for BRDFs or for the inputs and outputs of `fit`.
 
     Examples
     --------
@@ -162,18 +165,19 @@ def rotate(
     spherical_order: int | None = None,
     tolerance: float = 0.0,
 ) -> Doubles:
-    """Coefficients of w ↦ f(Rᵀ w) from those of f: same shape.
+    """Rotate a function: compute the coefficients of w ↦ f(Rᵀ w) from those of f, in the same shape.
 
     Parameters
     ----------
     rotation : (3, 3) rotation matrix R.
-    horizon : hemispherical basis only: the values that rise above the horizon if R tilts z. "continued" continues the
-        function smoothly, which is good for tilts up to about 0.2 rad. "dark" is 0, as in Gautron et al. 2004. Both
-        lose accuracy (docs/algorithms/radiance_cache.md says how much); only turns about z are exact.
-    spherical_order : hemispherical basis only: order of the spherical harmonics used in between; by default the order +
-        2 for "continued", twice the order for "dark".
-    tolerance : spherical basis only: above 0, use a series that stops at this relative error; faster for single vectors
-        where R tilts z by little.
+    horizon : for the hemispherical basis: the values of the function that rotate up from below the horizon if R tilts
+        the z axis. "continued" continues the function smoothly, which is accurate for tilts up to about 0.2 rad. "dark"
+        takes 0, as in Gautron et al. 2004. Both lose accuracy, as docs/algorithms/radiance_cache.md describes; only
+        rotations about z are exact.
+    spherical_order : for the hemispherical basis: order of the spherical harmonics that are used as an intermediate
+        basis. The default is the order + 2 for "continued" and twice the order for "dark".
+    tolerance : for the spherical basis: if above 0, a series is used that ends at this relative error. It is faster for
+        single vectors and rotations that tilt the z axis only a little.
 
     Examples
     --------
@@ -223,7 +227,7 @@ def _directions(directions: ArrayLike) -> Doubles:
 
 
 def _channels(name: str, values: ArrayLike, count: int | None = None) -> tuple[Doubles, bool]:
-    """(N, C), and whether it was (N,)."""
+    """Return the values as (N, C), and whether they were given as (N,)."""
     f = np.ascontiguousarray(values, np.float64)
     if f.ndim not in (1, 2) or (count is not None and len(f) != count):
         expected = "" if count is None else f" for {count} directions"
@@ -234,11 +238,11 @@ def _channels(name: str, values: ArrayLike, count: int | None = None) -> tuple[D
 
 
 def _coefficients(values: ArrayLike) -> tuple[Doubles, bool, int]:
-    """(order², C), whether it was (order²,), and the order."""
+    """Return the coefficients as (order², C), whether they were given as (order²,), and the order."""
     c, one_channel = _channels("coefficients", values)
     order = round(len(c) ** 0.5)
     if order * order != len(c) or not 1 <= order <= MAX_ORDER:
-        raise EclatError(f"coefficients must be order² of them with order in [1, {MAX_ORDER}], got {len(c)}")
+        raise EclatError(f"coefficients must be order² numbers for an order in [1, {MAX_ORDER}], got {len(c)}")
     return c, one_channel, order
 
 

@@ -1,13 +1,13 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """A scene as plain data: frozen dataclasses that hold NumPy arrays. Loaders create them, and the core reads them.
+The conventions, which the core shares, are:
 
-Conventions (the core's are the same):
-
-- right-handed world, lengths in metres; scene-linear RGB, Rec. 709 primaries; radiance in W·sr⁻¹·m⁻²;
-- directions point away from the surface; a triangle's geometric normal follows counter-clockwise order;
-- texture coordinates: (0, 0) is the *top-left* corner of the image, v grows downwards, as in glTF;
-- roughness means GGX α everywhere here (glTF's roughness squared).
+- the world is right-handed, with lengths in metres; colours are scene-linear RGB with Rec. 709 primaries; radiance is in
+  W·sr⁻¹·m⁻²;
+- directions point away from the surface; the corners of a triangle are counter-clockwise as seen from its front;
+- the texture coordinates (0, 0) are the *top-left* corner of the image, and v increases downwards, as in glTF;
+- roughness always means the α of GGX, which is the square of glTF's roughness.
 """
 
 from __future__ import annotations
@@ -27,8 +27,8 @@ FloatArray = NDArray[np.floating]
 class Texture:
     """An image that varies a parameter over a surface.
 
-    `image` is (H, W, C) with C in 1..4, either uint8 (0..255 meaning 0..1) or float32. With `srgb` the first three
-    channels are decoded with the sRGB transfer function, alpha never is. Row 0 is v = 0.
+    `image` is (H, W, C) with C in 1..4, either uint8 (0..255 means 0..1) or float32. With `srgb`, the first three
+    channels are decoded with the sRGB transfer function; alpha is never decoded. Row 0 is at v = 0.
     """
 
     image: NDArray[Any]
@@ -47,9 +47,9 @@ class Texture:
 class Value:
     """A material parameter: `constant`, multiplied by the texel if there is a texture.
 
-    A scalar parameter uses `constant[0]` (give all three the same number) and reads the texture's `channel`;
-    a colour uses all three and reads RGB (or the one `channel` as grey).
-    `uv_transform` is the 2×3 affine map applied to (u, v, 1) before the lookup.
+    A scalar parameter uses `constant[0]`, to which the other two numbers should be equal, and reads the `channel` of
+    the texture. A colour uses all three numbers and reads RGB, or one `channel` as grey. `uv_set` is 0 or 1, the set of
+    texture coordinates; `uv_transform` is a 2×3 affine map that is applied to (u, v, 1) before the lookup.
     """
 
     constant: tuple[float, float, float]
@@ -58,28 +58,28 @@ class Value:
     uv_set: int = 0
     uv_transform: tuple[tuple[float, float, float], tuple[float, float, float]] = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
     invert: bool = False
-    """Use 1 − texel instead of texel (a few formats store transparency instead of opacity)."""
+    """Whether 1 − texel is used instead of texel, for formats that store transparency instead of opacity."""
     square: bool = False
-    """Use constant² · texel² (glTF stores the square root of the GGX α that we use)."""
+    """Whether constant² · texel² is used, because glTF stores the square root of the GGX α."""
 
 
 def grey(value: float) -> Value:
-    """A scalar (or neutral colour) that does not vary."""
+    """Make a scalar, or a neutral colour, that is constant over the surface."""
     return Value((float(value),) * 3)
 
 
 def rgb(r: float, g: float, b: float) -> Value:
-    """A colour that does not vary."""
+    """Make a colour that is constant over the surface."""
     return Value((float(r), float(g), float(b)))
 
 
 @dataclass(frozen=True, eq=False)
 class NormalMap:
-    """Perturbation of the shading normal.
-
-    kind "normal": a tangent-space normal map (texel·2 − 1), xy scaled by `scale`; x and y lie along the tangents and
-    bitangents of the mesh or, where it has none, along growing u and against growing v (up in the image, as in glTF).
-    kind "bump": a height map; `scale` is the height in metres of a white texel, gradients by finite differences.
+    """A perturbation of the shading normal.
+    The kind "normal" is a normal map in tangent space (texel · 2 − 1), whose x and y are multiplied by `scale`. They
+    are along the tangents and bitangents of the mesh, or, if it has none, along increasing u and decreasing v (up in
+    the image, as in glTF). The kind "bump" is a height map; `scale` is the height of a white texel in metres, and
+    gradients are finite differences.
     """
 
     value: Value
@@ -88,7 +88,7 @@ class NormalMap:
 
 
 MATERIAL_KINDS: dict[str, tuple[str, ...]] = {
-    # kind: the names of its parameters (`Material.parameters`); missing ones take DEFAULTS
+    # Maps each kind to the names of its parameters (`Material.parameters`); missing parameters take DEFAULTS.
     "diffuse": ("reflectance",),
     "phong": ("diffuse_reflectance", "specular_reflectance", "exponent"),
     "ward": ("diffuse_reflectance", "specular_reflectance", "alpha_u", "alpha_v"),
@@ -137,56 +137,61 @@ DEFAULTS: dict[str, Value] = {
 
 @dataclass(frozen=True, eq=False)
 class Material:
-    """How a surface reflects, transmits and emits.
-
-    `kind` is a key of `MATERIAL_KINDS`, `parameters` are its values (the rest from `DEFAULTS`). An `alpha_u` of 0
-    is a perfectly smooth interface (mirror, glass, polish); `alpha_v` missing means isotropic. A conductor with
-    eta = 0 and k = 1 reflects everything, times `specular_reflectance`. `ior` is interior over exterior, the exterior
-    being on the normal's side. `ior` and `eta`, `k` cannot be textured.
-    `plastic`: a dielectric coat of `alpha_u` over a diffuse base.
-    `thin_walled` (metallic_roughness): transmission does not refract.
+    """The reflection, transmission and emission of a surface.
+    `kind` is a key of `MATERIAL_KINDS`; `parameters` are its values, and those that are missing come from `DEFAULTS`.
+    An `alpha_u` of 0 is a perfectly smooth interface (a mirror, glass or polish); without `alpha_v` the material is
+    isotropic. A conductor with eta = 0 and k = 1 reflects all light, times `specular_reflectance`. `ior` is the index
+    of the interior divided by that of the exterior, which is on the side of the normal. `ior`, `eta` and `k` cannot be
+    textured. A `plastic` is a dielectric coat of roughness `alpha_u` over a diffuse base. With `thin_walled`, the
+    transmission of a metallic_roughness material does not refract.
     """
 
     kind: str = "diffuse"
     parameters: dict[str, Value] = field(default_factory=dict)
     name: str = ""
     two_sided: bool = True
-    """Reflects on both sides; else its back is black (dielectrics and transmission always act on both)."""
+    """Whether the material reflects on both sides; otherwise its back is black. Dielectrics and transmission always act
+    on both sides."""
     back: Material | None = None
-    """With `two_sided`, another material for the back."""
+    """Another material for the back, with `two_sided`; None means the same material."""
     back_culled: bool = False
-    """Without `two_sided`, its back is not black but not there: rays that come from behind pass through. So are
-    single-sided materials of glTF [glTF 2.0 specification, section 3.9.6, Double Sided]. What one sees is what lights:
-    eyes see through a culled back, and light comes to a point through one just where the point sees through it."""
+    """Without `two_sided`: whether the back is invisible instead of black, so that rays from behind pass through, as
+    for single-sided materials of glTF [glTF 2.0 specification, section 3.9.6, Double Sided]. Light passes through a
+    culled back exactly where a viewer at the lit point sees through it."""
     distribution: Literal["ggx", "beckmann"] = "ggx"
     nonlinear: bool = False
-    """plastic: colour shifts by internal scattering."""
+    """Whether internal scattering shifts the colour of a plastic."""
     ward_variant: Literal["bounded", "duer"] = "bounded"
-    """`duer` (energy may exceed 1 at grazing angles) is mapped to the bounded variant with a warning."""
+    """Variant of Ward's model. `duer`, which may reflect more than all light at grazing angles, is replaced by
+    `bounded`, with a warning."""
     thin_walled: bool = True
     children: tuple[Material, ...] = ()
     opacity: Value = field(default_factory=lambda: grey(1.0))
-    """Probability that a ray meets the surface; the rest goes straight through (masks, blended alpha, `d`)."""
+    """Probability that a ray hits the surface instead of passing straight through it (masks, blended alpha, the `d` of
+    MTL files)."""
     alpha_cutoff: float | None = None
-    """With a number, opacity below it is 0 and else 1 (glTF alphaMode MASK)."""
+    """Threshold below which the opacity is 0, and from which on it is 1 (glTF's alphaMode MASK); None uses the opacity
+    itself."""
     vertex_colors: bool = False
-    """Multiply base colour / reflectance (and opacity by their alpha) by the mesh's vertex colours."""
+    """Whether the base colour or reflectance is multiplied by the vertex colours of the mesh, and the opacity by their
+    alpha."""
     normal_map: NormalMap | None = None
     emission: Value | None = None
-    """Emitted radiance on the normal's side; None = does not emit."""
+    """Radiance that is emitted on the side of the normal; None means that the surface does not emit."""
     emission_two_sided: bool = False
-    """Emits on both sides: only where a format says so. glTF's `doubleSided` does, since a back face is shaded as a
-    front with its normal reversed, emission included [glTF 2.0 specification, section 3.9.6, Double Sided]."""
+    """Whether the surface emits on both sides, which only some formats request. In glTF, `doubleSided` requests it,
+    because a back face is shaded, including emission, like a front face with the normal reversed [glTF 2.0
+    specification, section 3.9.6, Double Sided]."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
     """Triangles in world space with one material.
 
-    positions (V, 3) float64 or float32; triangles (T, 3) integer; normals (V, 3) unit or None for flat shading;
-    uvs, uvs2 (V, 2); colors (V, 4) float32 linear; tangents (V, 4), xyz unit and w = ±1, only used by normal maps:
-    red lies along the tangent, green along the bitangent w · normal × tangent (MikkTSpace). Where they are missing,
-    both follow the texture coordinates.
+    `positions` (V, 3) are float64 or float32, in metres; `triangles` (T, 3) are integers; `normals` (V, 3) are unit
+    vectors, or None for flat shading; `uvs` and `uvs2` are (V, 2); `colors` (V, 4) are linear float32. `tangents` (V,
+    4), whose xyz is a unit vector and whose w is ±1, are used only by normal maps: red is along the tangent, green
+    along the bitangent w · normal × tangent (MikkTSpace). Without tangents, both follow the texture coordinates.
     """
 
     positions: FloatArray
@@ -205,7 +210,7 @@ class Mesh:
 
 @dataclass(frozen=True)
 class PointLight:
-    """A point that shines equally in all directions; `intensity` in W·sr⁻¹ (candela in a photometric scene)."""
+    """A point that emits equally in all directions; `intensity` is in W·sr⁻¹ (candela in a photometric scene)."""
 
     position: tuple[float, float, float]
     intensity: tuple[float, float, float]
@@ -213,10 +218,10 @@ class PointLight:
 
 @dataclass(frozen=True)
 class SpotLight:
-    """A cone of light. `intensity` on the axis in W·sr⁻¹; angles in degrees from the axis.
-
-    falloff "linear": 1 inside `inner_angle`, linear in angle to 0 at `outer_angle` (Mitsuba);
-    "smooth": glTF's squared, clamped ramp in cosine.
+    """A point that emits within a cone. `intensity` on the axis is in W·sr⁻¹; angles are in degrees from the axis.
+    With the `falloff` "linear", the intensity is constant up to `inner_angle` and decreases linearly with the angle to
+    0 at `outer_angle`, as in Mitsuba. With "smooth", it is the square of a clamped linear ramp of the cosine, as in
+    glTF.
     """
 
     position: tuple[float, float, float]
@@ -229,9 +234,10 @@ class SpotLight:
 
 @dataclass(frozen=True)
 class DirectionalLight:
-    """Light from infinity that travels along `direction`; `irradiance` in W·m⁻² is that on a surface facing it.
-
-    `angular_radius` in degrees: 0 is a delta light, 0.2665 the sun seen from Earth (a visible disc).
+    """Light from infinity that travels along `direction`; `irradiance` in W·m⁻² is that on a surface that faces the
+    light.
+    `angular_radius` is in degrees: 0 is a delta light; 0.2665 is the sun as seen from Earth, which is visible as a
+    disc.
     """
 
     direction: tuple[float, float, float]
@@ -241,10 +247,9 @@ class DirectionalLight:
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """Radiance from infinity: an (H, W, 3) float32 equirectangular image (1×1 for a constant one).
-
-    Row 0 is the direction +y of the environment's frame; the image's centre column is −z, u grows towards +x,
-    i.e. u = 0.5 + atan2(x, −z) / 2π. `to_world` (3×3 rotation) takes the environment's frame to the world.
+    """Radiance from infinity, as an equirectangular image (H, W, 3), float32; 1 × 1 for a constant radiance.
+    Row 0 is at the direction +y of the environment's frame; the centre column is at −z, and u increases towards +x: u =
+    0.5 + atan2(x, −z) / 2π. `to_world` is a 3×3 rotation that maps the environment's frame to the world.
     """
 
     image: NDArray[np.float32]
@@ -256,12 +261,11 @@ class Environment:
 
 @dataclass(frozen=True, eq=False)
 class Camera:
-    """A pinhole or thin-lens camera in glTF's convention: looks along local −z, +y up, +x right.
-
-    `to_world` is 4×4 (a mirrored one mirrors the picture). `fov` in degrees along `fov_axis`, or, with
-    `projection` "orthographic", `fov` is the full height in metres along that axis.
-    `aperture_radius` > 0 in metres blurs what is not at `focus_distance`. `size` is the wanted (width, height), a hint.
-    `shift` moves the principal point, in fractions of the image's width and height.
+    """A pinhole or thin-lens camera in glTF's convention: it looks along its −z axis, with +y up and +x to the right.
+    `to_world` is a 4×4 matrix; if it mirrors, the picture is mirrored. `fov` is in degrees along `fov_axis`; with the
+    `projection` "orthographic", it is the full extent in metres along that axis. An `aperture_radius` above 0, in
+    metres, blurs surfaces that are not at `focus_distance`. `size` is the preferred (width, height) of pictures.
+    `shift` moves the principal point, in fractions of the width and height of the picture.
     """
 
     to_world: FloatArray
@@ -275,9 +279,8 @@ class Camera:
     name: str = ""
 
     def half_extent(self, aspect: float) -> tuple[float, float]:
-        """Half width and height of the image plane at distance 1 (orthographic: in metres); `aspect` is width / height.
-
-        Raises EclatError for a field of view that is not between 0 and 180 degrees.
+        """Compute half the width and half the height of the image plane at distance 1, or in metres if orthographic.
+        `aspect` is width / height. Raises EclatError if the field of view is not between 0 and 180 degrees.
         """
         if self.projection == "orthographic":
             half = self.fov / 2
@@ -297,7 +300,7 @@ class Camera:
 
 
 def triangle_areas(corners: FloatArray) -> FloatArray:
-    """(N,) areas of triangles, m², from (N, 3, 3) positions of their corners in metres."""
+    """Compute the areas (N,) of triangles in m² from the positions (N, 3, 3) of their corners in metres."""
     a, b, c = np.moveaxis(np.asarray(corners, dtype=np.float64), 1, 0)
     twice: FloatArray = np.linalg.norm(np.cross(b - a, c - a), axis=1)
     return twice / 2
@@ -306,7 +309,8 @@ def triangle_areas(corners: FloatArray) -> FloatArray:
 def look_at(
     origin: tuple[float, float, float], target: tuple[float, float, float], up: tuple[float, float, float] = (0, 1, 0)
 ) -> FloatArray:
-    """The 4×4 `to_world` of a camera at `origin` that looks at `target`. Raises ValueError where they coincide."""
+    """Make the 4×4 matrix `to_world` of a camera at `origin` that looks at `target`. Raises ValueError if they
+    coincide."""
     o, t, u = (np.asarray(v, dtype=np.float64) for v in (origin, target, up))
     backward = o - t
     length = float(np.linalg.norm(backward))
@@ -315,7 +319,7 @@ def look_at(
     backward /= length
     right = np.cross(u, backward)
     if np.linalg.norm(right) < 1e-9 * max(float(np.linalg.norm(u)), 1e-300):
-        # The view is along `up`: any perpendicular will do.
+        # The view is along `up`, so any perpendicular direction is used as the right.
         right = np.cross(np.eye(3)[int(np.argmin(np.abs(backward)))], backward)
     right /= np.linalg.norm(right)
     matrix = np.eye(4)
@@ -325,7 +329,8 @@ def look_at(
 
 @dataclass(frozen=True, eq=False)
 class Scene:
-    """Everything a picture needs. `eclat.load` makes it; `dataclasses.replace` changes it."""
+    """A scene: meshes, lights, environment and cameras. `eclat.load` makes a scene; `dataclasses.replace` makes a
+    changed copy."""
 
     meshes: tuple[Mesh, ...] = ()
     lights: tuple[PointLight | SpotLight | DirectionalLight, ...] = ()
@@ -333,11 +338,11 @@ class Scene:
     cameras: tuple[Camera, ...] = ()
     name: str = ""
     up: tuple[float, float, float] = (0.0, 1.0, 0.0)
-    """Used by defaults (framed view, sun and sky) only."""
+    """Upward direction, which only default cameras, suns and skies use."""
     photometric: bool = False
-    """Lights are in candela, lux and cd·m⁻², so radiance means luminance and irradiance is in lux."""
+    """Whether lights are in candela, lux and cd·m⁻², so that radiance means luminance and irradiance is in lux."""
     warnings: tuple[str, ...] = ()
-    """What the loader replaced, ignored or guessed."""
+    """The warnings of the loader, about what it replaced, ignored or guessed."""
 
     def __repr__(self) -> str:
         triangles = sum(len(mesh.triangles) for mesh in self.meshes)

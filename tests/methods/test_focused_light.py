@@ -46,7 +46,7 @@ def test_light_of_a_small_lamp_by_a_mirror_is_not_claimed_to_be_right() -> None:
     found = statistics(lamp_beside(MIRROR, 0.01))
     assert 0.1 < found[LIGHT_BY_CHANCE] < 0.4
     assert found["estimated_error"] >= found[LIGHT_BY_CHANCE]
-    assert "by mirrors, metals or glass" in error_text(found)
+    assert "by way of mirrors, metals or glass" in error_text(found)
 
 
 @pytest.mark.parametrize(

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sun and sky."""
+"""Models of the sun and the sky."""

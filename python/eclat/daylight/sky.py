@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Sun and clear sky [Preetham99]: A. Preetham, P. Shirley, B. Smits, "A practical analytic model for daylight", 1999.
-
-Scale: absolute. The model gives luminance in cd/m²; RGB radiance here is W·sr⁻¹·m⁻² with luminance = 179 lm/W × Y,
-so a high sun is about 600 W·m⁻² (105 klx) and the sky 50 to 150 W·m⁻². These are watts of *visible* light: the
-1000 W·m⁻² of meteorology include the infrared.
+"""The sun and a clear sky [Preetham99]: A. Preetham, P. Shirley, B. Smits, "A practical analytic model for daylight",
+1999.
+The scale is absolute. The model gives luminance in cd/m²; radiance here is RGB in W·sr⁻¹·m⁻², with luminance = 179 lm/W
+× Y. The irradiance of a high sun is about 600 W·m⁻² (105 klx), that of the sky 50 to 150 W·m⁻². These are watts of
+*visible* light; the 1000 W·m⁻² of meteorology include the infrared.
 """
 
 from __future__ import annotations
@@ -20,16 +20,17 @@ from eclat.measure.photometry import LUMENS_PER_WATT
 from eclat.scene import DirectionalLight, Environment, FloatArray
 
 SUN_ANGULAR_RADIUS = 0.2665
-"""Degrees, seen from Earth."""
+"""Angular radius of the sun as seen from Earth, in degrees."""
 
 Direction = tuple[float, float, float]
 
 TURBIDITY_RANGE = (1.7, 10.0)
-"""Below 1.7 the model's luminance turns negative near the zenith; its authors make no claim for values above 10."""
+"""Range of the turbidity: below 1.7 the model gives negative luminance near the zenith, and its authors do not
+recommend values above 10."""
 
 XYZ_TO_RGB = np.array([[3.2406, -1.5372, -0.4986], [-0.9689, 1.8758, 0.0415], [0.0557, -0.2040, 1.0570]])
 
-# [Preetham99 A.2]: each of A..E of Perez' function is slope · turbidity + offset; the rows are Y, x and y.
+# [Preetham99 A.2]: each coefficient A..E of Perez' function is slope · turbidity + offset; the rows are for Y, x and y.
 PEREZ_SLOPE = np.array(
     [
         [0.1787, -0.3554, -0.0227, 0.1206, -0.0670],
@@ -45,7 +46,7 @@ PEREZ_OFFSET = np.array(
     ]
 )
 
-# Zenith chromaticity: (T², T, 1) · matrix · (θ³, θ², θ, 1), θ being the sun's angle from the zenith.
+# Chromaticity of the zenith: (T², T, 1) · matrix · (θ³, θ², θ, 1), where T is the turbidity and θ the sun's zenith angle.
 ZENITH_X = np.array(
     [[0.00166, -0.00375, 0.00209, 0.0], [-0.02903, 0.06377, -0.03202, 0.00394], [0.11693, -0.21196, 0.06052, 0.25886]]
 )
@@ -65,26 +66,26 @@ OZONE_ABSORPTION = np.array(
 
 
 def sun_direction(azimuth_deg: float, elevation_deg: float, up: Direction = (0.0, 1.0, 0.0)) -> Direction:
-    """The unit vector towards a sun.
+    """Compute the unit vector towards a sun.
 
     Parameters
     ----------
     azimuth_deg
-        Degrees clockwise from north, seen from above. With `up` = +y north is −z and east +x; with `up` = +z
-        north is +y and east +x.
+        Azimuth in degrees, clockwise from north as seen from above. If `up` is +y, north is −z and east is +x; if `up`
+        is +z, north is +y and east is +x.
     elevation_deg
-        Degrees above the horizon, −90 to 90.
+        Elevation in degrees above the horizon, −90 to 90.
     up
-        The world's vertical, any length.
+        Upward direction of the world, of any length.
 
     Raises
     ------
     EclatError
-        For angles that are not finite, an elevation beyond ±90°, an `up` of no length.
+        An angle is not finite, the elevation is outside of ±90°, or `up` is zero.
     """
     if not math.isfinite(azimuth_deg) or not math.isfinite(elevation_deg) or abs(elevation_deg) > 90:
         raise EclatError(
-            f"sun: expected azimuth and elevation in degrees (−90 to 90), got {azimuth_deg},{elevation_deg}"
+            f"sun: expected an azimuth and an elevation from −90 to 90 in degrees, got {azimuth_deg},{elevation_deg}"
         )
     azimuth, elevation = math.radians(azimuth_deg), math.radians(elevation_deg)
     local = (
@@ -97,7 +98,7 @@ def sun_direction(azimuth_deg: float, elevation_deg: float, up: Direction = (0.0
 
 
 def upright_frame(up: Direction) -> FloatArray:
-    """The smallest rotation (3×3) that takes +y to `up`. Raises EclatError for an `up` of no length."""
+    """Compute the smallest rotation (3×3) that maps +y to `up`. Raises EclatError if `up` is zero."""
     x, y, z = _unit(up, "up")
     if y < -1 + 1e-12:
         return np.diag([1.0, -1.0, -1.0])
@@ -115,29 +116,31 @@ def sun_sky(
     parts: Literal["sunsky", "sky", "sun"] = "sunsky",
     size: tuple[int, int] = (512, 256),
 ) -> tuple[DirectionalLight | None, Environment | None]:
-    """The sun (as a disc) and the sky (as an environment) of a clear day.
+    """Make the sun, as a disc, and the sky, as an environment, of a clear day.
 
     Parameters
     ----------
     sun_direction
-        A vector of any length towards the sun. Below the horizon (with a warning) there is no sun and the sky is dusk.
+        A vector of any length towards the sun. If it points below the horizon, there is no sun and the sky is that of
+        dusk, with a warning.
     turbidity
-        Haze: 2 very clear, 3 clear, 6 hazy. Clamped to 1.7..10 with a warning.
+        Haze of the air: 2 is very clear, 3 clear and 6 hazy. Values outside of 1.7..10 are clamped, with a warning.
     up
-        The world's vertical; the environment is rotated accordingly.
+        Upward direction of the world; the environment is rotated accordingly.
     albedo
-        The ground's albedo, 0..1. The environment shows the ground below the horizon, uniformly lit by `parts`.
+        Albedo of the ground, 0..1. Below the horizon, the environment shows the ground, which is lit uniformly by the
+        parts that are computed.
     sun_scale, sky_scale
-        Factors ≥ 0 on the absolute values.
+        Factors of at least 0 by which the absolute values are multiplied.
     parts
-        The parts to compute; a part that is left out is None in the result.
+        The parts to compute; a part that is not computed is None in the result.
     size
-        The environment's (width, height) in pixels.
+        Size (width, height) of the environment in pixels.
 
     Raises
     ------
     EclatError
-        For vectors of no length, numbers that are not finite or out of range, an unknown `parts`.
+        A vector is zero, a number is not finite or out of range, or `parts` is unknown.
     """
     _check(parts, albedo, sun_scale, sky_scale, size)
     turbidity = _valid_turbidity(turbidity)
@@ -146,7 +149,10 @@ def sun_sky(
     elevation = math.degrees(math.asin(min(1.0, max(-1.0, to_sun[1]))))
     fade = 1.0
     if elevation <= 0:
-        warn(f"the sun is {-elevation:.1f}° below the horizon: no direct sun, and a dusk sky that is only a guess")
+        warn(
+            f"sky: the sun is {-elevation:.1f}° below the horizon: there is no direct sunlight, and the brightness of the sky "
+            "is only a rough guess"
+        )
         fade = dusk(elevation)
         to_sun = np.array([to_sun[0], 0.0, to_sun[2]])
         length = float(np.linalg.norm(to_sun))
@@ -166,15 +172,16 @@ def sun_sky(
 
 
 def zenith_luminance(sun_zenith: float, turbidity: float) -> float:
-    """Luminance of the sky's zenith in cd/m²; `sun_zenith` is the sun's angle from the zenith in radians."""
+    """Compute the luminance of the sky at the zenith in cd/m²; `sun_zenith` is the zenith angle of the sun in
+    radians."""
     chi = (4 / 9 - turbidity / 120) * (math.pi - 2 * sun_zenith)
     return 1000 * ((4.0453 * turbidity - 4.9710) * math.tan(chi) - 0.2155 * turbidity + 2.4192)
 
 
 def sky_radiance(directions: FloatArray, to_sun: FloatArray, turbidity: float) -> FloatArray:
-    """Linear RGB radiance in W·sr⁻¹·m⁻² towards unit `directions` (N, 3) with y ≥ 0 (lower ones give the horizon).
-
-    Both `directions` and `to_sun` live in a frame with +y up. Colours outside of Rec. 709 are clamped at 0.
+    """Compute the linear RGB radiance (N, 3) in W·sr⁻¹·m⁻² of the sky in the unit `directions` (N, 3).
+    `directions` and `to_sun` are in a frame with +y up. Directions below the horizon give the radiance of the horizon.
+    Colours outside of the Rec. 709 gamut are clamped to 0.
     """
     sun_zenith = math.acos(min(1.0, max(0.0, float(to_sun[1]))))
     cos_theta = np.maximum(directions[:, 1], 1e-3)
@@ -192,9 +199,9 @@ def sky_radiance(directions: FloatArray, to_sun: FloatArray, turbidity: float) -
 
 
 def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
-    """Linear RGB irradiance in W·m⁻² of the sun on a surface that faces it, through the atmosphere [Preetham99 A.1].
-
-    The sun is a black body of 5772 K. Absorption by water vapour and mixed gases is left out: it begins at 690 nm.
+    """Compute the linear RGB irradiance in W·m⁻² of the sun, through the atmosphere, on a surface that faces it
+    [Preetham99 A.1].
+    The sun is a black body of 5772 K. Absorption by water vapour and mixed gases, which begins at 690 nm, is neglected.
     """
     wavelength = np.arange(380.0, 781.0, 5.0)
     micron = wavelength * 1e-3
@@ -202,7 +209,7 @@ def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
     aerosol = (0.04608 * turbidity - 0.04586) * micron**-1.3
     ozone = 0.35 * np.interp(wavelength, OZONE_WAVELENGTHS, OZONE_ABSORPTION)
     solid_angle = 2 * math.pi * (1 - math.cos(math.radians(SUN_ANGULAR_RADIUS)))
-    # Planck's law in W·sr⁻¹·m⁻² per nanometre.
+    # This is Planck's law in W·sr⁻¹·m⁻² per nanometre.
     radiance = 1.191043e-16 / (wavelength * 1e-9) ** 5 / np.expm1(1.438777e-2 / (wavelength * 1e-9 * 5772.0)) * 1e-9
     spectrum = solid_angle * radiance * np.exp(-_air_mass(sun_zenith) * (rayleigh + aerosol + ozone))
     xyz = 683.0 * 5.0 * (_color_matching(wavelength) @ spectrum) / LUMENS_PER_WATT
@@ -211,7 +218,7 @@ def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
 
 
 def horizontal_irradiance(environment: Environment) -> FloatArray:
-    """RGB irradiance in W·m⁻² on an unobstructed surface that faces the environment's +y."""
+    """Compute the RGB irradiance in W·m⁻² of an environment on an unobstructed surface that faces its +y axis."""
     height, width = environment.image.shape[:2]
     edges = np.cos(np.linspace(0.0, math.pi, height + 1))
     weights = math.pi * np.maximum(edges[:-1], 0) ** 2 - math.pi * np.maximum(edges[1:], 0) ** 2
@@ -251,12 +258,14 @@ def _sky_image(
 
 
 def dusk(elevation: float) -> float:
-    """Brightness relative to sunset: civil twilight ends (−6°) at about 1/200, astronomical (−18°) is the floor."""
+    """Estimate the brightness of the sky relative to sunset for a sun at `elevation` degrees (0 or less). It is about
+    1/200 at the end of civil twilight (−6°), and constant below the end of astronomical twilight (−18°)."""
     return float(200.0 ** (max(elevation, -18.0) / 6))
 
 
 def _color_matching(wavelength: FloatArray) -> FloatArray:
-    """CIE 1931 x̄, ȳ, z̄ as sums of Gaussians [Wyman13]; wavelength in nanometres, result (3, N)."""
+    """Compute the CIE 1931 functions x̄, ȳ and z̄, (3, N), as sums of Gaussians [Wyman13]; wavelengths are in
+    nanometres."""
 
     def lobe(height: float, mean: float, below: float, above: float) -> FloatArray:
         return height * np.exp(-0.5 * ((wavelength - mean) / np.where(wavelength < mean, below, above)) ** 2)
@@ -272,7 +281,10 @@ def _valid_turbidity(turbidity: float) -> float:
         raise EclatError(f"sky: expected a finite turbidity, got {turbidity}")
     clamped = min(max(turbidity, TURBIDITY_RANGE[0]), TURBIDITY_RANGE[1])
     if clamped != turbidity:
-        warn(f"sky: turbidity {turbidity:g} is outside of the model's {TURBIDITY_RANGE}; {clamped:g} is used")
+        low, high = TURBIDITY_RANGE
+        warn(
+            f"sky: the turbidity {turbidity:g} is outside of the range {low:g} to {high:g} of the model; {clamped:g} is used"
+        )
     return clamped
 
 
@@ -280,7 +292,7 @@ def _unit(vector: Direction, name: str) -> FloatArray:
     v = np.asarray(vector, dtype=np.float64)
     length = float(np.linalg.norm(v)) if v.shape == (3,) else math.nan
     if not math.isfinite(length) or length == 0:
-        raise EclatError(f"sky: expected three finite numbers, not all 0, as {name}, got {vector}")
+        raise EclatError(f"sky: expected {name} to be three finite numbers that are not all 0, got {vector}")
     return v / length
 
 
@@ -292,6 +304,6 @@ def _check(parts: str, albedo: float, sun_scale: float, sky_scale: float, size: 
         raise EclatError(f"sky: expected an albedo from 0 to 1, got {albedo}")
     for name, scale in (("sun_scale", sun_scale), ("sky_scale", sky_scale)):
         if not math.isfinite(scale) or scale < 0:
-            raise EclatError(f"sky: expected a finite {name} ≥ 0, got {scale}")
+            raise EclatError(f"sky: expected a finite {name} of at least 0, got {scale}")
     if not (1 <= size[0] <= 16384 and 2 <= size[1] <= 8192):
         raise EclatError(f"sky: expected a size from 1×2 to 16384×8192 pixels, got {size[0]}×{size[1]}")

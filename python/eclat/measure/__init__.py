@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Measures of light and of error: spectra, photometric units and the relative error."""
+"""Measures of light and of errors: spectra, photometric units, and relative errors of pictures and caches."""

@@ -1,16 +1,17 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Spectra to linear sRGB (Rec. 709 primaries, D65 white).
+"""Conversion of spectra to linear sRGB (Rec. 709 primaries, D65 white).
 
 The colour matching functions are the multi-lobe Gaussian fits of C. Wyman, P.-P. Sloan, P. Shirley, "Simple Analytic
-Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013, section 2.2: within 1 % of the tables after
-integration over smooth spectra, far below the differences between monitors. D65 is the CIE's table at 10 nm.
+Approximations to the CIE XYZ Color Matching Functions", JCGT 2(2), 2013, section 2.2. For smooth spectra, integrals are
+within 1 % of those of the CIE's tables, which is far below the differences between monitors. D65 is the table of the
+CIE in steps of 10 nm.
 
-Two conversions, as Mitsuba 3 does them in its RGB mode:
+There are two conversions, as in the RGB mode of Mitsuba 3:
 
-- `reflectance_to_rgb`: the colour of the reflector under D65, so that a constant r gives (r, r, r);
-- `emission_to_rgb`: the colour of the light itself with Y = ∫ L ȳ dλ / ∫ ȳ dλ, so that the equal-energy spectrum is a
-  little reddish, (1.205, 0.948, 0.909).
+- `reflectance_to_rgb` gives the colour of a reflector under D65; a constant reflectance r becomes (r, r, r);
+- `emission_to_rgb` gives the colour of the light itself with Y = ∫ L ȳ dλ / ∫ ȳ dλ; the equal-energy spectrum is
+  slightly reddish, (1.205, 0.948, 0.909).
 """
 
 from __future__ import annotations
@@ -23,7 +24,8 @@ from eclat.errors import EclatError
 Floats = NDArray[np.float64]
 
 WAVELENGTHS: Floats = np.arange(360.0, 831.0)
-"""Where integrals over the visible range are sampled: every nanometre of the CIE's 360..830 nm."""
+"""Wavelengths in nanometres at which integrals over the visible range are sampled: every nanometre of the range
+360..830 nm of the CIE."""
 
 XYZ_TO_RGB: Floats = np.array(
     [
@@ -56,30 +58,28 @@ _BOLTZMANN = 1.380649e-23
 
 
 def color_matching(wavelengths: ArrayLike) -> Floats:
-    """CIE 1931 x̄, ȳ, z̄ at wavelengths in nanometres: (3, N)."""
+    """Compute the CIE 1931 functions x̄, ȳ and z̄, (3, N), at wavelengths (N,) in nanometres."""
     nm = np.asarray(wavelengths, dtype=np.float64)
     return np.stack([sum(_lobe(nm, *lobe) for lobe in lobes) for lobes in _LOBES])
 
 
 def reflectance_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float, float, float]:
-    """Linear sRGB of a reflectance under D65, clamped to 0..1.
+    """Convert a reflectance spectrum to linear sRGB under D65, clamped to 0..1.
 
     Parameters
     ----------
-    wavelengths, values : (N,) samples in nanometres, joined by straight lines; outside them the spectrum is 0.
-
-    Raises
-    ------
-    EclatError : as `resample`.
+    wavelengths, values : (N,) samples of the spectrum and their wavelengths in nanometres. The spectrum is linear
+        between samples, and 0 outside of their range.
+        Raises     ------     EclatError : the same as for `resample`.
     """
     red, green, blue = np.clip(_REFLECTANCE_WEIGHTS @ resample(wavelengths, values), 0.0, 1.0).tolist()
     return red, green, blue
 
 
 def emission_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float, float, float]:
-    """Linear sRGB of a light's spectrum (or of any unbounded quantity); negative channels are clamped to 0.
-
-    Parameters and errors as in `reflectance_to_rgb`; the result has the unit of `values`.
+    """Convert the spectrum of a light, or of any unbounded quantity, to linear sRGB; negative channels are clamped to
+    0.
+    Parameters and errors are those of `reflectance_to_rgb`; the result has the unit of `values`.
     """
     red, green, blue = np.maximum(_EMISSION_WEIGHTS @ resample(wavelengths, values), 0.0).tolist()
     return red, green, blue
@@ -102,13 +102,13 @@ def blackbody_to_rgb(temperature: float) -> tuple[float, float, float]:
 
 
 def srgb_to_linear(encoded: ArrayLike) -> Floats:
-    """The sRGB transfer function (IEC 61966-2-1), 0..1 encoded to linear."""
+    """Decode sRGB values (IEC 61966-2-1) in 0..1 to linear values."""
     value = np.asarray(encoded, dtype=np.float64)
     return np.where(value <= 0.04045, value / 12.92, (np.maximum(value, 0.04045) / 1.055 + 0.055 / 1.055) ** 2.4)
 
 
 def resample(wavelengths: ArrayLike, values: ArrayLike) -> Floats:
-    """A piecewise linear spectrum at `WAVELENGTHS`, 0 outside its range.
+    """Resample a piecewise linear spectrum at `WAVELENGTHS`; it is 0 outside of its range.
 
     Raises
     ------
@@ -130,7 +130,8 @@ def _lobe(nm: Floats, amplitude: float, centre: float, below: float, above: floa
 
 def _emission_weights() -> Floats:
     matching = color_matching(WAVELENGTHS)
-    # Each function to its own integral: the equal-energy spectrum is then exactly X = Y = Z, as in the CIE's tables.
+    # Each function is normalised by its own integral, so that the equal-energy spectrum has X = Y = Z exactly, as in
+    # the tables of the CIE.
     weights: Floats = XYZ_TO_RGB @ (matching / matching.sum(axis=1, keepdims=True))
     return weights
 

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The page that compares methods."""
+"""The HTML page that compares methods."""

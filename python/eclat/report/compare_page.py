@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A comparison as one self-contained HTML page: it embeds its pictures and needs no script and no network."""
+"""A comparison as one self-contained HTML page, which embeds its pictures and needs no scripts and no network."""
 
 from __future__ import annotations
 
@@ -23,6 +23,7 @@ from eclat.report.svg_plot import log_log_plot
 if TYPE_CHECKING:
     from eclat.verbs.compare import Comparison, MethodResult
 
+# The style sheet of the page.
 STYLE = """
 :root { color-scheme: light dark; }
 body { font: 15px/1.5 system-ui, sans-serif; margin: 2rem auto; padding: 0 1rem; max-width: 1600px; }
@@ -38,13 +39,14 @@ svg { max-width: 760px; width: 100%; } .scroll { overflow-x: auto; }
 """
 
 STORED = ("records", "radiance_records", "photons", "patches")
-"""Statistics that count what a method solves for."""
+"""Names of the statistics that count the records, photons or patches of a solution."""
 
-FLIP_MISSING = "FLIP is not measured: the package flip-evaluator is not installed (pip install flip-evaluator)."
+FLIP_MISSING = "FLIP is not measured, because the package flip-evaluator is not installed (pip install flip-evaluator)."
+"""The sentence on the page if FLIP cannot be measured."""
 
 
 def compare_page(comparison: Comparison) -> str:
-    """The page's text."""
+    """Write the HTML text of the page."""
     title = f"Éclat: {comparison.scene or 'scene'}"
     scale = error_scale(comparison)
     sections = [
@@ -65,9 +67,10 @@ def compare_page(comparison: Comparison) -> str:
 
 
 def error_scale(comparison: Comparison) -> float:
-    """End of the error maps' colours: 1, 2 or 5 times a power of ten, at least three times the least error.
-
-    Three standard deviations: the best method's map is then neither blank nor saturated, and one scale serves all.
+    """Choose the error at the ends of the colour scale: 1, 2 or 5 times a power of ten, at least three times the
+    smallest error.
+    All maps share this scale, which is three standard deviations of the best method: its map is neither blank nor
+    saturated.
     """
     errors = [result.measurements[-1].error for result in comparison.results]
     known = [error for error in errors if math.isfinite(error) and error > 0]
@@ -79,7 +82,7 @@ def error_scale(comparison: Comparison) -> float:
 
 
 def percent(value: float | None) -> str:
-    """`1.23 %`; a dash where there is no number."""
+    """Format a number as in `1.23 %`, or as a dash if it is None or not finite."""
     if value is None or not math.isfinite(value):
         return "–"
     return f"{100 * value:.0f} %" if value >= 0.9995 else f"{100 * value:#.3g} %"
@@ -90,18 +93,20 @@ def _summary(comparison: Comparison) -> str:
     samples = image.metadata.get("statistics", {}).get("samples")
     taken = f" of {samples:,.0f} paths per pixel each" if samples else ""
     if noise is None:
-        truth = "one reference, whose noise counts as error of the methods"
+        truth = "one reference picture, whose noise counts as an error of the methods"
     else:
-        truth = f"two independent references{taken}, whose mean has {percent(noise)} noise"
-    return f"{image.width}x{image.height} pixels, shown at {comparison.exposure:+g} stops; measured against {truth}."
+        truth = f"two independent reference pictures{taken}, whose mean has a noise of {percent(noise)}"
+    shown = f"The pictures have {image.width}x{image.height} pixels and are shown at {comparison.exposure:+g} stops."
+    return f"{shown} They are compared with {truth}."
 
 
 def _notes() -> str:
-    flip = f"FLIP: mean of LDR-FLIP at {PIXELS_PER_DEGREE:g} pixels per degree." if has_flip() else FLIP_MISSING
+    flip = f"FLIP is the mean of LDR-FLIP at {PIXELS_PER_DEGREE:g} pixels per degree." if has_flip() else FLIP_MISSING
     return (
-        "Error: relative RMSE over all pixels, free of the references' noise. Away from edges: the same over pixels "
-        f"with no edge of normal or depth within two pixels. {flip} Time: solve and render, the scene already built. "
-        "Stored: records, photons or patches; memory: of these."
+        "The error is the relative RMSE over all pixels, without the noise of the references. The error away from edges "
+        "is measured over the pixels that have no edge of the normal or the depth within two pixels. "
+        f"{flip} The time is that of solving and rendering, without loading the scene. Stored is the number of records, "
+        "photons or patches, and memory their size."
     )
 
 
@@ -198,7 +203,7 @@ def _data_uri(picture: NDArray[np.uint8]) -> str:
 
 
 def page_facts(comparison: Comparison) -> dict[str, Any]:
-    """The page's numbers, for programs."""
+    """Return the numbers of the page as JSON-compatible values, for programs."""
     return {
         "scene": comparison.scene,
         "exposure": comparison.exposure,

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A log-log plot as inline SVG: lines with markers, ticks at 1, 2, 5, names at the ends of the lines."""
+"""A log-log plot as inline SVG, with lines and markers, ticks at 1, 2 and 5, and names at the ends of the lines."""
 
 from __future__ import annotations
 
@@ -11,22 +11,26 @@ from html import escape
 Points = Sequence[tuple[float, float]]
 
 WIDTH, HEIGHT = 760.0, 400.0
+"""Size of the plot in SVG units."""
 LEFT, RIGHT, TOP, BOTTOM = 76.0, 150.0, 16.0, 48.0
+"""Margins around the axes in SVG units."""
 
 COLORS = ("#d55e00", "#0072b2", "#009e73", "#cc79a7", "#e69f00", "#56b4e9")
-"""Told apart by the colour-blind too [Okabe and Ito 2008, *Color Universal Design*]."""
+"""Colours of the lines, which colour-blind people can distinguish too [Okabe and Ito 2008, *Color Universal
+Design*]."""
 
 LABEL_SPACING = 15.0
-"""Least distance of names at the right, a little more than their height."""
+"""Least distance between the names at the right in SVG units, a little more than their height."""
 
 
 def log_log_plot(series: Mapping[str, Points], x_label: str, y_label: str, y_text: Callable[[float], str]) -> str:
-    """The `<svg>` element. Points that have no logarithm are left out; without any point a sentence says so.
+    """Draw the plot as an `<svg>` element. Points that have no logarithm are left out; if no point is left, return a
+    sentence.
 
     Parameters
     ----------
-    series : name → (x, y), drawn in order of x.
-    y_text : how a tick of y is written.
+    series : maps the name of each line to its points (x, y), which are drawn in order of x.
+    y_text : function that formats the number at a tick of the y axis.
     """
     drawn = {name: sorted(p for p in points if _positive(p)) for name, points in series.items()}
     every = [point for points in drawn.values() for point in points]
@@ -62,7 +66,8 @@ def log_log_plot(series: Mapping[str, Points], x_label: str, y_label: str, y_tex
 
 
 def ticks(low: float, high: float) -> list[float]:
-    """1, 2 and 5 times powers of ten from `low` to `high`; only the powers where that would be more than twelve."""
+    """List 1, 2 and 5 times the powers of ten from `low` to `high`, or only the powers of ten if there are more than
+    twelve."""
     first, last = math.floor(math.log10(low)), math.ceil(math.log10(high))
     within = (low * (1 - 1e-9), high * (1 + 1e-9))
     values = [m * 10.0**e for e in range(first, last + 1) for m in (1, 2, 5) if within[0] <= m * 10.0**e <= within[1]]
@@ -70,7 +75,7 @@ def ticks(low: float, high: float) -> list[float]:
 
 
 def _limits(values: Sequence[float]) -> tuple[float, float]:
-    """The neighbouring ticks outside the values, so that nothing lies on the frame and both ends have a number."""
+    """Return the nearest ticks outside the values, so that no point lies on the frame and both ends have a number."""
     steps = [m * 10.0**e for e in range(-30, 31) for m in (1, 2, 5)]
     low = max((s for s in steps if s < 0.95 * min(values)), default=steps[0])
     high = min((s for s in steps if s > 1.05 * max(values)), default=steps[-1])
@@ -103,7 +108,7 @@ def _marker(x: float, y: float, color: str, shape: int) -> str:
 
 
 def _names(ends: Sequence[tuple[float, float, str, str]]) -> list[str]:
-    """The names beside the last points, moved down where they would overlap."""
+    """Write the names beside the last points, moved down where they would overlap."""
     parts: list[str] = []
     lowest = -math.inf
     for y, x, name, color in sorted(ends):

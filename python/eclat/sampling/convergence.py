@@ -1,11 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decides how many samples a picture takes: a given number, until an error is met, or until time is up.
-
-A picture's error is estimated from its two halves, the first n/2 samples of each pixel and the last. They must not be
-the even and the odd samples: consecutive Sobol points are stratified against each other, one in each half of every
-dimension, so that even and odd means differ by up to three times their true error. The first and the last 2^k points
-are a net each, so that their means err (almost) independently.
+"""Decides how many samples a picture takes: a given number, or until an error is reached, or until the time is over.
+The error of a picture is estimated from two halves, the first and the last n/2 samples of each pixel. The even and the
+odd samples would not do: consecutive Sobol' points are stratified against each other, with one in each half of every
+dimension, so the even and odd means differ by up to three times their true error. The first and the last 2^k points are
+a net each, so the errors of their means are almost independent.
 """
 
 from __future__ import annotations
@@ -25,26 +24,31 @@ from eclat.measure.metrics import RELATIVE_C
 from eclat.sampling.adaptive_sampling import AdaptiveSamples, Counts
 
 FIRST_PASS = 4
+"""Number of samples per pixel of the first pass."""
 FIRST_ADAPTIVE_PASS = 2
-"""Two such passes already tell where the next one is needed."""
+"""Number of samples per pixel of the first pass with adaptive sampling; two such passes suffice to distribute the next one."""
 
 MOST_SAMPLES = 1 << 14
-"""After which a picture is given up as not converging: at that many even fireflies have become rare."""
+"""Largest number of samples per pixel. A picture that has not reached the wanted error by then is not expected to reach
+it soon."""
 
 EXPECTED_SAMPLES = 64
-"""What progress is measured against until there is an estimate."""
+"""Number of samples per pixel that progress assumes as the total until there is an estimate."""
 
 SLICE_SECONDS = 0.5
-"""Between two pictures that are kept for the case of an interrupt."""
+"""Seconds between two copies of the picture that are kept in case of an interrupt."""
 
 RenderRange = Callable[[Counts, Counts, ProgressReport | None], float]
-"""Adds samples [first, end) to the film, two arrays over pixels or over one for all; returns the rays it took."""
+"""A function that adds samples [first, end) to the film and returns the number of rays. Both are arrays with one number
+for each pixel, or with one number for all pixels."""
 
 
 @dataclass(frozen=True)
 class Goal:
-    """When to stop: at `samples` (the mean over pixels if their numbers differ), else near the `deadline` (of
-    `time.perf_counter`), else at `max_error`."""
+    """The condition at which sampling stops.
+    It is the number of `samples` per pixel (the mean over pixels with adaptive sampling) if given, or else the
+    `deadline`, a value of `time.perf_counter`, if given, or else the relative error `max_error`.
+    """
 
     samples: int | None
     max_error: float
@@ -53,11 +57,10 @@ class Goal:
 
 class Sampling:
     """Takes the samples of one picture.
-
-    `taken` and `rays` say how far it is, `noise` what error it estimates for its whole passes (NaN before the first
-    estimate). With `keep_partial`, `partial` is a copy of the film after `partial_taken` samples of every pixel.
-    Values depend on the number of samples only, never on how passes divide them: those that go where `adaptive` says
-    always double, up to the last one.
+    `taken` is the number of samples per pixel so far, `rays` the number of rays, and `noise` the relative error
+    estimated after the last complete pass (NaN before the first estimate). With `keep_partial`, `partial` is a copy of
+    the film after `partial_taken` samples per pixel. The values of the picture depend only on the number of samples,
+    and not on how passes divide them: with adaptive sampling, each pass except the last doubles the number of samples.
     """
 
     def __init__(
@@ -80,7 +83,7 @@ class Sampling:
         self._seconds_of_look = 0.0
 
     def run(self, goal: Goal) -> None:
-        """Sample until the goal is reached."""
+        """Take samples until the goal is reached."""
         if goal.samples is not None:
             self._expected = goal.samples
             if self.adaptive is not None:
@@ -101,7 +104,8 @@ class Sampling:
             if not math.isnan(self.noise):
                 if self.noise <= max_error or self.taken >= MOST_SAMPLES:
                     return
-                # Noise falls at least with the square root, and the number of samples doubles.
+                # The noise decreases at least with the square root of the number of samples, which doubles in each
+                # pass.
                 wanted = self.taken * (self.noise / max_error) ** 2
                 doublings = math.ceil(math.log2(max(2.0, min(wanted, MOST_SAMPLES) / self.taken)))
                 self._expected = self.taken << doublings
@@ -113,17 +117,19 @@ class Sampling:
             self._pass(max(self._first, 2 * self.taken))
 
     def _affordable(self) -> int:
-        """The number of samples that fit into the time left, after reserving the time to estimate the error."""
+        """Return the number of samples per pixel for which there is time, after reserving time for the estimate of the
+        error."""
         if self._seconds_per_sample is None or self._deadline == math.inf:
             return EXPECTED_SAMPLES
         left = self._deadline - clock.perf_counter() - self._seconds_of_look
         return max(0, int(left / max(self._seconds_per_sample, 1e-9)))
 
     def _step(self, end: int) -> int:
-        """The number of samples to take before the clock is checked again."""
+        """Return the number of samples per pixel to take before the time is checked again."""
         step, pace = end - self.taken, self._seconds_per_sample
         if self._deadline < math.inf:
-            # Half of what fits is taken, then half of the rest, so that recent samples predict when the last one ends.
+            # Half of the samples for which there is time are taken, then half of the rest, and so on, so that the time
+            # of the last samples is predicted from recent ones.
             step = min(step, 1 if pace is None else max(1, self._affordable() // 2))
         if self.keep_partial:
             step = min(step, 1 if pace is None else max(1, int(SLICE_SECONDS / max(pace, 1e-9))))
@@ -136,7 +142,8 @@ class Sampling:
             step = self._step(end)
             first, last = _everywhere(self.taken), _everywhere(self.taken + step)
             if self.adaptive is not None:
-                # The samples of a pixel grow with the mean, so that the parts of a pass add up to the whole pass.
+                # The number of samples of each pixel increases with the mean number, so the parts of a pass add up to
+                # the whole pass.
                 first, last = self._counts, self.adaptive.unevenly(self.taken + step)
                 self._counts = last
             before = clock.perf_counter()
@@ -154,7 +161,8 @@ class Sampling:
         self._seconds_of_look = clock.perf_counter() - before
 
     def _overall(self, step: int) -> ProgressReport | None:
-        """Reports of one call, as a part of all samples that are expected, and with the rays of all calls."""
+        """Make a progress function for one call, which reports the fraction of all expected samples and the rays of all
+        calls."""
         report = self.report
         if report is None:
             return None
@@ -171,16 +179,16 @@ def _everywhere(samples: int) -> Counts:
 
 
 def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> float:
-    """Relative error (that of `metrics.relative_rmse`) of a picture's noise, from the picture of half its samples.
-
-    sqrt(mean((x₁ − x₂)² / 4 / (R² + c))) with x₁, x₂ the means of the first and the last half, whose own mean is the
-    picture: it errs by half their difference. For R², which is not known, stands the mean of x₁ x₂ over 3 × 3 pixels:
-    its expectation is right, while that of the picture's own square contains the noise that it is to measure, so
-    that noisy pictures would look better than they are.
+    """Estimate the relative error of a picture that is due to noise, as in `metrics.relative_rmse`, from half of its
+    samples.
+    The estimate is sqrt(mean((x₁ − x₂)² / 4 / (R² + c))), where x₁ and x₂ are the means of the first and of the last
+    half of the samples. The picture is the mean of both, so its error is half their difference. The unknown R² is
+    replaced by the mean of x₁ x₂ over 3 × 3 pixels, which is unbiased. The square of the picture itself would contain
+    the noise, and the error of noisy pictures would be underestimated.
 
     Parameters
     ----------
-    half, mean : (H, W, 3) means of the first half of the samples of each pixel, and of all.
+    half, mean : (H, W, 3) means of the first half of the samples of each pixel, and of all its samples.
     """
     first = np.asarray(half, dtype=np.float64)
     last = 2 * np.asarray(mean, dtype=np.float64) - first

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The user's overrides of a scene, and substitutes for a missing camera or light."""
+"""Overrides of a scene by the user, and the default camera and light of a scene that has none."""
 
 from __future__ import annotations
 
@@ -34,9 +34,11 @@ from eclat.stage.framing import framed_camera, sky_above, sphere_directions, sur
 Point = tuple[float, float, float]
 
 GROUND_ALBEDO = 0.2
+"""Albedo of the ground below the horizon of the default sky, that of grass and soil."""
 SUN_ELEVATION = 48.0
+"""Elevation of the default sun in degrees."""
 SUN_ASIDE = 50.0
-"""Degrees: how far to the side the default sun stands, behind the camera."""
+"""Angle in degrees between the azimuth of the default sun and the direction straight behind the camera."""
 
 
 def complete(
@@ -50,31 +52,33 @@ def complete(
     environment: Path | Point | None = None,
     size: tuple[int, int] | None = None,
 ) -> Scene:
-    """The scene with the user's overrides, and with a camera and light in any case.
+    """Apply the overrides of the user to a scene, and add a camera and a light if it has none.
 
     Parameters
     ----------
     camera_from, camera_to, camera_up
-        Replace the cameras' place, the point they look at (without `camera_from` or a camera: the scene's middle), up.
+        Position of the cameras, the point at which they look, and the upward direction of the picture. What is None
+        stays as it is in each camera. If the scene has no camera and only `camera_from` is given, the camera looks at
+        the middle of the scene.
     fov
-        Vertical field of view in degrees.
+        Vertical field of view of the cameras in degrees.
     sun
-        Azimuth from north and elevation in degrees: sun and sky instead of the scene's suns and environment.
+        Azimuth from north and elevation in degrees of a sun that, with a sky, replaces the scene's suns and
+        environment.
     environment
-        An EXR, HDR, PFM or other image, or a constant radiance, instead of the scene's.
+        An EXR, HDR, PFM or other image file, or a constant radiance, that replaces the scene's environment.
     size
-        Width and height in pixels.
-
-    Returns
+        Width and height of the pictures in pixels.
+        Returns
     -------
     Scene
-        Whatever was missing is made up, with a warning: a view that shows the scene; sun and sky, or in a closed
-        room a small lamp that gives a radiance of about 1 W·sr⁻¹·m⁻².
+        The changed scene. A missing camera or light is added with a warning: a camera that shows the scene; a sun and a
+        sky, or, in a closed room, a small lamp that gives a radiance of about 1 W·sr⁻¹·m⁻².
 
     Raises
     ------
     EclatError
-        For numbers out of range, a camera that looks at itself, an image that cannot be read.
+        A number is out of range, a camera looks at its own position, or an image cannot be read.
     """
     scene = _with_camera(scene, camera_from, camera_to, camera_up, fov, size)
     if environment is not None:
@@ -89,15 +93,14 @@ def complete(
 def wants_exposure(
     scene: Scene, *, sun: tuple[float, float] | None = None, environment: Path | Point | None = None
 ) -> bool:
-    """Whether `complete`, with these overrides, lights the scene by true daylight or by a lamp of its own making.
-
-    A user who chose no light chose no exposure either, so such pictures are displayed with `auto_exposure`.
+    """Return whether `complete`, with these overrides, lights the scene by real daylight or by a default lamp.
+    The brightness of such pictures was not chosen by an author, so they are displayed with `auto_exposure`.
     """
     return sun is not None or (environment is None and not has_light(scene))
 
 
 def has_light(scene: Scene) -> bool:
-    """Whether anything shines."""
+    """Return whether the scene has a light, an environment or a material that emits."""
     return bool(scene.lights) or scene.environment is not None or any(_emits(m.material) for m in scene.meshes)
 
 
@@ -128,7 +131,7 @@ def _with_camera(
     if not cameras:
         camera, kind = framed_camera(scene)
         if origin is None:
-            warn(f"the scene has no camera; {_VIEWS[kind]}")
+            warn(f"the scene has no camera: {_VIEWS[kind]}")
         elif target is None:
             target = _middle(scene)
         cameras = (camera,)
@@ -136,11 +139,12 @@ def _with_camera(
 
 
 _VIEWS = {
-    "room": "it looks like a room, so it is seen from inside",
-    "stage": "it looks like a room without a wall, so it is seen from there",
-    "object": "it is seen from outside",
-    "nothing": "and nothing to see",
+    "room": "it looks like a room, so a camera is placed inside",
+    "stage": "it looks like a room with one open side, so a camera is placed in front of that side",
+    "object": "a camera is placed outside of it",
+    "nothing": "nor any surface, so the picture will be empty",
 }
+"""The views of a default camera, by the kind of scene that `framed_camera` recognises, as the warning states them."""
 
 
 def _overridden(
@@ -177,7 +181,7 @@ def _with_sun(scene: Scene, sun: tuple[float, float], keep_environment: bool) ->
 
 
 def _with_daylight(scene: Scene, sun: tuple[float, float], parts: Literal["sun", "sunsky"]) -> Scene:
-    """Daylight at its true intensity in the scene's units, whose pictures need an exposure."""
+    """Add daylight of its real intensity in the units of the scene; pictures then need an exposure."""
     scale = LUMENS_PER_WATT if scene.photometric else 1.0
     to_sun = sun_direction(*sun, scene.up)
     light, sky = sun_sky(to_sun, up=scene.up, albedo=GROUND_ALBEDO, sun_scale=scale, sky_scale=scale, parts=parts)
@@ -188,7 +192,7 @@ def _with_daylight(scene: Scene, sun: tuple[float, float], parts: Literal["sun",
 def _environment(source: Path | Point, up: Point) -> Environment:
     if isinstance(source, tuple):
         if not np.isfinite(source).all() or min(source) < 0:
-            raise EclatError(f"environment: expected three finite numbers ≥ 0, got {source}")
+            raise EclatError(f"environment: expected three finite numbers of at least 0, got {source}")
         return Environment(np.array(source, dtype=np.float32).reshape(1, 1, 3))
     path = Path(source)
     data = read_bytes(path, where="environment")
@@ -198,9 +202,10 @@ def _environment(source: Path | Point, up: Point) -> Environment:
         raise EclatError(f"environment: {path}: {error}") from None
     image = np.repeat(image, 3, axis=2) if image.shape[2] == 1 else image[..., :3]
     if not linear:
-        warn(f"environment: {path.name} has no range beyond white; a sun in it will be too dim")
+        warn(f"environment: {path.name} holds no values brighter than white, so a sun in it will be too dim")
     if image.dtype == np.uint8:
-        # By a table: texels as float64 would be gigabytes for pictures that are kilobytes in their file.
+        # The values are decoded with a table, because float64 texels would take gigabytes for a picture of some
+        # kilobytes.
         return Environment(srgb_decode(np.arange(256) / 255).astype(np.float32)[image], upright_frame(up))
     colour: FloatArray = image.astype(np.float32) if linear else srgb_decode(image).astype(np.float32)
     good = np.isfinite(colour) & (colour >= 0)
@@ -215,16 +220,17 @@ def _environment(source: Path | Point, up: Point) -> Environment:
 def _with_light(scene: Scene) -> Scene:
     camera = scene.cameras[0]
     if len(surface(scene)) == 0 or _rays_escape(scene, camera):
-        warn("the scene has no light; it gets sun and sky")
+        warn("the scene has no light: a sun and a sky are added")
         ahead = -np.asarray(upright_frame(scene.up).T @ np.asarray(camera.to_world)[:3, 2])
         azimuth = math.degrees(math.atan2(ahead[0], -ahead[2])) + 180 + SUN_ASIDE
         return _with_daylight(scene, (azimuth, SUN_ELEVATION), "sunsky")
-    warn("the scene has no light, and the camera is in a closed room: it gets a lamp under the ceiling")
+    warn("the scene has no light, and the camera is in a closed room: a lamp under the ceiling is added")
     return replace(scene, meshes=(*scene.meshes, _lamp(scene, camera)))
 
 
 def _lamp(scene: Scene, camera: Camera) -> Mesh:
-    """A small sphere, placed by walking along free rays only, so that it cannot be inside of a wall."""
+    """Make a small spherical lamp. Its position is reached from the camera along rays that hit nothing, so it cannot be
+    inside a wall."""
     corners = surface(scene)
     matrix = np.asarray(camera.to_world, dtype=np.float64)
     up = upright_frame(scene.up)[:, 1]
@@ -236,8 +242,8 @@ def _lamp(scene: Scene, camera: Camera) -> Mesh:
     distances = _distances(corners, place, sphere_directions(128))
     distances = distances[np.isfinite(distances)]
     radius = 0.15 * float(distances.min())
-    # In a cavity of area A and reflectance ½, a flux of π A gives a radiance near 1; A is about 4π times the mean
-    # square distance, the flux π · 4π radius² times the lamp's radiance.
+    # In a cavity of area A and reflectance ½, a flux of π A gives a radiance near 1. A is about 4π times the mean
+    # square distance, and the flux is π · 4π radius² times the radiance of the lamp.
     radiance = float(np.mean(distances**2)) / radius**2 * (LUMENS_PER_WATT if scene.photometric else 1.0)
     ball = icosphere(2)
     glow = Material("diffuse", {"reflectance": grey(0.0)}, name="default lamp", emission=grey(radiance))
@@ -245,7 +251,7 @@ def _lamp(scene: Scene, camera: Camera) -> Mesh:
 
 
 def _openness(scene: Scene, camera: Camera) -> float:
-    """The share of rays from the camera that leave the scene."""
+    """Return the share of the rays from the camera that leave the scene, 0..1."""
     corners = surface(scene)
     if len(corners) == 0:
         return 1.0
@@ -254,24 +260,26 @@ def _openness(scene: Scene, camera: Camera) -> float:
 
 
 def _rays_escape(scene: Scene, camera: Camera) -> bool:
-    """Whether rays from the camera leave the scene, or rays upwards from what they meet: an arcade hides the sky."""
+    """Return whether rays from the camera leave the scene, or rays that go up from the surfaces that they hit, as under
+    an arcade, which hides the sky from the camera."""
     return _openness(scene, camera) > 0 or sky_above(scene, camera)
 
 
 def _distances(corners: FloatArray, origins: FloatArray, directions: FloatArray) -> FloatArray:
-    """Distances (N,) to the triangles (T, 3, 3) along unit directions (N, 3) from one origin or N; infinite for a miss.
-
-    [MollerTrumbore97], some thousand triangles at a time. Edges count as hit: a crack must not look like a window.
+    """Compute the distances (N,) to triangles (T, 3, 3) along unit directions (N, 3) from one origin or N origins.
+    The distance is infinite for rays that hit nothing. The test is that of [MollerTrumbore97], for some thousand
+    triangles at a time. Rays that hit an edge count as hits, so that a crack between triangles does not look like a
+    window.
     """
     nearest = np.full(len(directions), np.inf)
-    # Seen from the first origin, for the digits of scenes far from zero.
+    # Positions are relative to the first origin, which preserves precision in scenes far from zero.
     centre = np.atleast_2d(origins)[0]
     start_at = np.broadcast_to(origins, directions.shape) - centre
     moment = np.cross(directions, start_at)
     for start in range(0, len(corners), 4096):
         a, b, c = np.moveaxis(corners[start : start + 4096] - centre, 1, 0)
         normal = np.cross(b - a, c - a)
-        # Scalar triple products of direction, edges and origin, expanded so that all is matrix products.
+        # These are scalar triple products of directions, edges and origins, written as matrix products.
         u = directions @ np.cross(c, a).T + moment @ (c - a).T
         v = directions @ np.cross(a, b).T + moment @ (a - b).T
         slope = directions @ normal.T

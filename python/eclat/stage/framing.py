@@ -1,9 +1,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The choice of a view for a scene without a camera: from outside for an object, from inside for a room.
-
-Works on a coarse grid of occupied cells, so that a million triangles cost a second. Lengths are in cells, heights
-along +y: the scene is rotated upright first, and nothing depends on its size or place.
+The choice is made on a coarse grid of occupied cells, so that it takes only a second for a million triangles. Lengths
+are in cells, and +y is up: the scene is first rotated upright, and the choice does not depend on its size or position.
 """
 
 from __future__ import annotations
@@ -18,15 +17,17 @@ from eclat.daylight.sky import upright_frame
 from eclat.scene import Camera, FloatArray, Scene, look_at
 
 CELLS = 96
-"""Along the longest side."""
+"""Number of cells of the grid along the longest side of the scene."""
 ROOM_FOV, OBJECT_FOV = 65.0, 40.0
+"""Field of view of the default camera inside a room and outside of an object, in degrees."""
 THREE_QUARTER = np.array([0.55, 0.38, 0.74])
-"""From where one looks at an object: to its right, from above, in front (+z)."""
+"""Direction from the middle of an object to the camera: to the right, above and in front (+z) of the object."""
 
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """Which cells hold surface, and the mean normal there; cell (0, 0, 0) begins at `low`."""
+    """A grid of cells: whether each contains a surface, and the mean normal there. Cell (0, 0, 0) begins at `low`;
+    `cell` is the side of a cell in metres."""
 
     occupied: NDArray[np.bool_]
     normals: NDArray[np.float32]
@@ -34,9 +35,10 @@ class Grid:
     cell: float
 
     def march(self, origins: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """First occupied cell along rays (N, 3): distance, infinite where they leave, and facing of its surface.
-
-        Facing is the cosine between the cell's mean normal and the way back; above 0 one sees the front.
+        """Find the first occupied cell along rays (N, 3); return its distance (N,) in cells and the facing (N,) of its
+        surface.
+        The distance is infinite for rays that leave the grid. The facing is the cosine between the mean normal of the
+        cell and the reversed ray; it is positive if the ray hits the front.
         """
         count = len(origins)
         distance, facing = np.full(count, np.inf), np.zeros(count)
@@ -57,7 +59,7 @@ class Grid:
 
 
 def surface(scene: Scene) -> FloatArray:
-    """The corners (T, 3, 3) of all finite triangles."""
+    """Return the corners (T, 3, 3) of all triangles whose coordinates are finite."""
     corners = [m.positions[m.triangles].astype(np.float64) for m in scene.meshes if len(m.triangles)]
     everything = np.concatenate(corners) if corners else np.zeros((0, 3, 3))
     finite: FloatArray = everything[np.isfinite(everything).all(axis=(1, 2))]
@@ -65,7 +67,8 @@ def surface(scene: Scene) -> FloatArray:
 
 
 def framed_camera(scene: Scene) -> tuple[Camera, str]:
-    """A camera that shows the scene, and the scene's kind: "room", "stage" (a room without a wall), "object", "nothing"."""
+    """Choose a camera that shows the scene; return it with the kind of the scene: "room", "stage" (a room with one open
+    side), "object" or "nothing"."""
     upright = upright_frame(scene.up)
     corners = _without_strays(surface(scene) @ upright)
     if len(corners) == 0:
@@ -84,9 +87,9 @@ def framed_camera(scene: Scene) -> tuple[Camera, str]:
 
 
 def _without_strays(corners: FloatArray) -> FloatArray:
-    """The triangles (T, 3, 3) but for those a thousand times as far from the middle of most corners as half of them are.
-
-    One triangle left at the origin of a country's coordinates would make the room a point in the picture.
+    """Remove the triangles (T, 3, 3) that lie more than a thousand median distances from the median of all corners.
+    Otherwise a stray triangle, such as one at the origin of a national grid, would make the room a point in the
+    picture.
     """
     if len(corners) == 0:
         return corners
@@ -109,12 +112,13 @@ def sky_above(scene: Scene, camera: Camera) -> bool:
     around = sphere_directions(512)
     distance, _ = grid.march(np.tile(eye, (512, 1)), around)
     seen = np.isfinite(distance) & (distance > 2)
-    # Back from the surface by more than a cell, since a ray that starts in an occupied one would end there.
+    # The rays start more than one cell in front of the surface, because a ray that starts in an occupied cell would end
+    # there.
     places = eye + (distance[seen] - 2)[:, None] * around[seen]
     upwards = np.array([0.0, 1.0, 0.0]) + 0.7 * sphere_directions(16)
     upwards /= np.linalg.norm(upwards, axis=1, keepdims=True)
     distance, _ = grid.march(np.repeat(places, 16, axis=0), np.tile(upwards, (len(places), 1)))
-    # Less than this may be a crack between cells.
+    # A smaller share of rays may have passed through cracks between cells.
     return bool(np.isinf(distance).sum() > 0.005 * max(len(distance), 1))
 
 
@@ -135,14 +139,15 @@ def _object_view(corners: FloatArray, low: FloatArray, high: FloatArray) -> tupl
 
 
 def _grid(corners: FloatArray, low: FloatArray, high: FloatArray) -> Grid | None:
-    """Marks cells by points spread over the triangles, about 8 for each square of a cell's side; None for a point."""
+    """Mark the cells that contain a surface, with about 8 random points per square cell of a triangle's area; return
+    None if the scene has no extent."""
     cell = float(np.max(high - low)) / CELLS
     if cell == 0:
         return None
     shape = np.floor((high - low) / cell).astype(np.int64) + 1
     local = (corners - low) / cell
     cross = np.cross(local[:, 1] - local[:, 0], local[:, 2] - local[:, 0])
-    # Each point stands for about the same area, so that sums of normals are means over the surface.
+    # Each point represents about the same area, so that sums of normals are means over the surface.
     points = np.ceil(4 * np.linalg.norm(cross, axis=1)).astype(np.int64) + 1
     which = np.repeat(np.arange(len(local)), points)
     u, v = np.random.default_rng(1).random((2, len(which)))
@@ -161,14 +166,16 @@ def _grid(corners: FloatArray, low: FloatArray, high: FloatArray) -> Grid | None
 
 
 def _open_side(grid: Grid) -> tuple[int, int] | None:
-    """The horizontal axis (0 or 2) and sign of the one side on which a room has no wall, as of a doll's house."""
+    """Find the one side on which a room has no wall, like a doll's house: its horizontal axis (0 or 2) and sign; None
+    if there is no such side or more than one."""
     found = []
     for axis in (0, 2):
         middle = grid.occupied.shape[axis] // 2
         for sign, half in ((-1, slice(None, middle)), (1, slice(middle, None))):
             wall = np.take(grid.occupied, np.arange(grid.occupied.shape[axis])[half], axis=axis)
             shadow = np.asarray(wall.any(axis=axis))
-            # Edges of floor and ceiling are seen end on; what stands inside may hide some of the opening.
+            # The margin of two cells excludes the edges of floor and ceiling; objects inside may hide a part of the
+            # opening.
             if shadow[2:-2, 2:-2].mean() < 0.35:
                 found.append((axis, sign))
     return found[0] if len(found) == 1 else None
@@ -185,13 +192,14 @@ def _stage_view(low: FloatArray, high: FloatArray, side: tuple[int, int]) -> tup
 
 
 def _room_view(grid: Grid, eyes: FloatArray) -> tuple[FloatArray, FloatArray] | None:
-    """Eye and target in a room, along its longest free view; None for a scene that is better seen from outside."""
+    """Choose the position and the target of a camera in a room, along its longest free line of sight; None if the scene
+    is better seen from outside."""
     if len(eyes) == 0:
         return None
     angles = np.arange(48) * (2 * math.pi / 48)
     fan = np.stack([np.sin(angles), np.zeros(48), np.cos(angles)], axis=1)
     distance, _ = grid.march(np.repeat(eyes, 48, axis=0), np.tile(fan, (len(eyes), 1)))
-    # An arcade's open side must not win against the room: what leaves the scene counts as a near wall.
+    # Rays that leave the scene count as hitting a near wall, so that the view is not out of the open side of an arcade.
     distance = np.where(np.isfinite(distance), distance, 4.0).reshape(len(eyes), 48)
     breadth = np.mean([np.roll(distance, k, axis=1) for k in range(-3, 4)], axis=0)
     clearance = distance.min(axis=1, keepdims=True)
@@ -208,7 +216,8 @@ def _room_view(grid: Grid, eyes: FloatArray) -> tuple[FloatArray, FloatArray] | 
 
 
 def _eyes(grid: Grid) -> FloatArray:
-    """Places to stand inside: surroundings mostly closed and seen from the front, floor below, at eye height."""
+    """Find positions at eye height inside a room: there is a floor below, and most rays hit a surface from its
+    front."""
     shape = np.array(grid.occupied.shape)
     if shape.min() < 6:
         return np.zeros((0, 3))
@@ -221,7 +230,7 @@ def _eyes(grid: Grid) -> FloatArray:
     up = np.minimum(up, shape[1] - places[:, 1])
     stands = np.isfinite(down)
     places, down, up = places[stands], down[stands], up[stands]
-    # A room has a floor; the inside of a pot is round.
+    # A room has a level floor, unlike the inside of a pot, which is round.
     if len(places) == 0 or (level[stands] > 0.97).mean() < 0.5:
         return np.zeros((0, 3))
     height = np.minimum(0.4 * (down + up), 0.12 * math.hypot(float(shape[0]), float(shape[2])))
@@ -232,12 +241,13 @@ def _eyes(grid: Grid) -> FloatArray:
     hits = np.isfinite(distance).reshape(-1, 48)
     front = (hits & (facing.reshape(-1, 48) > 0)).sum(axis=1) / np.maximum(hits.sum(axis=1), 1)
     inside = (hits.mean(axis=1) >= 0.7) & (front >= 0.6)
-    # A few such places may hide under any object, say among a chair's legs; a room is one almost everywhere.
+    # Any object may have a few such positions, for example between the legs of a chair; in a room most positions are
+    # such.
     return eyes[inside] if len(eyes) and inside.mean() >= 0.35 else np.zeros((0, 3))
 
 
 def sphere_directions(count: int) -> FloatArray:
-    """Directions spread evenly, on a Fibonacci spiral."""
+    """Make `count` directions (N, 3) that are distributed evenly over the sphere, on a Fibonacci spiral."""
     k = np.arange(count) + 0.5
     y, angle = 1 - 2 * k / count, math.pi * (3 - math.sqrt(5)) * k
     r = np.sqrt(1 - y * y)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Other materials for parts of a scene, by name: a polished floor for a model that has none."""
+"""Replacement of materials of a scene by name, for example to give a model a polished floor."""
 
 from __future__ import annotations
 
@@ -15,14 +15,15 @@ from eclat.loaders.mitsuba import load_material
 from eclat.scene import Material, Mesh, Scene, Value
 
 _BASE_COLOURS = ("reflectance", "diffuse_reflectance", "base_color")
-"""The name of the base colour's parameter in each kind of material."""
+"""Names of the parameters that hold the base colour in the various kinds of material."""
 
 _LISTED = 24
-"""Names in a message, at most."""
+"""Largest number of names that a message lists."""
 
 
 def material_names(scene: Scene) -> list[str]:
-    """Names by which `override_materials` finds parts of a scene: of materials, and of meshes whose material has none."""
+    """List the names that `override_materials` accepts: those of materials, and those of meshes whose material has no
+    name."""
     names = (mesh.material.name or mesh.name for mesh in scene.meshes)
     return [name for name in dict.fromkeys(names) if name]
 
@@ -32,19 +33,20 @@ def override_materials(
     materials: Mapping[str, Mapping[str, Any] | Material],
     base_folder: str | os.PathLike[str] | None = None,
 ) -> Scene:
-    """The scene with some of its materials replaced; it may come from any kind of file.
+    """Replace some materials of a scene, which may come from any kind of file.
 
     Parameters
     ----------
-    materials : name of a material of the scene, or of a mesh (`material_names` lists them) → what takes its place: a
-        `Material`, used as it is, or a bsdf as in `load_dict`, `{"type": "roughplastic", "alpha": 0.2}`. Properties that a
-        bsdf does not give stay as they were: the base colour with its texture, opacity, bumps, emission, and the number
-        of sides on which it acts.
-    base_folder : where file names in `materials` begin, by default the current folder.
+    materials : maps the name of a material or of a mesh (`material_names` lists them) to its replacement. This is a
+        `Material`, which is used unchanged, or a bsdf as in `load_dict`, such as `{"type": "roughplastic", "alpha":
+        0.2}`. Properties that a bsdf does not give keep their values: the base colour with its texture, opacity, bumps,
+        emission, and whether the material is two-sided.
+    base_folder : folder to which file names in `materials` are relative, by default the current folder.
 
     Raises
     ------
-    EclatError : a name that the scene does not have, an unknown kind of bsdf or property, values that make no sense.
+    EclatError : the scene has no material or mesh of that name, the kind of bsdf or a property is unknown, or a value
+        is invalid.
 
     Examples
     --------
@@ -67,7 +69,7 @@ def override_materials(
         name = next((n for n in (mesh.material.name, mesh.name) if n in materials), None)
         if name is None:
             return mesh
-        # One material stays one: the core counts them.
+        # Meshes that share a material still share its replacement, because the core stores each material once.
         key = name, id(mesh.material)
         if key not in made:
             made[key] = _in_place_of(mesh.material, name, materials[name], folder)
@@ -77,7 +79,9 @@ def override_materials(
 
 
 def parsed_override(text: str) -> tuple[str, dict[str, Any]]:
-    """Name and bsdf of `NAME=KIND,property=value,…`; numbers of a colour have blanks between them. Raises EclatError."""
+    """Parse `NAME=KIND,property=value,…` into the name and the bsdf; the numbers of a colour are separated by blanks.
+    Raises EclatError if the text has another form.
+    """
     name, equals, rest = text.partition("=")
     kind, *settings = (part.strip() for part in rest.split(","))
     if not (name.strip() and equals and kind) or "=" in kind:
@@ -88,13 +92,13 @@ def parsed_override(text: str) -> tuple[str, dict[str, Any]]:
         if not (key and equals and value):
             raise EclatError(f"{name.strip()}: expected property=value after the kind, got {setting!r}")
         if key in bsdf:
-            raise EclatError(f"{name.strip()}: expected {key} once, got it twice")
+            raise EclatError(f"{name.strip()}: {key} is given twice, expected it once")
         bsdf[key] = _value(value)
     return name.strip(), bsdf
 
 
 def _value(text: str) -> Any:
-    """A number, a colour of three, or a word."""
+    """Convert a text to a number, a colour of three numbers, or a word."""
     try:
         numbers = [float(part) for part in text.split()]
     except ValueError:
@@ -123,7 +127,7 @@ def _on_sides_of(old: Material, new: Material) -> Material:
 
 
 def _base_colour(material: Material) -> Value | None:
-    """The base colour of the material, or of the first of its parts that has one."""
+    """Return the base colour of the material, or of the first of its parts that has one, or None."""
     for name in _BASE_COLOURS:
         if name in material.parameters:
             return material.parameters[name]
@@ -141,4 +145,4 @@ def _with_base_colour(material: Material, colour: Value | None, given: Mapping[s
 def _listed(names: Iterable[str]) -> str:
     shown = list(names)
     more = f" and {len(shown) - _LISTED} more" if len(shown) > _LISTED else ""
-    return (", ".join(shown[:_LISTED]) + more) or "no names, since nothing in the scene has one"
+    return (", ".join(shown[:_LISTED]) + more) or "no name, because nothing in the scene has one"

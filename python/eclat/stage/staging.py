@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The scene that a verb works on: loaded if it was given by name, and completed with a camera and light."""
+"""The scene that a verb works on, which is loaded if it is given by name, and completed with a camera and a light."""
 
 from __future__ import annotations
 
@@ -13,23 +13,26 @@ from eclat.scene import Scene
 from eclat.stage.defaults import complete, has_light
 
 _staged: weakref.WeakKeyDictionary[Scene, Scene] = weakref.WeakKeyDictionary()
-"""Kept, so that the same scene gives the same object, with what is compiled for it, and says what was made up once."""
+"""Completed scenes, which are kept so that the same scene always gives the same object, which is compiled and warned
+about only once."""
 
 
 def staged(scene: Scene | str | os.PathLike[str]) -> Scene:
-    """`scene` as the command line would use it: the same stand-ins for a missing camera or light, the same warnings.
-
-    A scene that has both is returned as it is. What stands in depends on the scene alone, so that what was solved fits
-    what is rendered.
+    """Return the scene with a camera and a light, as the command line does; if either is missing, it is added with a
+    warning.
+    A scene that has both is returned unchanged. The additions depend only on the scene, so a solution fits the scene
+    when it is rendered later.
 
     Raises
     ------
-    EclatError : what `load` raises for a file or a name, or something that is neither a scene nor the name of one.
+    EclatError : `load` raises it for the file or name, or `scene` is neither a scene nor a name.
     """
     if isinstance(scene, str | os.PathLike):
         scene = load(scene)
     if not isinstance(scene, Scene):
-        raise EclatError(f"expected a scene, or the name of a file or of a built-in one, got {type(scene).__name__}")
+        raise EclatError(
+            f"scene: expected a scene, the path of a scene file or the name of a built-in scene, got {type(scene).__name__}"
+        )
     if scene.cameras and has_light(scene):
         return scene
     found = _staged.get(scene)

@@ -328,7 +328,7 @@ def test_quiet_keeps_warnings(capsys: Output) -> None:
     assert main(["render", "lonely.obj", "--size", "8x8", "--quiet"]) == 0
     captured = capsys.readouterr()
     assert captured.out == ""
-    assert "eclat: warning: the scene has no camera; it is seen from outside\n" in captured.err
+    assert "eclat: warning: the scene has no camera: a camera is placed outside of it\n" in captured.err
     assert len(set(captured.err.splitlines())) == len(captured.err.splitlines())
 
 

@@ -193,7 +193,7 @@ def test_bad_arguments_are_named(arguments: dict[str, object], message: str) -> 
 
 @pytest.mark.parametrize("angles", [(math.nan, 10), (10, math.inf), (10, 91)])
 def test_bad_angles_are_refused(angles: tuple[float, float]) -> None:
-    with pytest.raises(EclatError, match="azimuth and elevation"):
+    with pytest.raises(EclatError, match="expected an azimuth and an elevation"):
         sun_direction(*angles)
 
 

@@ -72,9 +72,9 @@ def test_shapes_that_differ() -> None:
     with pytest.raises(EclatError) as caught:
         relative_rmse(TRUTH, TRUTH, TRUTH[:3])
     assert str(caught.value) == (
-        "error: expected pictures of one shape (height, width, 3), got (24, 32, 3), (24, 32, 3), (3, 32, 3)"
+        "metrics: expected pictures of the same shape (height, width, 3), got (24, 32, 3), (24, 32, 3), (3, 32, 3)"
     )
-    with pytest.raises(EclatError, match="expected at least one pixel to count, got none"):
+    with pytest.raises(EclatError, match="expected a mask that includes at least one pixel"):
         relative_rmse(TRUTH, TRUTH, TRUTH, mask=np.zeros((24, 32), dtype=bool))
 
 

@@ -110,8 +110,8 @@ def test_camera_from_alone_looks_at_the_middle_without_a_warning(recwarn: pytest
         ({"fov": 180}, "fov"),
         ({"fov": math.nan}, "fov"),
         ({"size": (0, 5)}, "size"),
-        ({"sun": (10, 95)}, "azimuth and elevation"),
-        ({"sun": (math.nan, 5)}, "azimuth and elevation"),
+        ({"sun": (10, 95)}, "expected an azimuth and an elevation"),
+        ({"sun": (math.nan, 5)}, "expected an azimuth and an elevation"),
         ({"environment": (1, -1, 0)}, "environment"),
         ({"environment": Path("no-such.exr")}, "no-such.exr"),
     ],
@@ -154,7 +154,7 @@ def test_a_photograph_as_environment_is_decoded(tmp_path: Path) -> None:
     from PIL import Image
 
     Image.new("RGB", (4, 2), (188, 188, 188)).save(tmp_path / "sky.png")
-    with pytest.warns(EclatWarning, match="no range beyond white"):
+    with pytest.warns(EclatWarning, match="no values brighter than white"):
         got = complete(scene_of(icosphere(1), cameras=(CAMERA,)), environment=tmp_path / "sky.png")
     assert got.environment is not None
     np.testing.assert_allclose(got.environment.image, 0.503, atol=2e-3)
@@ -203,8 +203,8 @@ def test_an_object_is_seen_whole_from_outside_under_the_sky() -> None:
     with pytest.warns(EclatWarning) as caught:
         got = complete(statue())
     assert [str(w.message) for w in caught] == [
-        "the scene has no camera; it is seen from outside",
-        "the scene has no light; it gets sun and sky",
+        "the scene has no camera: a camera is placed outside of it",
+        "the scene has no light: a sun and a sky are added",
     ]
     corners = corners_of(got.meshes)
     camera = got.cameras[0]
@@ -221,7 +221,7 @@ def test_an_object_is_seen_whole_from_outside_under_the_sky() -> None:
 def test_a_room_is_seen_from_inside_by_lamplight() -> None:
     with pytest.warns(EclatWarning) as caught:
         got = complete(room())
-    assert ["from inside" in str(caught[0].message), "lamp" in str(caught[1].message)] == [True, True]
+    assert ["placed inside" in str(caught[0].message), "lamp" in str(caught[1].message)] == [True, True]
     assert got.environment is None and not got.lights
     *rest, lamp = got.meshes
     corners = corners_of(rest)

@@ -141,7 +141,7 @@ def test_the_text_of_a_flag() -> None:
         ("=diffuse", "expected NAME=KIND"),
         ("floor=alpha=0.2", "expected NAME=KIND"),
         ("floor=diffuse,0.3", "floor: expected property=value after the kind, got '0.3'"),
-        ("floor=plastic,alpha=1,alpha=2", "floor: expected alpha once, got it twice"),
+        ("floor=plastic,alpha=1,alpha=2", "floor: alpha is given twice, expected it once"),
     ],
 )
 def test_bad_texts(text: str, message: str) -> None:

@@ -65,7 +65,9 @@ def test_whole_scenes_are_kept_and_others_completed_once(file: Path) -> None:
 
 @pytest.mark.parametrize("wrong", [None, 3, ["cornell-box"], {"type": "scene"}])
 def test_what_is_no_scene(wrong: object) -> None:
-    with pytest.raises(EclatError, match="expected a scene, or the name of a file or of a built-in one, got"):
+    with pytest.raises(
+        EclatError, match="expected a scene, the path of a scene file or the name of a built-in scene, got"
+    ):
         eclat.render(wrong)  # type: ignore[arg-type]
     with pytest.raises(EclatError, match="did you mean 'cornell-box'"):
         eclat.render("cornel-box")
