@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.gltf_export.geometry import face_normals
-from eclat.loaders.components import connected, edges_of
+from eclat.loaders.components import connected_components, triangle_edges
 from eclat.scene import FloatArray, Mesh
 
 Ints = NDArray[np.int64]
@@ -85,11 +85,11 @@ def _connected(positions: FloatArray, triangles: Ints, normals: FloatArray) -> I
     """Number the charts of the triangles, (T,): two triangles share a chart if they share an edge, by position, and a
     plane."""
     places = np.unique(positions, axis=0, return_inverse=True)[1].reshape(-1)
-    edges, owners = edges_of(places[triangles])
+    edges, owners = triangle_edges(places[triangles])
     shared = np.flatnonzero((edges[1:] == edges[:-1]).all(axis=1))
     a, b = owners[shared], owners[shared + 1]
     agree = (np.linalg.norm(normals[a] - normals[b], axis=1) < SAME_PLANE) & (a != b)
-    labels = connected(len(triangles), a[agree], b[agree])
+    labels = connected_components(len(triangles), a[agree], b[agree])
     return np.unique(labels, return_inverse=True)[1].reshape(-1)
 
 

@@ -14,7 +14,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.loaders.components import connected, edges_of
+from eclat.loaders.components import connected_components, triangle_edges
 from eclat.scene import DirectionalLight, FloatArray, Mesh, Scene
 
 Ints = NDArray[np.int64]
@@ -55,9 +55,9 @@ def _pieces(mesh: Mesh) -> list[Ints]:
         return []
     _, corners = np.unique(np.asarray(mesh.positions), axis=0, return_inverse=True)
     triangles = corners.reshape(-1)[np.asarray(mesh.triangles)]
-    edges, owners = edges_of(triangles)
+    edges, owners = triangle_edges(triangles)
     same = (edges[1:] == edges[:-1]).all(axis=1)
-    labels = connected(len(triangles), owners[:-1][same], owners[1:][same])
+    labels = connected_components(len(triangles), owners[:-1][same], owners[1:][same])
     order = np.argsort(labels, kind="stable")
     return np.split(order, np.flatnonzero(np.diff(labels[order])) + 1)
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Scenes from files, dicts and built-in names: `load` is the front door, with the one table of suffixes."""
+"""Load scenes from files, from Mitsuba-style dicts and by built-in name. `SUFFIXES` lists the file formats."""
 
 from __future__ import annotations
 
@@ -24,7 +24,10 @@ SUFFIXES: dict[str, tuple[str, str]] = {
     ".ply": ("eclat.loaders.ply", "load_ply_scene"),
     ".xml": ("eclat.loaders.mitsuba", "load_xml"),
 }
-"""Suffix → module and function that take a path and return a scene; imported when first needed."""
+"""The loader of each file suffix: a module, which is imported on first use, and a function in it.
+
+The function takes the path of the file and returns a scene.
+"""
 
 
 def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
@@ -32,16 +35,19 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
 
     Parameters
     ----------
-    path : a file with one of `SUFFIXES` (capitals do not matter), or one of `eclat.scenes.NAMES`.
+    path : a file with one of the `SUFFIXES` in upper or lower case, or one of `eclat.scenes.NAMES`.
     parameters : the parameters of a built-in scene (`eclat.scenes.build`), or the values of `$name` in an XML file.
+        Other formats take no parameters.
 
     Returns
     -------
-    The scene. What the loader replaced, ignored or guessed is in its `warnings`, and was issued as `EclatWarning` too.
+    The scene. Its `warnings` list everything that the loader replaced, ignored or guessed. Each of them is also
+    issued as an `EclatWarning`.
 
     Raises
     ------
-    EclatError : the file does not exist, its suffix or the name is unknown, or the file is wrong.
+    EclatError : the file does not exist, its suffix or the name is unknown, its content is invalid, or it takes no
+        parameters.
 
     Examples
     --------
@@ -56,7 +62,10 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
     module, function = _loader_of(file)
     _check_is_file(file)
     if parameters and file.suffix.lower() != ".xml":
-        raise EclatError(f"{file}: expected no parameters for a file of this kind, got {', '.join(parameters)}")
+        raise EclatError(
+            f"{file}: expected no parameters, because only XML files and built-in scenes have them, "
+            f"got {', '.join(parameters)}"
+        )
     read = getattr(importlib.import_module(module), function)
     if parameters:
         values = {name: str(value) for name, value in parameters.items()}
@@ -65,9 +74,20 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
 
 
 def load_dict(description: Mapping[str, Any], base_folder: str | os.PathLike[str] | None = None) -> Scene:
-    """A scene from a dict as `mitsuba.load_dict` takes it; file names in it begin at `base_folder` (default: here).
+    """Load a scene from a dict of the form that `mitsuba.load_dict` takes.
 
-    Like `load`, it keeps warnings in the scene. Raises EclatError with the path of keys.
+    Parameters
+    ----------
+    description : the scene as nested dicts.
+    base_folder : the folder that relative file names in the dict start from. The default is the current folder.
+
+    Returns
+    -------
+    The scene, with the warnings of the loader as in `load`.
+
+    Raises
+    ------
+    EclatError : an entry is invalid. The message names the keys that lead to it.
     """
     from eclat.loaders import mitsuba
 
@@ -93,14 +113,14 @@ def _check_is_file(file: Path) -> None:
         if file.is_file():
             return
         if file.exists():
-            what = "a folder" if file.is_dir() else "neither file nor folder"
+            what = "a folder" if file.is_dir() else "something that is neither a file nor a folder"
             raise EclatError(f"{file}: expected a scene file, got {what}")
         siblings = [name for name in os.listdir(file.parent) if Path(name).suffix.lower() in SUFFIXES]
     except (OSError, ValueError) as error:
         if isinstance(error, EclatError):
             raise
         siblings = []
-    raise EclatError(f"{file}: expected a scene file, got no such file{did_you_mean(file.name, siblings)}")
+    raise EclatError(f"{file}: expected a scene file, but no such file exists{did_you_mean(file.name, siblings)}")
 
 
 def _is_folder(file: Path) -> bool:
@@ -111,7 +131,7 @@ def _is_folder(file: Path) -> bool:
 
 
 def _collecting_warnings(make: Callable[[], Scene]) -> Scene:
-    """The scene that `make` returns, with the text of every `EclatWarning` on the way."""
+    """Call `make` and return its scene, with the text of every `EclatWarning` that was issued meanwhile."""
     from eclat.loaders.images import image_budget
 
     with heard_warnings() as messages, image_budget():

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Triangles as a graph: their edges and their connected components."""
+"""The graph of a triangle mesh: the edges of triangles, and connected components."""
 
 from __future__ import annotations
 
@@ -10,18 +10,30 @@ from numpy.typing import NDArray
 Ints = NDArray[np.int64]
 
 
-def edges_of(triangles: Ints) -> tuple[Ints, Ints]:
-    """All 3 T edges as pairs of vertices, the smaller first, sorted, so that shared ones follow each other, and the
-    triangle of each."""
+def triangle_edges(triangles: Ints) -> tuple[Ints, Ints]:
+    """List the 3 T edges of T triangles.
+
+    Returns
+    -------
+    (3 T, 2) the vertices of each edge, the smaller index first. The rows are sorted, so that equal edges of different
+    triangles are adjacent. (3 T,) the triangle that each edge belongs to.
+    """
     edges = np.sort(np.stack((triangles, np.roll(triangles, -1, axis=1)), axis=2).reshape(-1, 2), axis=1)
     owners = np.repeat(np.arange(len(triangles)), 3)
     order = np.lexsort((owners, edges[:, 1], edges[:, 0]))
     return edges[order], owners[order]
 
 
-def connected(count: int, a: Ints, b: Ints) -> Ints:
-    """(count,) the smallest member of each one's component, where a[i] and b[i] are joined, by pointers that jump until
-    nothing changes."""
+def connected_components(count: int, a: Ints, b: Ints) -> Ints:
+    """Label the connected components of a graph with nodes 0 … count − 1 and edges from a[i] to b[i].
+
+    Each node points to a smaller or equal node of its component. Pointers are lowered along the edges and followed
+    to the next pointer until nothing changes.
+
+    Returns
+    -------
+    (count,) for each node, the smallest node of its component.
+    """
     labels = np.arange(count)
     while True:
         before = labels.copy()

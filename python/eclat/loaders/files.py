@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files that a scene file names: found safely, read safely, with a stand-in for the image that cannot be read."""
+"""Find and read the files that a scene file names, safely. Images that cannot be read are replaced by a stand-in."""
 
 from __future__ import annotations
 
@@ -18,7 +18,7 @@ from eclat.files.arrays import read_file
 from eclat.loaders.images import decode_image, read_image_file
 from eclat.scene import Texture
 
-# Two letters at least, so that a Windows drive (`C:`) is not taken for a scheme.
+# A scheme has at least two letters here, so that a Windows drive (`C:`) is not taken for one.
 _SCHEME = re.compile(r"[A-Za-z][A-Za-z0-9+.\-]+:")
 _DRIVE = re.compile(r"[A-Za-z]:")
 _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
@@ -34,28 +34,29 @@ class TextureOptions(TypedDict, total=False):
 
 
 def resolve(folder: Path, name: str, *, where: str, allow_parent: bool = False) -> Path:
-    """The path of the file that a scene in `folder` calls `name`; it need not exist.
+    """Find the path of the file that a scene in `folder` calls `name`. The file need not exist.
 
-    Backslashes count as slashes, and where the exact name is absent a name that differs only in case is taken.
+    Backslashes count as slashes. If no file has the exact name, one whose name differs only in case is used.
 
     Parameters
     ----------
-    folder : the folder of the file that names the other one.
+    folder : the folder of the scene file.
     name : a relative path, already percent-decoded.
     where : file and element for messages, e.g. ``"room.gltf, buffers[0]"``.
-    allow_parent : let `name` leave the folder (OBJ and XML do that lawfully) and, where nothing is found there,
-        take a file of the same base name beside the scene, with a warning. Without it, links that lead out of the
-        folder are refused too.
+    allow_parent : whether `name` may lead out of the folder, as the OBJ and XML formats allow. If no such file
+        exists, a file of the same base name in the folder is used, with a warning. If False, symbolic links that lead
+        out of the folder are refused too.
 
     Raises
     ------
-    EclatError : empty names, control characters, URLs; without `allow_parent` also absolute paths and escapes.
+    EclatError : the name is empty, contains control characters or is a URL. Without `allow_parent`, also if it is an
+        absolute path or leads out of the folder.
     """
     text = name.replace("\\", "/").strip()
     if not text or _CONTROL.search(text):
         raise EclatError(f"{where}: expected a file name, got {_shown(name)}")
     if _SCHEME.match(text):
-        raise EclatError(f"{where}: expected a file beside the scene, got the URL {_shown(name)}")
+        raise EclatError(f"{where}: expected the name of a local file, got the URL {_shown(name)}")
     try:
         if allow_parent:
             return _resolve_anywhere(folder, text, where)
@@ -67,7 +68,10 @@ def resolve(folder: Path, name: str, *, where: str, allow_parent: bool = False) 
 
 
 def read_bytes(path: Path, *, where: str, limit: int = 1 << 32) -> bytes:
-    """The bytes of a regular file of at most `limit` bytes; EclatError for anything else (missing, folder, pipe)."""
+    """Read a regular file of at most `limit` bytes.
+
+    Raises EclatError if it does not exist, cannot be read, is larger, or is no regular file (a folder, a pipe).
+    """
     return read_file(path, where=where, limit=limit)
 
 
@@ -79,18 +83,21 @@ def read_texture(
     neutral: tuple[float, float, float] | None = None,
     **options: Unpack[TextureOptions],
 ) -> Texture:
-    """The texture in an image file, or, with a warning, a stand-in when it is missing or broken.
+    """Read a texture from an image file. If the file is missing or invalid, warn and return a stand-in.
 
-    The image gets 1, 3 or 4 channels: grey, RGB, RGBA (grey with alpha becomes RGBA), uint8, or float32 for files of
-    more than 8 bits. Those whose format is linear by definition (EXR, HDR, PFM) get `srgb=False` whatever is asked.
+    The image of the texture has 1 channel (grey), 3 (RGB) or 4 (RGBA, also for grey with alpha). Its type is uint8,
+    or float32 for files of more than 8 bits per channel.
 
     Parameters
     ----------
-    srgb : the value for `Texture.srgb`.
+    path : the image file.
+    srgb : the value of `Texture.srgb`. It is ignored for formats that are linear by definition (EXR, HDR, PFM), whose
+        textures have `srgb=False`.
     where : file and element for warnings.
-    neutral : the one texel of the stand-in. Without it, colours (`srgb`) get a mauve and grey checker, so that one
-        sees what is missing, and data gets 1, so that the parameter's constant acts alone.
-    options : wrap_u, wrap_v, filter, name (default: the file's name).
+    neutral : the RGB value of the stand-in. If it is None, the stand-in is a mauve and grey checkerboard for colours
+        (`srgb`), so that the missing texture is easy to see. For other data it is 1, so that the constant which the
+        texture multiplies is used alone.
+    options : wrap_u, wrap_v, filter, and name, whose default is the name of the file.
     """
     options.setdefault("name", path.name)
     try:
@@ -108,7 +115,7 @@ def texture_from_bytes(
     neutral: tuple[float, float, float] | None = None,
     **options: Unpack[TextureOptions],
 ) -> Texture:
-    """The same as `read_texture` for the bytes of an encoded image (PNG, JPEG, …)."""
+    """Decode a texture from the bytes of an image in a format such as PNG or JPEG. Otherwise as `read_texture`."""
     try:
         return Texture(decode_image(data), srgb=srgb, **options)
     except EclatError as error:
@@ -123,13 +130,13 @@ def stand_in(
     neutral: tuple[float, float, float] | None = None,
     **options: Unpack[TextureOptions],
 ) -> Texture:
-    """Warn that a texture is unusable for `reason`, and return what is shown instead (see `read_texture`)."""
+    """Warn that a texture cannot be used, with the `reason`, and return a stand-in (see `read_texture`)."""
     reason = reason.removeprefix(f"{where}: ")
     if neutral is None and srgb:
-        warn(f"{where}: {reason}; a mauve and grey checker stands in")
+        warn(f"{where}: {reason}; a mauve and grey checkerboard is used instead")
         return Texture(_checker(), srgb=True, **options)
     texel = neutral or (1.0, 1.0, 1.0)
-    warn(f"{where}: {reason}; the constant {texel} stands in")
+    warn(f"{where}: {reason}; the constant {texel} is used instead")
     return Texture(np.array(texel, dtype=np.float32).reshape(1, 1, 3), srgb=False, **options)
 
 
@@ -139,7 +146,9 @@ def _resolve_inside(folder: Path, text: str, where: str, name: str) -> Path:
         raise EclatError(f"{where}: expected a file in the scene's folder, got {_shown(name)}, which leads out of it")
     path = _find(folder, tidy) or folder / tidy
     if not path.resolve().is_relative_to(folder.resolve()):
-        raise EclatError(f"{where}: expected a file in the scene's folder, got {_shown(name)}, a link that leads out")
+        raise EclatError(
+            f"{where}: expected a file in the scene's folder, got {_shown(name)}, a symbolic link that leads out of it"
+        )
     return path
 
 
@@ -150,13 +159,13 @@ def _resolve_anywhere(folder: Path, text: str, where: str) -> Path:
     base = posixpath.basename(text.rstrip("/"))
     beside = _find(folder, base) if base and base != text else None
     if beside is not None:
-        warn(f"{where}: {_shown(text)} does not exist; the file of that name in the scene's folder is used")
+        warn(f"{where}: {_shown(text)} does not exist; the file {_shown(base)} in the scene's folder is used instead")
         return beside
     return folder / text
 
 
 def _find(folder: Path, text: str) -> Path | None:
-    """The path `folder / text` if it exists, else one that differs only in case, else None."""
+    """The path `folder / text` if it exists, otherwise a path that differs only in case, otherwise None."""
     exact = folder / text
     if exact.exists():
         return exact
@@ -177,23 +186,28 @@ def _find(folder: Path, text: str) -> Path | None:
 
 
 def _checker() -> NDArray[np.uint8]:
-    """8×8 fields of mauve and grey (sRGB bytes), two texels each so that bilinear filtering keeps the fields."""
+    """A checkerboard (16, 16, 3) of mauve and grey squares in sRGB bytes.
+
+    Each square has 2 × 2 texels, so that bilinear filtering does not blur it away.
+    """
     rows, columns = np.indices((16, 16)) // 2
     tones: NDArray[np.uint8] = np.array([[150, 144, 150], [196, 128, 178]], dtype=np.uint8)
     return np.take(tones, (rows + columns) % 2, axis=0)
 
 
 def _finite(image: NDArray[Any], where: str) -> NDArray[Any]:
-    """The image in which the largest finite value replaces +∞ and 0 replaces other values that are not finite, with a
-    warning."""
+    """Replace +∞ by the largest finite value of the image, and NaN and −∞ by 0, with a warning."""
     good = np.isfinite(image)
     if good.all():
         return image
-    warn(f"{where}: {int((~good).any(axis=-1).sum())} texels are not finite; they are replaced")
+    warn(
+        f"{where}: {int((~good).any(axis=-1).sum())} texels are not finite; infinity is replaced by the largest finite "
+        "value, and NaN by 0"
+    )
     largest = image[good].max(initial=0)
     return np.where(good, image, np.where(image == np.inf, largest, 0)).astype(image.dtype)
 
 
 def _shown(name: str) -> str:
-    """A name for a message: quoted, and not longer than a line."""
+    """Quote `name` for a message, and shorten it to 100 characters."""
     return repr(name if len(name) <= 100 else name[:97] + "...")

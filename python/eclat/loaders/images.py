@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Decodes images to arrays and turns every failure of a decoder into an EclatError."""
+"""Decode images to arrays. Every failure of a decoder becomes an EclatError."""
 
 from __future__ import annotations
 
@@ -22,19 +22,21 @@ from PIL.PngImagePlugin import PngImageFile
 from eclat.errors import EclatError
 from eclat.loaders.linear_images import DECODERS, MAX_PIXELS, check_size
 
-# The formats are named, because Pillow would otherwise also try formats that start other programs (EPS).
+# Pillow would otherwise also try formats for which it starts other programs, such as EPS.
 FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "AVIF", "PPM", "DDS", "PCX")
 
 _ALLOWANCE = 1 << 30
-"""Bytes that the images of one scene may take whatever the size of their files."""
+"""The number of bytes that the decoded images of a scene may take in any case (1 GiB)."""
 _GROWTH = 256
-"""Beyond these, how much larger than its file an image may be on average: JPEGs of photographs grow 10 to 50 times."""
+"""The number of further bytes that the decoded images may take for each byte of their files. A decoded photograph is 10
+to 50 times as large as its JPEG file."""
 
 _spent: ContextVar[list[int] | None] = ContextVar("spent", default=None)
-"""Bytes of images and `_GROWTH` times bytes of files in this load."""
+"""The bytes that the images of the current load take, and `_GROWTH` times the bytes of their files."""
 
 _DEFLATE_LIMIT = 1032
-"""No deflate stream grows by more than this (258 bytes for 2 bits), so a PNG that claims more is lying."""
+"""The largest ratio of decompressed to compressed bytes that deflate can reach: 258 bytes for 2 bits. A PNG whose
+header claims more is invalid."""
 
 # Pillow's plugins raise nearly every type of exception on broken files.
 _DECODER_ERRORS = (
@@ -44,9 +46,19 @@ _DECODER_ERRORS = (
 
 
 def decode_image(data: bytes) -> NDArray[Any]:
-    """(H, W, C) with C = 1, 3 or 4: uint8, or float32 in 0..1 for images of 16 bits. Raises EclatError."""
+    """Decode an encoded image.
+
+    Returns
+    -------
+    (H, W, C) with C = 1, 3 or 4. The type is uint8, or float32 in 0..1 for images of 16 bits per channel.
+
+    Raises
+    ------
+    EclatError : the image cannot be decoded, is too large, or has texels that are not finite.
+    """
     try:
-        # For good, since `catch_warnings` would undo what other threads do meanwhile; our own limit is the same.
+        # The filter stays in place, because `catch_warnings` would also undo the filters that other threads set
+        # meanwhile. The warning is not needed: `_check_size` has a limit too.
         warnings.simplefilter("ignore", Image.DecompressionBombWarning)
         with Image.open(io.BytesIO(data), formats=FORMATS) as image:
             _check_size(image, len(data))
@@ -64,7 +76,11 @@ def decode_image(data: bytes) -> NDArray[Any]:
 
 @contextmanager
 def image_budget() -> Iterator[None]:
-    """Images decoded in the block may together take `_ALLOWANCE` and `_GROWTH` times their files; others are refused."""
+    """Limit the memory of the images that are decoded in the body of this context.
+
+    All images together may take `_ALLOWANCE` bytes plus `_GROWTH` bytes for each byte of their files. An image that
+    would exceed this sum raises EclatError.
+    """
     token = _spent.set([0, 0])
     try:
         yield
@@ -78,23 +94,31 @@ def _spend(taken: int, size: int) -> None:
         return
     if spent[0] + taken > _ALLOWANCE + spent[1] + _GROWTH * size:
         raise EclatError(
-            f"the image would take {taken >> 20} MB, which with others is too much for files of their size"
+            f"the image would take {taken >> 20} MiB, and all images of the scene together would take more than "
+            f"{_ALLOWANCE >> 20} MiB plus {_GROWTH} times the size of their files"
         )
     spent[0] += taken
     spent[1] += _GROWTH * size
 
 
 def read_image_file(path: Path, data: bytes) -> tuple[NDArray[Any], bool]:
-    """The image `data` of the file `path`, and whether its format is linear by definition. Raises EclatError.
+    """Decode `data`, the bytes of the image file `path`.
 
-    Texels of linear formats may be infinite or NaN.
+    Returns
+    -------
+    The image, (H, W, C), and whether its format is linear by definition. Texels of linear formats may be infinite or
+    NaN.
+
+    Raises
+    ------
+    EclatError : the image cannot be decoded or is too large.
     """
     decode = DECODERS.get(path.suffix.lower())
     return (decode_image(data), False) if decode is None else (decode(path, data), True)
 
 
 def _check_size(image: Image.Image, size: int) -> None:
-    # A texel of a PNG takes a bit at least; other formats have no such bound.
+    # A texel of a PNG takes at least one bit before compression. For other formats no such bound is known.
     check_size(*image.size, size, texels_per_byte=8 * _DEFLATE_LIMIT if image.format == "PNG" else MAX_PIXELS)
     _spend(image.width * image.height * (1 if image.mode in ("1", "L") else 4), size)
 
@@ -103,11 +127,11 @@ def _pixels(image: Image.Image, data: bytes) -> NDArray[Any]:
     mode = image.mode
     raw = image.tile[0][3] if isinstance(image, PngImageFile) and image.tile else None
     if raw in ("RGB;16B", "RGBA;16B"):
-        # Pillow keeps the high bytes of 16-bit colours only; read as little-endian it keeps the low ones.
+        # Pillow keeps only the high bytes of 16-bit colours. If it reads them as little-endian, it keeps the low bytes.
         high = np.asarray(image, dtype=np.float32)
         with PngImageFile(io.BytesIO(data)) as again:
             codec, extents, offset, _ = again.tile[0]
-            # A plain tuple, since the named one is new in Pillow 11.
+            # This is a plain tuple, because Pillow has a named tuple for it only since version 11.
             again.tile = [(codec, extents, offset, raw.replace("16B", "16L"))]  # type: ignore[list-item]
             low = np.asarray(again, dtype=np.float32)
         return (high * np.float32(256) + low) / np.float32(65535)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Readers of image formats that are linear by definition: OpenEXR, Radiance HDR, PFM. All failures raise EclatError."""
+"""Decode image formats that are linear by definition: OpenEXR, Radiance HDR and PFM. All failures raise EclatError."""
 
 from __future__ import annotations
 
@@ -15,25 +15,29 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError, warn
 
 MAX_PIXELS = 1 << 27
-"""16384 × 8192."""
+"""The largest number of texels in an image: 16384 × 8192."""
 
 _GAMUT = 1e-3
-"""A negative share of the largest channel that is rounding (of 16-bit floats, or of primaries)."""
+"""The absolute value of a negative channel, relative to the texel's largest channel, up to which it counts as rounding
+(of 16-bit floats or of primaries)."""
 _HEADER_LIMIT = 1 << 16
+"""The number of bytes in which the header of a Radiance picture must end. Real headers have some hundred bytes."""
 _HDR_SIZE = re.compile(rb"([-+])Y +(\d{1,7}) +\+X +(\d{1,7})\s*$")
 _PFM_HEADER = re.compile(rb"(PF|Pf)\s+(\d{1,7})\s+(\d{1,7})\s+([-+0-9.eE]{1,20})\s")
 
 
 def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
-    """(H, W, C) of an OpenEXR file: RGB, RGBA or one channel, of its unnamed or else its first layer.
+    """Decode the pixels (H, W, C) of an OpenEXR file: RGB, RGBA or one channel.
 
-    Colours are in Rec. 709 and cover the display window (see `read_planes`). Where other primaries were converted,
-    what lies outside Rec. 709's gamut is cut at zero, with a warning, since no surface or light is negative.
+    The channels are those of the unnamed layer or, if it has no colours, of the first layer. Colours have Rec. 709
+    primaries, and the image covers the display window (see `read_planes`). If colours were converted from other
+    primaries and lie outside the gamut of Rec. 709, their negative channels become 0, with a warning, because
+    reflectances and radiances cannot be negative.
     """
     from eclat.images.exr_planes import read_planes
 
     def check(width: int, height: int) -> None:
-        # The best lossless packing of a constant picture still spends a byte on some thousand texels.
+        # Even a constant image takes a byte for some thousand texels in the best lossless compression.
         check_size(width, height, len(data), texels_per_byte=1 << 14)
 
     try:
@@ -47,13 +51,16 @@ def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
         outside = (image[..., :3] < -_GAMUT * np.abs(image[..., :3]).max(axis=-1, keepdims=True)).any(axis=-1)
     if found.converted:
         if outside.any():
-            warn(f"{path.name}: {int(outside.sum())} texels lie outside the colours of Rec. 709; they are cut at 0")
+            warn(
+                f"{path.name}: {int(outside.sum())} texels lie outside the gamut of Rec. 709; their negative channels "
+                "are set to 0"
+            )
         np.maximum(image, 0, out=image)
     return np.asarray(image, dtype=np.float32)
 
 
 def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
-    """The pixels (H, W, 3) of a Radiance picture, run-length encoded or flat."""
+    """Decode the pixels (H, W, 3) of a Radiance picture, which may be run-length encoded or uncompressed."""
     end = data.find(b"\n\n", 0, _HEADER_LIMIT)
     line_end = data.find(b"\n", end + 2, _HEADER_LIMIT)
     if end < 0 or line_end < 0:
@@ -62,7 +69,7 @@ def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
     if size is None:
         raise EclatError(f"expected a Radiance size like '-Y 512 +X 1024', got {data[end + 2 : line_end][:40]!r}")
     height, width = int(size[2]), int(size[3])
-    # A run of two bytes holds 127 values of one of four components.
+    # A run of two bytes encodes at most 127 values, and each texel has four values.
     check_size(width, height, len(data), texels_per_byte=64)
     texels = np.empty((height, width, 4), np.uint8)
     offset = line_end + 1
@@ -79,10 +86,11 @@ def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
 
 
 def _rec_709(colors: NDArray[np.float32], header: bytes) -> NDArray[np.float32]:
-    """Colours of a Radiance picture whose header says XYZ or other primaries in Rec. 709, cut at zero.
+    """Convert the colours of a Radiance picture to Rec. 709 if its header states XYZ or other primaries.
 
-    Radiance's own primaries (x, y within 0.02 of Rec. 709's) and its white of equal energy stay as they are: nearly
-    all programs write the texels of Rec. 709 under that header, or leave the line out.
+    Negative channels of converted colours become 0. Colours with Radiance's own primaries and equal-energy white are
+    not converted. These primaries differ from those of Rec. 709 by less than 0.02 in x and y, and nearly all programs
+    write Rec. 709 colours with that header or without a header line for primaries.
     """
     from eclat.images.exr_planes import REC_709, rgb_to_xyz
 
@@ -105,7 +113,7 @@ def _rec_709(colors: NDArray[np.float32], header: bytes) -> NDArray[np.float32]:
 
 
 def decode_pfm(path: Path, data: bytes) -> NDArray[np.float32]:
-    """The pixels (H, W, 1 or 3) of a portable float map, whose rows are stored from bottom to top."""
+    """Decode the pixels (H, W, 1 or 3) of a portable float map (PFM). The file stores the bottom row first."""
     header = _PFM_HEADER.match(data)
     if header is None:
         raise EclatError("expected a PFM header, got none")
@@ -129,17 +137,22 @@ DECODERS: dict[str, Callable[[Path, bytes], NDArray[np.float32]]] = {
     ".pic": decode_hdr,
     ".pfm": decode_pfm,
 }
-"""By suffix, in lower case."""
+"""The decoder of each file suffix in lower case. It takes the path and the bytes of a file and returns (H, W, C)."""
 
 
 def check_size(width: int, height: int, file_size: int, texels_per_byte: int) -> None:
-    """Refuse pictures without texels, with too many, or with more than a file of that size can hold."""
+    """Raise EclatError if an image has no texels, more than `MAX_PIXELS`, or more than its file can contain.
+
+    A file of `file_size` bytes can contain at most `texels_per_byte` texels for each byte.
+    """
     if width < 1 or height < 1:
-        raise EclatError(f"the image has no texels ({width} × {height})")
+        raise EclatError(f"expected an image with at least one texel, got {width} × {height}")
     if width * height > MAX_PIXELS:
-        raise EclatError(f"the image has {width} × {height} texels, more than the limit of {MAX_PIXELS}")
+        raise EclatError(f"expected at most {MAX_PIXELS} texels, got {width} × {height}")
     if width * height > texels_per_byte * file_size:
-        raise EclatError(f"the image claims {width} × {height} texels in a file of {file_size} bytes")
+        raise EclatError(
+            f"the header of the image claims {width} × {height} texels, which a file of {file_size} bytes cannot contain"
+        )
 
 
 def _color_channels(channels: dict[str, Any]) -> list[Any]:
@@ -156,15 +169,15 @@ def _color_channels(channels: dict[str, Any]) -> list[Any]:
 
 
 def _read_hdr_row(data: bytes, offset: int, row: NDArray[np.uint8]) -> int:
-    """Fill one (W, 4) row; return where the next begins."""
+    """Decode one row of a Radiance picture from `offset` into `row` (W, 4), and return the offset of the next row."""
     width = len(row)
     start = data[offset : offset + 4]
     if len(start) < 4:
-        raise EclatError("the image is cut off")
+        raise EclatError("the image is truncated")
     if not 8 <= width < 1 << 15 or start[:2] != b"\x02\x02" or (start[2] << 8 | start[3]) != width:
         flat = np.frombuffer(data[offset : offset + 4 * width], np.uint8)
         if len(flat) < 4 * width:
-            raise EclatError("the image is cut off")
+            raise EclatError("the image is truncated")
         row[:] = flat.reshape(width, 4)
         return offset + 4 * width
     offset += 4
@@ -175,12 +188,16 @@ def _read_hdr_row(data: bytes, offset: int, row: NDArray[np.uint8]) -> int:
 
 
 def _read_run_lengths(data: bytes, offset: int, width: int) -> tuple[bytes, int]:
-    """`width` bytes, from runs (count above 128, then one byte) and literals (count, then as many bytes)."""
+    """Decode one run-length encoded component of a row, and return its `width` bytes and the offset after it.
+
+    A code above 128 is followed by one byte, which is repeated (code − 128) times. Any other code is followed by that
+    number of bytes, which are copied.
+    """
     column = bytearray()
     while len(column) < width:
         head = data[offset : offset + 2]
         if len(head) < 2 or head[0] == 0:
-            raise EclatError("the image is cut off or not run-length encoded as it should be")
+            raise EclatError("the run-length encoding of the image is truncated or invalid")
         count = head[0]
         if count > 128:
             column += head[1:] * (count - 128)
@@ -189,7 +206,7 @@ def _read_run_lengths(data: bytes, offset: int, width: int) -> tuple[bytes, int]
             column += data[offset + 1 : offset + 1 + count]
             offset += 1 + count
             if offset > len(data):
-                raise EclatError("the image is cut off")
+                raise EclatError("the image is truncated")
     if len(column) != width:
-        raise EclatError("a run of the image goes past its row")
+        raise EclatError("the run-length encoding of the image is invalid: a run exceeds the width of the image")
     return bytes(column), offset

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""MTL files as statements: numbers, colours and texture maps with their options. `mtl_materials` gives them meaning."""
+"""Read the statements of MTL files: numbers, colours and texture maps with options.
+
+`mtl_materials` builds materials from these statements.
+"""
 
 from __future__ import annotations
 
@@ -20,31 +23,43 @@ UNDERSTOOD = (
     *("kd", "ks", "ke", "ns", "ni", "d", "tr", "tf", "illum", "pr", "pm"),
     *("map_kd", "map_ks", "map_ke", "map_ns", "map_d", "map_tr", "map_pr", "map_pm", "map_bump", "norm"),
 )
+"""The statements that are read, in lower case."""
 _SAME = {"bump": "map_bump", "map_kn": "norm", "map_opacity": "map_d"}
+"""Other spellings of statements, and the spelling in `UNDERSTOOD` that each of them stands for."""
 _MEANINGLESS = ("ka", "map_ka", "map_aat")
-"""Ambient light and antialiasing hints: nothing that a physical renderer could lose."""
+"""Statements that are ignored without a warning: ambient light and antialiasing hints do not apply to a physically
+based renderer."""
 
 _LIBRARY_NAME = re.compile(r"\S.*?\.mtl(?=\s|$)", re.IGNORECASE)
 _LONGEST_LINE = 4096
+"""The largest number of characters after a keyword. Real lines have fewer than a hundred."""
 _MOST_LIBRARIES = 256
+"""The largest number of `mtllib` statements, and of file names in one of them. Real files have one or two."""
 _MOST_SUGGESTIONS = 8
+"""The number of unknown materials that get a warning with a suggestion each. One more warning stands for all others."""
 _OPTION = re.compile(r"-([A-Za-z]+)\s+")
 _WORD = re.compile(r"(\S+)\s*")
 _ARGUMENTS = {"blendu": 1, "blendv": 1, "boost": 1, "texres": 1, "clamp": 1, "bm": 1, "imfchan": 1}
 _ARGUMENTS |= {"mm": 2, "o": 3, "s": 3, "t": 3, "cc": 1, "type": 1}
+"""The options of texture maps, and the largest number of arguments of each."""
 _WITHOUT_EFFECT = ("mm", "t", "cc", "type")
+"""The options of texture maps that are ignored with a warning."""
 
 
 @dataclass(frozen=True)
 class Entry:
-    """One `newmtl`: for each statement the line and what follows; the last of its kind counts."""
+    """The definition of one material, which starts with `newmtl`.
+
+    `statements` maps each keyword, in lower case, to its line number and the text after it. If a keyword occurs
+    several times, its last occurrence counts.
+    """
 
     name: str
     path: Path
     statements: dict[str, tuple[int, str]] = field(default_factory=dict)
 
     def where(self, key: str) -> str:
-        """File, line and material of a statement, for messages."""
+        """The file, line and material of the statement `key`, for messages."""
         return f"{self.path.name}, line {self.statements[key][0]}, material {self.name!r}"
 
 
@@ -54,17 +69,18 @@ class Library:
 
     entries: dict[str, Entry] = field(default_factory=dict)
     folded: dict[str, Entry] = field(default_factory=dict)
-    """The same by their names without capitals."""
+    """The same entries by their case-folded names."""
     incomplete: bool = False
-    """An MTL file is missing, which was said."""
+    """Whether an MTL file is missing. A warning about it has been issued."""
     textures: dict[tuple[Path, bool, bool], Texture] = field(default_factory=dict)
+    """The textures read so far, by path, whether the texture is sRGB, and whether it is clamped."""
     unknown: set[str] = field(default_factory=set)
-    """Materials that were asked for in vain, which was said."""
+    """The names of materials that were looked up and not found. Warnings about them have been issued."""
 
 
 @dataclass(frozen=True)
 class Map:
-    """A texture statement: its file and its options."""
+    """A texture statement: the name of the image file and the options."""
 
     name: str
     scale: tuple[float, float] = (1.0, 1.0)
@@ -75,17 +91,25 @@ class Map:
 
     @property
     def uv_transform(self) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
-        """The map uv · scale + offset for v that grows downwards: 1 − ((1 − v) · scale + offset)."""
+        """The affine map of texture coordinates, 2 rows of 3 numbers, for a v that grows downwards.
+
+        The file's map is uv · scale + offset with v upwards. It becomes v′ = 1 − ((1 − v) · scale + offset).
+        """
         (su, sv), (ou, ov) = self.scale, self.offset
         return ((su, 0.0, ou), (0.0, sv, 1.0 - sv - ov))
 
 
 def load_library(obj_path: Path, names: list[tuple[int, str]]) -> Library:
-    """Read the MTL files that `mtllib` statements (line, argument) name; those that are missing get a warning.
+    """Read the MTL files of an OBJ file. Missing files get a warning.
+
+    Parameters
+    ----------
+    obj_path : the OBJ file.
+    names : the line and the argument of each `mtllib` statement.
 
     Raises
     ------
-    EclatError : an MTL file that cannot be parsed.
+    EclatError : an MTL file cannot be parsed, or there are too many of them.
     """
     entries: dict[str, Entry] = {}
     incomplete = False
@@ -106,7 +130,10 @@ def load_library(obj_path: Path, names: list[tuple[int, str]]) -> Library:
 
 
 def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None]:
-    """The files of one `mtllib`, None for each that is missing: the whole argument, or several names."""
+    """The paths of the files that one `mtllib` statement names, with None for each missing file.
+
+    The argument may be one file name with spaces or several file names.
+    """
     where = f"{obj_path.name}, line {line}"
     paths: list[Path | None] = []
     whole = _library_path(obj_path, argument, where) if " " not in argument or len(argument) < 256 else None
@@ -119,13 +146,13 @@ def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None
     for name in names:
         path = _library_path(obj_path, name, where)
         if path is None:
-            warn(f"{where}: the material file {name[:200]!r} is missing; its materials are grey")
+            warn(f"{where}: the material file {name[:200]!r} is missing; its materials are replaced by grey ones")
         paths.append(path)
     return paths
 
 
 def _library_path(obj_path: Path, name: str, where: str) -> Path | None:
-    """The file called `name` where there is one."""
+    """The path of the file called `name`, or None if it does not exist."""
     try:
         path = resolve(obj_path.parent, name, where=where, allow_parent=True)
         return path if path.is_file() else None
@@ -145,7 +172,8 @@ def _parse(path: Path) -> dict[str, Entry]:
         key = _SAME.get(key, key)
         if len(rest) > _LONGEST_LINE:
             raise EclatError(
-                f"{path.name}, line {number}: expected at most {_LONGEST_LINE} characters, got {len(rest)}"
+                f"{path.name}, line {number}: expected at most {_LONGEST_LINE} characters after the keyword, "
+                f"got {len(rest)}"
             )
         if key == "newmtl":
             current = entries.setdefault(rest, Entry(rest, path))
@@ -156,12 +184,15 @@ def _parse(path: Path) -> dict[str, Entry]:
     if ignored:
         kinds = ", ".join(f"{key!r} (line {number})" for key, number in list(ignored.items())[:8])
         more = f" and {len(ignored) - 8} more kinds" if len(ignored) > 8 else ""
-        warn(f"{path.name}: statements that are not understood are ignored: {kinds}{more}")
+        warn(f"{path.name}: these unknown statements are ignored: {kinds}{more}")
     return entries
 
 
 def find_entry(library: Library, name: str) -> Entry | None:
-    """The material called `name`, where case does not matter if no name matches exactly; else None, with a warning."""
+    """Find the material called `name`. If no name matches exactly, upper and lower case count as equal.
+
+    Returns None, with a warning, if there is no such material.
+    """
     entry = library.entries.get(name)
     if entry is None:
         entry = library.folded.get(name.casefold())
@@ -169,14 +200,17 @@ def find_entry(library: Library, name: str) -> Entry | None:
         library.unknown.add(name)
         if len(library.unknown) <= _MOST_SUGGESTIONS:
             near = did_you_mean(name, library.entries) if len(name) < 100 else ""
-            warn(f"material {name[:100]!r} is in no MTL file{near}; it is grey")
+            warn(f"material {name[:100]!r} is not defined in any MTL file{near}; a grey one is used instead")
         elif len(library.unknown) == _MOST_SUGGESTIONS + 1:
-            warn("more materials are in no MTL file; they are grey")
+            warn("more materials are not defined in any MTL file; grey ones are used instead")
     return entry
 
 
 def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) -> float | None:
-    """The first number of a statement, or None if it is absent. Raises EclatError if it is not in `least`..`most`."""
+    """The first number of the statement `key`, or None if the statement is absent.
+
+    Raises EclatError if there is no number or it is not in `least`..`most`.
+    """
     if key not in entry.statements:
         return None
     text = entry.statements[key][1].partition("#")[0].removeprefix("-halo")
@@ -184,12 +218,15 @@ def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) ->
 
 
 def color(entry: Entry, key: str) -> tuple[float, float, float] | None:
-    """The linear RGB of a statement, None where it is absent; one number means grey."""
+    """The linear RGB colour of the statement `key`, or None if the statement is absent. One number means grey.
+
+    Raises EclatError if a number is malformed, negative or not finite.
+    """
     if key not in entry.statements:
         return None
     words = entry.statements[key][1].partition("#")[0].split()
     if words and words[0].lower() in ("spectral", "xyz"):
-        warn(f"{entry.where(key)}: {words[0]} colours are not understood; the default is used")
+        warn(f"{entry.where(key)}: expected an RGB colour, got a colour of kind {words[0]!r}; the default is used")
         return None
     values = _numbers(entry, key, words[:3] if len(words) >= 3 else words[:1], 0.0, LARGEST)
     return (values[0], values[1], values[2]) if len(values) == 3 else (values[0],) * 3
@@ -208,7 +245,10 @@ def _numbers(entry: Entry, key: str, words: list[str], least: float, most: float
 
 
 def texture_map(entry: Entry, key: str) -> Map | None:
-    """A texture statement's file and options; None where it is absent, or names no file (with a warning)."""
+    """Parse the file name and the options of the texture statement `key`.
+
+    Returns None if the statement is absent or, with a warning, if it names no file.
+    """
     if key not in entry.statements:
         return None
     rest = entry.statements[key][1]
@@ -218,11 +258,14 @@ def texture_map(entry: Entry, key: str) -> Map | None:
         options[name], rest = _arguments(rest[match.end() :], name)
     name = rest.strip().strip('"')
     if not name:
-        warn(f"{entry.where(key)}: expected the name of an image after {key}; the map is ignored")
+        warn(f"{entry.where(key)}: expected the name of an image file after {key}, got none; the map is ignored")
         return None
     without = [option for option in _WITHOUT_EFFECT if option in options]
     if without:
-        warn(f"{entry.where(key)}: texture options without effect: {', '.join('-' + option for option in without)}")
+        warn(
+            f"{entry.where(key)}: these texture options are not supported and are ignored: "
+            f"{', '.join('-' + option for option in without)}"
+        )
     return Map(
         name=name,
         scale=_pair(options.get("s"), 1.0),
@@ -234,7 +277,7 @@ def texture_map(entry: Entry, key: str) -> Map | None:
 
 
 def _arguments(rest: str, option: str) -> tuple[list[str], str]:
-    """The words that belong to an option, and what follows; -o, -s and -t have one to three numbers."""
+    """Split `rest` into the arguments of `option` and the text after them. -o, -s and -t have one to three numbers."""
     words: list[str] = []
     while len(words) < _ARGUMENTS[option] and (match := _WORD.match(rest)):
         if option in ("o", "s", "t", "bm", "mm") and not _is_number(match[1]):
@@ -257,7 +300,7 @@ def _pair(words: list[str] | None, default: float) -> tuple[float, float]:
 
 
 def read_map(library: Library, entry: Entry, key: str, found: Map, *, srgb: bool) -> Texture:
-    """The image of a texture statement, read once per library; a stand-in with a warning where it is missing."""
+    """Read the image of a texture statement, once per library. A missing image is replaced, with a warning."""
     where = entry.where(key)
     wrap: Literal["clamp", "repeat"] = "clamp" if found.clamp else "repeat"
     try:

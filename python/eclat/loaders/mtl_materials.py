@@ -1,36 +1,45 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""MTL materials as materials of Éclat: what the format's numbers mean physically.
+"""Convert MTL materials to materials of Éclat.
 
-MTL describes the light models of the 1990s; this table is how they are read here. Colours are linear numbers, colour
-images sRGB. Kd is multiplied by map_Kd and so on. All surfaces are two-sided, emission (Ke) is on the normal's side.
+MTL describes the illumination models of the 1990s, which are not physical. The table below says which material each
+combination of statements becomes. Colours in the file are linear numbers, and colour images are sRGB. Each value is
+multiplied by its map: Kd by map_Kd and so on. All surfaces are two-sided, and they emit (Ke) on the side that the
+normal points to.
 
 =================================  ====================================================================================
-in the file                        here
+Statements in the file             Material
 =================================  ====================================================================================
-illum 4, 6, 7                      smooth `dielectric` of index Ni; with Pr its GGX α is Pr². Light that crosses both
-                                   sides of a body is filtered by Tf once (√Tf at each). Kd, Ks and d have no part in
-                                   it: Fresnel's equations say what is reflected. A sheet that encloses no volume is a
-                                   whole pane: `thin_dielectric` (rough: thin `metallic_roughness`), filtered by Tf.
-                                   Of an index of 1.3 to 1.38 it is the surface of water, between walls that hold it.
-illum 9                            `thin_dielectric`, filtered by Tf
-the same without a sign of glass   as without illum: opaque. Maya writes illum 4 for whatever is opaque. A sign is an Ni
-                                   other than 1, a d below 1 (Tr above 0), or a Tf that filters; for illum 6, 7 and 9,
-                                   which the format defines as refracting, also that none of Ni, d and Tr is there
-illum 5; illum 3 with Ns ≥ 1000    perfect mirror of reflectance Ks, beside a diffuse part Kd where Kd is 2 % or more
-                                   (less is how exporters write black)
-Pr, Pm, map_Pr or map_Pm           `metallic_roughness` of base colour Kd, GGX α = Pr², index Ni. If both maps are one
-                                   image, green is roughness and blue metalness (as in glTF).
-illum 0, 1, or Ks = 0              `diffuse` of reflectance Kd
-else                               `phong`: Kd, Ks, exponent Ns
+illum 4, 6 or 7                    A solid is a `dielectric` with refractive index Ni. It is smooth, or with Pr it is
+                                   rough with GGX α = Pr². Each of its surfaces transmits √Tf, so light that enters and
+                                   leaves is multiplied by Tf. Kd, Ks and d are ignored, because the Fresnel equations
+                                   determine the reflectance. A sheet that encloses no volume stands for a whole pane:
+                                   it is a `thin_dielectric`, or a thin `metallic_roughness` if it is rough, and it
+                                   transmits Tf. With Ni between 1.3 and 1.38 (illum 6 or 7), however, a sheet is the
+                                   surface of water in a container, and it is a `dielectric` too.
+illum 9                            `thin_dielectric` that transmits Tf
+illum 4, 6, 7 or 9, if nothing     An opaque material, as if illum were absent, because Maya writes illum 4 for opaque
+else in the file suggests glass    materials. The following suggest glass: an Ni other than 1; d < 1 or Tr > 0, if Ni is
+                                   absent; a Tf that is neither black nor white. For illum 6, 7 and 9, which the format
+                                   defines as refracting, the absence of all of Ni, d and Tr suggests glass too.
+illum 5; illum 3 with Ns ≥ 1000    A perfect mirror of reflectance Ks, blended with a diffuse material of reflectance Kd
+                                   if Kd is at least 2 %. Exporters write smaller values for black.
+Pr, Pm, map_Pr or map_Pm           `metallic_roughness` with base colour Kd, GGX α = Pr² and refractive index Ni. If
+                                   both maps are the same image, its green channel is the roughness and its blue
+                                   channel is the metalness, as in glTF.
+illum 0 or 1, or Ks = 0            `diffuse` with reflectance Kd
+anything else                      `phong` with reflectances Kd and Ks and exponent Ns
 =================================  ====================================================================================
 
-A black Kd or Ke, or a Pr, Pm, Ns or d of 0, beside its map would hide the map, which no file wants that names it:
-exporters write what the map replaced. The map counts alone then, with a warning. A black Ks stays black, and it is
-said: beside Kd there is no telling how much a specular map of its own should reflect.
-Kd + Ks > 1 makes energy: both are scaled, with a warning. Elsewhere d (or 1 − Tr) is the probability that a ray
-meets the surface. A bump map's white texel is 1 % of the texture's width on the surface high, times -bm: with
-stone and brick photographs this gives slopes of about 0.3.
+Some exporters write the value 0 beside a map, although the product of both would be 0. If Kd, Ke, Pr, Pm, Ns or d is
+0 and has a map, the map is therefore used alone, with a warning. A black Ks keeps the material diffuse, also with a
+warning, because the file does not say how much a specular map should reflect in addition to Kd.
+
+If Kd + Ks exceeds 1, the surface would reflect more light than it receives, so both are scaled down, with a warning.
+For materials other than glass, d (or 1 − Tr) is the opacity: the probability that a ray hits the surface.
+
+The white texels of a bump map have a height of 1 % of the texture's width on the surface, multiplied by -bm. For
+photographs of stone and brick this height gives slopes of about 0.3.
 """
 
 from __future__ import annotations
@@ -47,32 +56,41 @@ from eclat.scene import Material, NormalMap, Texture, Value, grey
 Color = tuple[float, float, float]
 
 _MIRROR_EXPONENT = 1000.0
-"""The format's largest useful Ns."""
+"""The Phong exponent (Ns) from which illum 3 is read as a perfect mirror. It is the largest exponent that the format
+uses."""
 _BLACK = 0.02
+"""The diffuse reflectance below which a mirror has no diffuse part: exporters write such values for black."""
 _SAME_INDEX = 1e-3
-"""An index this close to 1 is that of air."""
+"""The largest difference from 1 at which a refractive index counts as that of air."""
 _LIQUIDS = (1.3, 1.38)
-"""Indices of water and what is dissolved in it; glass and its plastics begin at 1.46, and no pane is made of less."""
+"""The range of refractive indices of water and watery solutions. Window glass and its plastics start at 1.46, so a
+pane has no index in this range."""
 _BUMP_HEIGHT = 0.01
+"""The height of a bump map's white texel, as a fraction of the texture's width on the surface (tuned: photographs of
+stone and brick get slopes of about 0.3)."""
 _CHANNELS = {"r": 0, "g": 1, "b": 2, "m": 3}
+"""The image channel that each argument of the option -imfchan selects. The matte, "m", is the alpha channel."""
 
 
 @dataclass(frozen=True)
 class MtlMaterial:
-    """A material, and the one that replaces it on sheets that enclose no volume, if that differs."""
+    """A material, and the material that replaces it on sheets that enclose no volume (None if it is the same)."""
 
     material: Material
     sheet: Material | None = None
 
 
 def build_material(library: Library, name: str) -> MtlMaterial | None:
-    """The material called `name`, its textures read; None with a warning where no MTL file has it.
+    """Build the material called `name` and read its textures.
 
-    A bump map's `scale` is in widths of the texture, to be multiplied by that width in metres.
+    Returns
+    -------
+    The material, or None, with a warning, if no MTL file defines it. The `scale` of its bump map is a fraction of the
+    texture's width; the caller multiplies it by that width in metres.
 
     Raises
     ------
-    EclatError : numbers that are malformed, negative or not finite.
+    EclatError : a number is malformed, negative or not finite.
     """
     entry = find_entry(library, name)
     if entry is None:
@@ -96,14 +114,14 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
     if illum < 2 or not any(specular.constant):
         return MtlMaterial(replace(common, kind="diffuse", parameters={"reflectance": diffuse}))
     parameters = {"diffuse_reflectance": diffuse, "specular_reflectance": specular}
-    # Exporters that write map_Ns without Ns mean the whole range of Ns.
+    # Exporters that write map_Ns without Ns expect white texels to have the largest exponent.
     usual = _MIRROR_EXPONENT if "map_ns" in entry.statements else 30.0
     parameters["exponent"] = _scalar(library, entry, "map_ns", usual if exponent is None else exponent)
     return MtlMaterial(replace(common, kind="phong", parameters=parameters))
 
 
 def _lobes(library: Library, entry: Entry) -> tuple[Value, Value]:
-    """Diffuse and specular reflectance, together at most 1."""
+    """The diffuse and the specular reflectance, scaled down with a warning if they add up to more than 1."""
     illum = number(entry, "illum")
     diffuse, specular = _kd(library, entry), grey(0)
     if illum is None or illum >= 2:
@@ -113,7 +131,10 @@ def _lobes(library: Library, entry: Entry) -> tuple[Value, Value]:
         diffuse = grey(0) if "kd" not in entry.statements else diffuse
     most = max(a + b for a, b in zip(diffuse.constant, specular.constant, strict=True))
     if most > 1 + 1e-6:
-        warn(f"{entry.path.name}, material {entry.name!r}: Kd + Ks reach {most:g}; both are divided by that")
+        warn(
+            f"{entry.path.name}, material {entry.name!r}: Kd + Ks is {most:g}, expected at most 1; "
+            "both are divided by this sum"
+        )
         diffuse, specular = _scaled(diffuse, 1 / most), _scaled(specular, 1 / most)
     return diffuse, specular
 
@@ -128,14 +149,19 @@ def _scaled(value: Value, factor: float) -> Value:
 
 
 def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
-    """Mirror plus diffuse, as a blend whose weights give each its whole reflectance again."""
+    """A mirror and a diffuse material in a blend.
+
+    A blend multiplies each material by its weight. The reflectances are divided by the weights here, so that the
+    blend reflects `diffuse` plus `specular`.
+    """
     parameters = {"eta": grey(0), "k": grey(1), "alpha_u": grey(0)}
     kd, ks = max(diffuse.constant), max(specular.constant)
     if kd < _BLACK:
         return replace(common, kind="conductor", parameters=parameters | {"specular_reflectance": specular})
     if ks == 0:
         return replace(common, kind="diffuse", parameters={"reflectance": diffuse})
-    # Their largest components may lie in different channels, so they may add up to more than 1.
+    # The largest components of both may belong to different channels, so their sum may exceed 1 although no
+    # channel's does.
     total = max(1.0, kd + ks)
     weight = ks / (kd + ks)
     base = Material("diffuse", {"reflectance": _scaled(diffuse, 1 / total / (1 - weight))}, name=common.name)
@@ -145,7 +171,7 @@ def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
 
 
 def _is_glass(entry: Entry, illum: float) -> bool:
-    """Whether anything besides the number of the light model says that light passes through."""
+    """Whether the material is glass, as far as one can tell from the statements besides illum (see the module)."""
     ior, d, tr = (number(entry, key) for key in ("ni", "d", "tr"))
     if ior is not None and abs(ior - 1) > _SAME_INDEX:
         return True
@@ -154,16 +180,16 @@ def _is_glass(entry: Entry, illum: float) -> bool:
     clear = (d is not None and d < 1) or (d is None and tr is not None and tr > 0)
     if ior is None and d is None and tr is None:
         return illum != 4 or filters
-    # What neither refracts nor filters would not be seen at all: its d is a share of what it covers.
+    # With an index of 1 and without a filter, glass would be invisible. A d below 1 then means the opacity.
     return filters or (clear and ior is None)
 
 
 def _glass(entry: Entry, common: Material, illum: float) -> MtlMaterial:
     if "map_kd" in entry.statements:
-        warn(f"{entry.where('map_kd')}: map_Kd has no meaning for glass (illum {illum:g}) and is ignored")
+        warn(f"{entry.where('map_kd')}: map_Kd is ignored, because this material is glass (illum {illum:g})")
     ior = number(entry, "ni")
     if ior is not None and not 0.1 <= ior <= 10:
-        warn(f"{entry.where('ni')}: expected an index of refraction in 0.1..10, got {ior:g}; 1.5 is used")
+        warn(f"{entry.where('ni')}: expected a refractive index (Ni) in 0.1..10, got {ior:g}; 1.5 is used instead")
         ior = None
     filtered = tuple(min(c, 1.0) for c in color(entry, "tf") or (1.0, 1.0, 1.0))
     shared = {"ior": grey(1.5 if ior is None else ior)}
@@ -190,7 +216,10 @@ def _physical(library: Library, entry: Entry, common: Material) -> Material:
     roughness, metallic = number(entry, "pr", most=1.0), number(entry, "pm", most=1.0)
     base = _kd(library, entry)
     if max(base.constant) > 1:
-        warn(f"{entry.path.name}, material {entry.name!r}: Kd reaches {max(base.constant):g}; it is divided by that")
+        warn(
+            f"{entry.path.name}, material {entry.name!r}: expected Kd in 0..1, got {max(base.constant):g}; "
+            "Kd is divided by this value"
+        )
         base = _scaled(base, 1 / max(base.constant))
     rough = _scalar(
         library, entry, "map_pr", (1.0 if rough_map else 0.5) if roughness is None else roughness, 1 if packed else None
@@ -211,7 +240,10 @@ def _emission(library: Library, entry: Entry) -> Value | None:
 
 
 def _opacity(library: Library, entry: Entry, *, solid: bool) -> Value:
-    """d before 1 − Tr, times map_d; of glass only the map, because there d says the same as the glass."""
+    """The opacity: d, or without d 1 − Tr, multiplied by map_d or by 1 − map_Tr.
+
+    If the material is not `solid`, it is glass. Only the map counts then, because d describes how clear the glass is.
+    """
     opacity = 1.0
     if solid and "d" in entry.statements:
         opacity = number(entry, "d", most=1.0) or 0.0
@@ -219,16 +251,17 @@ def _opacity(library: Library, entry: Entry, *, solid: bool) -> Value:
         opacity = 1 - (number(entry, "tr", most=1.0) or 0.0)
         if opacity == 0:
             warn(
-                f"{entry.where('tr')}: Tr 1 alone would be invisible; taken for the opposite, as some exporters mean it"
+                f"{entry.where('tr')}: Tr is 1 and d is missing, which would make the surface invisible; the surface "
+                "is made opaque, because some exporters write the opacity as Tr"
             )
             opacity = 1.0
     key = "map_d" if "map_d" in entry.statements else "map_tr"
     found = texture_map(entry, key)
     if opacity == 0 and found is not None:
-        _say_hidden(entry, "d")
+        _warn_hidden(entry, "d")
         opacity = 1.0
     elif opacity == 0:
-        warn(f"{entry.path.name}, material {entry.name!r}: d is 0, its surfaces are invisible")
+        warn(f"{entry.path.name}, material {entry.name!r}: d is 0, so its surfaces are invisible")
     if found is None:
         return grey(opacity)
     texture = read_map(library, entry, key, found, srgb=False)
@@ -253,7 +286,7 @@ def _normal_map(library: Library, entry: Entry) -> NormalMap | None:
     texture = read_map(library, entry, key, found, srgb=False)
     is_normal = key == "norm"
     if not is_normal and _looks_like_normals(texture):
-        warn(f"{entry.where(key)}: {found.name!r} looks like a normal map and is used as one")
+        warn(f"{entry.where(key)}: the bump map {found.name!r} looks like a normal map and is used as one")
         is_normal = True
     value = Value((1.0, 1.0, 1.0), texture, uv_transform=found.uv_transform)
     if is_normal:
@@ -264,7 +297,7 @@ def _normal_map(library: Library, entry: Entry) -> NormalMap | None:
 
 
 def _looks_like_normals(texture: Texture) -> bool:
-    """Whether the image is bluish as (0.5, 0.5, 1) on average, which no height map is."""
+    """Whether the average colour of the image is close to (0.5, 0.5, 1), as in normal maps and never in height maps."""
     if texture.image.shape[2] < 3 or texture.image.shape[:2] == (1, 1):
         return False
     r, g, b = (float(c) for c in texture.image[..., :3].reshape(-1, 3).mean(axis=0, dtype=np.float64))
@@ -273,35 +306,35 @@ def _looks_like_normals(texture: Texture) -> bool:
 
 
 def _color(library: Library, entry: Entry, key: str, default: float) -> Value:
-    """A colour multiplied by its map."""
+    """The colour of the statement `key`, or `default`, multiplied by its map."""
     constant = color(entry, key) or (default, default, default)
     found = texture_map(entry, f"map_{key}")
     if found is None:
         return Value(constant)
     if not any(constant) and key == "ks":
-        warn(f"{entry.where(f'map_{key}')}: Ks is black and hides map_Ks; the material is diffuse")
+        warn(f"{entry.where(f'map_{key}')}: map_Ks is ignored, because Ks is black; the material is diffuse")
         return Value(constant)
     if not any(constant):
-        _say_hidden(entry, key)
+        _warn_hidden(entry, key)
         constant = (1.0, 1.0, 1.0)
     texture = read_map(library, entry, f"map_{key}", found, srgb=True)
     channel = 0 if texture.image.shape[2] == 1 else _CHANNELS.get(found.channel)
     return Value(constant, texture, channel, uv_transform=found.uv_transform)
 
 
-def _say_hidden(entry: Entry, key: str) -> None:
+def _warn_hidden(entry: Entry, key: str) -> None:
     name = "d" if key == "d" else key.capitalize()
     place = entry.where(key) if key in entry.statements else f"{entry.path.name}, material {entry.name!r}"
-    warn(f"{place}: {name} is 0 and would hide its map; the map counts alone")
+    warn(f"{place}: {name} is 0, and its product with its map would be 0; the map is used alone")
 
 
 def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: int | None = None) -> Value:
-    """A number multiplied by its map."""
+    """The number `constant`, multiplied by the map of the statement `key`."""
     found = texture_map(entry, key)
     if found is None:
         return grey(constant)
     if constant == 0:
-        _say_hidden(entry, key.removeprefix("map_"))
+        _warn_hidden(entry, key.removeprefix("map_"))
         constant = _MIRROR_EXPONENT if key == "map_ns" else 1.0
     texture = read_map(library, entry, key, found, srgb=False)
     if channel is None or channel >= texture.image.shape[2]:
@@ -310,6 +343,6 @@ def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: 
 
 
 def _channel(found: Map, texture: Texture) -> int:
-    """The channel that -imfchan names, or the first one if the image does not have it."""
+    """The number of the image channel that the option -imfchan selects, or 0 if the image does not have it."""
     channel = _CHANNELS.get(found.channel, 0)
     return channel if channel < texture.image.shape[2] else 0

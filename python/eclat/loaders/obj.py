@@ -1,11 +1,13 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Wavefront OBJ: triangles and polygons, with the materials of its MTL files.
+"""Load Wavefront OBJ files: triangles and polygons, with the materials of their MTL files.
 
-The file's space is world space, and lengths are in metres. Corners with `vn` have that normal whatever the smoothing
-groups say (the format has it so); those without are smooth among the faces of their smoothing group, flat where they
-have none. Curves, surfaces, lines and points are left out with a warning. `obj_text` reads the statements, `mtl` and
-`mtl_materials` the materials; this file makes meshes of them.
+The coordinates in the file are world coordinates in metres. A face corner with a normal (`vn`) keeps it, because the
+format gives it precedence over smoothing groups. Other corners are shaded smoothly with the faces of their smoothing
+group, or flat if they have no group. Curves, surfaces, lines and points are left out with a warning.
+
+The module `obj_text` reads the statements, and `mtl` and `mtl_materials` read the materials. This module builds meshes
+from both.
 """
 
 from __future__ import annotations
@@ -28,18 +30,20 @@ from eclat.scene import FloatArray, Material, Mesh, Scene, Value, grey, triangle
 IntArray = NDArray[np.int64]
 
 _FLAT_UV = 1e-12
-"""Texture's area over the surface's, below which a texture's width is taken for unknown: a million metres."""
+"""The smallest ratio of area in texture coordinates to area in m² for which the width of the texture is computed. Below
+it, the texture would be wider than a million metres."""
 
 
 @dataclass(frozen=True, eq=False)
 class _Vertices:
-    """Corners merged into vertices, and the triangles between them."""
+    """Vertices, each of which stands for all face corners with the same indices, and the triangles between them."""
 
     positions: FloatArray
     normals: NDArray[np.float32]
-    """Zero where the file gives none."""
+    """(V, 3), zero for vertices without a normal in the file."""
     uvs: NDArray[np.float32]
     has_uv: NDArray[np.bool_]
+    """(V,) whether the file gives texture coordinates for the vertex."""
     colors: NDArray[np.float32] | None
     triangles: IntArray
     polygons: IntArray
@@ -47,27 +51,34 @@ class _Vertices:
 
 
 def load_obj_scene(path: Path) -> Scene:
-    """The scene in an OBJ file: its meshes with the materials of its MTL files. It has no camera and no lights except
-    emitters."""
+    """Load the scene in an OBJ file: its meshes with the materials of its MTL files.
+
+    The scene has no camera, and no lights other than emissive meshes. Raises EclatError as `load_obj` does.
+    """
     return Scene(meshes=tuple(load_obj(path)), name=path.stem)
 
 
 def load_obj(
     path: Path, *, face_normals: bool = False, materials: bool = True, smooth: bool = False, flip_v: bool = True
 ) -> list[Mesh]:
-    """The triangles of an OBJ file, one mesh per material in order of appearance; two where glass is in bodies and in sheets.
+    """Load the meshes of an OBJ file, one for each material, in the order of their first use.
+
+    A glass material gives two meshes if some of its triangles form solids and others form thin sheets, because the two
+    need different materials.
 
     Parameters
     ----------
-    face_normals : ignore `vn` and shade everything flat.
-    materials : read MTL files. Without it all triangles form one mesh with a default material.
-    smooth : where the file has no normals at all, compute them for all vertices (as Mitsuba does), which knows no
-        smoothing groups; vertices that differ in `vt` stay apart.
-    flip_v : convert v, which grows upwards in OBJ files, to one that grows downwards. False keeps the file's numbers.
+    path : the file.
+    face_normals : ignore the file's normals (`vn`) and use flat shading.
+    materials : read the MTL files. If False, all triangles form one mesh with a default material.
+    smooth : ignore smoothing groups. If the file has no normals, compute smooth normals at all vertices, as Mitsuba
+        does. Vertices with different texture coordinates get separate normals.
+    flip_v : replace v by 1 − v, because it grows upwards in OBJ files and downwards in Éclat. If False, v is kept.
 
     Raises
     ------
-    EclatError : unreadable files, malformed lines, indices out of range, coordinates that are not finite, no triangle.
+    EclatError : a file cannot be read, a line is malformed, an index is out of range, a coordinate is not finite, or
+        there is no triangle with an area.
     """
     text = read_obj_text(read_bytes(path, where=path.name), path.name)
     if smooth:
@@ -103,7 +114,7 @@ def load_obj(
 def _merge_corners(text: ObjText, where: str, *, face_normals: bool, flip_v: bool) -> _Vertices:
     cut, polygons = geometry.triangulate(text.positions, text.corners[:, 0], text.counts, where)
     short = int((text.counts < 3).sum())
-    keep = geometry.drop_slivers(text.positions, text.corners[:, 0][cut], where, short_polygons=short)
+    keep = geometry.triangles_with_area(text.positions, text.corners[:, 0][cut], where, short_polygons=short)
     cut, polygons = cut[keep], polygons[keep]
     corners = text.corners[cut.ravel()]
     normals: FloatArray = geometry.normalized(text.normals)
@@ -132,10 +143,20 @@ def _merge_corners(text: ObjText, where: str, *, face_normals: bool, flip_v: boo
 def _complete_normals(
     text: ObjText, corners: IntArray, polygons: IntArray, normals: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """Corners without a normal (or with one of length zero) get their smoothing group's; where they have none but
-    their material has normals, their face's.
+    """Find normals for the corners that have none, or one of length zero.
 
-    `corners` are the triangles', three for each of `polygons`. Returns their normal indices, and the longer table.
+    A corner of a face in a smoothing group gets the smooth normal of that group. Any other corner gets the normal of
+    its face if other corners with the same material have normals, since a mesh has normals at all vertices or at none.
+
+    Parameters
+    ----------
+    corners : (3 T, 3) the corners of the triangles, as in `ObjText.corners`.
+    polygons : (T,) the face that each triangle was cut from.
+    normals : (N, 3) the unit normals of the file, or zero.
+
+    Returns
+    -------
+    (3 T,) the index of each corner's normal, and the normals with the new ones appended.
     """
     index = corners[:, 2].copy()
     index[index >= 0] = np.where(normals[index[index >= 0]].any(axis=1), index[index >= 0], -1)
@@ -148,7 +169,8 @@ def _complete_normals(
         return index, normals
     p = text.positions[corners[:, 0].reshape(-1, 3)]
     crosses = np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0])
-    # The sum over a polygon's triangles, so that all of a polygon is shaded as one; of a folded one any triangle's.
+    # The normals of a polygon's triangles are summed, so that they share one normal. If the sum is zero, because the
+    # polygon is folded, the normal of one triangle is used.
     areas, fallback = np.zeros((len(text.counts), 3)), np.zeros((len(text.counts), 3))
     np.add.at(areas, polygons, crosses)
     fallback[polygons] = crosses
@@ -160,9 +182,13 @@ def _complete_normals(
 def _smooth_groups(
     text: ObjText, corners: IntArray, polygons: IntArray, index: IntArray, normals: FloatArray
 ) -> tuple[IntArray, FloatArray]:
-    """For corners without a normal, the mean normal of their vertex over the faces of one smoothing group.
+    """Give corners without a normal the mean normal at their vertex over the faces of their smoothing group.
 
-    Faces are joined where they name the same vertex, whatever their material and texture coordinates.
+    Faces meet at a vertex if they have the same vertex index, even if their materials or texture coordinates differ.
+
+    Returns
+    -------
+    (3 T,) the index of each corner's normal, or −1, and the normals with the new ones appended.
     """
     group = np.repeat(text.face_smoothing[polygons], 3)
     if not ((group > 0) & (index < 0)).any():
@@ -177,23 +203,23 @@ def _smooth_groups(
 
 
 def _linear_colors(colors: FloatArray, where: str) -> NDArray[np.float32]:
-    """(V, 4) linear RGBA; the files' numbers are sRGB, white where a vertex has none."""
+    """Convert the file's sRGB vertex colours (V, 3) to linear RGBA (V, 4). Vertices without a colour become white."""
     known = np.isfinite(colors.sum(axis=1))
-    white = geometry.white_of(colors[known], "vertex colours", where)
+    white = geometry.white_level(colors[known], "vertex colours", where)
     return np.column_stack(
         [geometry.linear_from_srgb(np.where(known[:, None], colors / white, 1)), np.ones(len(colors), np.float32)]
     )
 
 
 def _grouped(values: IntArray) -> list[IntArray]:
-    """The places of each distinct value, ascending; values in order of appearance."""
+    """For each distinct value, in the order of first appearance, the ascending indices at which it occurs."""
     order = np.argsort(values, kind="stable")
     pieces = np.split(order, np.flatnonzero(np.diff(values[order])) + 1)
     return sorted(pieces, key=lambda piece: int(piece[0]))
 
 
 def _part(vertices: _Vertices, which: IntArray, name: str) -> Mesh:
-    """The triangles numbered `which` as a mesh of their own, with Éclat's default material."""
+    """A mesh of the triangles with the indices `which`, with Éclat's default material."""
     used, inverse = np.unique(vertices.triangles[which], return_inverse=True)
     normals = vertices.normals[used]
     return Mesh(
@@ -208,7 +234,7 @@ def _part(vertices: _Vertices, which: IntArray, name: str) -> Mesh:
 
 
 def _grey(mesh: Mesh, name: str = "") -> Material:
-    """For triangles without a material: grey, or the vertex colours alone."""
+    """The material of triangles without one: a diffuse reflectance of 0.5, or the vertex colours."""
     return Material(parameters={"reflectance": grey(0.5 if mesh.colors is None else 1.0)}, name=name)
 
 
@@ -218,14 +244,20 @@ def _find_material(library: Library, name: str, mesh: Mesh) -> MtlMaterial:
 
 
 def _with_surface(mesh: Mesh, material: Material, where: str) -> Mesh:
-    """The `mesh` with the material, whose parts that depend on the geometry are now determined."""
+    """Assign `material` to `mesh`, and set the properties of the material that depend on the mesh.
+
+    These are the height of a bump map in metres and the use of vertex colours.
+    """
     if material.normal_map is not None and material.normal_map.kind == "bump":
         scale = material.normal_map.scale * _texture_width(mesh, material.normal_map.value)
         material = replace(material, normal_map=replace(material.normal_map, scale=scale))
     if mesh.colors is not None:
         material = replace(material, vertex_colors=True)
     if mesh.uvs is None and _is_textured(material):
-        warn(f"{where}, material {material.name!r}: its textures need texture coordinates (vt), got faces without")
+        warn(
+            f"{where}, material {material.name!r}: the material has textures, but its faces have no texture "
+            "coordinates (vt)"
+        )
     return replace(mesh, material=material)
 
 
@@ -236,7 +268,7 @@ def _is_textured(material: Material) -> bool:
 
 
 def _texture_width(mesh: Mesh, value: Value) -> float:
-    """The length in metres that one width of the texture covers on the mesh, on average over its area."""
+    """The width of the texture on the mesh in metres, on average over the area of the mesh, or 1 if it is unknown."""
     if mesh.uvs is None:
         return 1.0
     corners = np.asarray(mesh.positions, dtype=np.float64)[mesh.triangles]
@@ -245,5 +277,5 @@ def _texture_width(mesh: Mesh, value: Value) -> float:
     flat = np.asarray(mesh.uvs, dtype=np.float64)[mesh.triangles]
     e, f = flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]
     uv_area = np.abs(e[:, 0] * f[:, 1] - e[:, 1] * f[:, 0]).sum() * abs(a * d - b * c)
-    # Where the texture covers next to nothing, heights have no meaning.
+    # If all texture coordinates are nearly equal, the texture has no width on the mesh.
     return float(np.sqrt(area / uv_area)) if uv_area > _FLAT_UV * area else 1.0

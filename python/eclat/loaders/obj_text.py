@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the statements of an OBJ file as arrays, many lines at a time. Unusual lines are read one by one."""
+"""Parse the statements of an OBJ file to arrays.
+
+Statements of the usual form are parsed many at a time. If some lines have another form, the lines are parsed one by one.
+"""
 
 from __future__ import annotations
 
@@ -16,49 +19,52 @@ from eclat.loaders.triangles import check_positions, finite_rows
 IntArray = NDArray[np.int64]
 
 _ABSENT = int(np.iinfo(np.int64).min)
+"""The value of an index that a face corner does not have, while the file is parsed."""
 _LARGEST_INDEX = 1 << 40
-"""No file holds as many vertices; a larger index would overflow sums below."""
+"""The value that larger indices are clipped to. No file has as many vertices, and the sums of clipped indices cannot
+overflow."""
 
 _KINDS = ("v", "vt", "vn")
 
 
 @dataclass(frozen=True, eq=False)
 class ObjText:
-    """The contents of an OBJ file with F faces, which have C corners in all."""
+    """The contents of an OBJ file with F faces, which have C corners in total."""
 
     positions: NDArray[np.float64]
-    """(V, 3), finite."""
+    """(V, 3) the vertices. All coordinates are finite."""
     colors: NDArray[np.float64] | None
-    """(V, 3) as in the file, NaN where a vertex has none."""
+    """(V, 3) the vertex colours as in the file. A vertex without a colour has NaN."""
     uvs: NDArray[np.float32]
+    """(U, 2) texture coordinates, with v upwards as in the file."""
     normals: NDArray[np.float32]
-    """(N, 3), of any length."""
+    """(N, 3) normals, which need not have unit length."""
     corners: IntArray
-    """(C, 3) rows of positions, uvs, normals; −1 for none. In range."""
+    """(C, 3) for each corner, its indices into `positions`, `uvs` and `normals`. All are in range, or −1 for none."""
     counts: IntArray
-    """(F,) corners of each face."""
+    """(F,) the number of corners of each face."""
     face_materials: IntArray
-    """(F,) places in `material_names`, where "" means that no `usemtl` came before."""
+    """(F,) indices into `material_names`. The name "" means that no `usemtl` precedes the face."""
     face_groups: IntArray
-    """(F,) places in `group_names`."""
+    """(F,) indices into `group_names`."""
     face_smoothing: IntArray
-    """(F,) smoothing groups as numbers from 1, 0 for none."""
+    """(F,) the smoothing group of each face, from 1, or 0 for none."""
     material_names: list[str]
     group_names: list[str]
     libraries: list[tuple[int, str]]
-    """Line and argument of each `mtllib`."""
+    """The line and the argument of each `mtllib` statement."""
 
 
 @dataclass
 class _Statements:
-    """Lines sorted by kind, not parsed yet."""
+    """The lines of an OBJ file, sorted by statement and not yet parsed."""
 
     rows: dict[bytes, list[bytes]] = field(default_factory=lambda: {b"v": [], b"vt": [], b"vn": []})
     lines: dict[bytes, list[int]] = field(default_factory=lambda: {b"v": [], b"vt": [], b"vn": []})
     faces: list[bytes] = field(default_factory=list)
     face_lines: list[int] = field(default_factory=list)
     face_seen: list[tuple[int, int, int]] = field(default_factory=list)
-    """How many v, vt, vn came before each face: negative indices count from there."""
+    """The numbers of v, vt and vn statements that precede each face. Negative indices count back from them."""
     face_materials: list[int] = field(default_factory=list)
     face_groups: list[int] = field(default_factory=list)
     face_smoothing: list[int] = field(default_factory=list)
@@ -70,17 +76,18 @@ class _Statements:
 
 
 def read_obj_text(data: bytes, where: str) -> ObjText:
-    """Parse the bytes of an OBJ file called `where`.
+    """Parse the bytes of the OBJ file called `where`.
 
     Raises
     ------
-    EclatError : no vertices or faces, malformed lines, indices out of range, coordinates that are not finite.
+    EclatError : the file has no vertices or no faces, a line is malformed, an index is out of range, or a coordinate
+        is not finite.
     """
     found = _sort_lines(data, where)
     if found.ignored:
         kinds = ", ".join(f"{decoded(key)[:20]!r} (line {line})" for key, line in list(found.ignored.items())[:8])
         more = f" and {len(found.ignored) - 8} more kinds" if len(found.ignored) > 8 else ""
-        warn(f"{where}: statements that are not understood are ignored: {kinds}{more}")
+        warn(f"{where}: these unknown statements are ignored: {kinds}{more}")
     if not found.rows[b"v"] or not found.faces:
         raise EclatError(
             f"{where}: expected an OBJ file with vertices (v) and faces (f), "
@@ -145,10 +152,10 @@ def _uncommented(rows: list[bytes]) -> list[bytes]:
 
 
 def _table(found: _Statements, kind: bytes, widths: tuple[int, ...], least: int, where: str) -> NDArray[np.float64]:
-    """The numbers after each statement of a `kind`: as many columns as the widest, NaN where a row has fewer.
+    """Parse the numbers of all statements of one `kind` to a table, one row for each statement.
 
-    Rows may have any count of at least `least`; they are cut to the largest of `widths` that fits. The result has at
-    least two columns.
+    Each row must have at least `least` numbers. The number of columns is the largest of `widths` that the rows reach,
+    but at least two. Numbers beyond it are dropped, and missing numbers become NaN.
     """
     rows = _uncommented(found.rows[kind])
     if not rows:
@@ -163,7 +170,7 @@ def _table(found: _Statements, kind: bytes, widths: tuple[int, ...], least: int,
 
 
 def _uniform_table(rows: list[bytes], width: int) -> NDArray[np.float64] | None:
-    """All rows at once when each has exactly `width` numbers, else None."""
+    """Parse all rows at once if each has exactly `width` numbers, otherwise return None."""
     tokens = b" ; ".join(rows).split()
     stride = width + 1
     if len(tokens) != stride * len(rows) - 1 or tokens[width::stride].count(b";") != len(rows) - 1:
@@ -185,15 +192,15 @@ def _uneven_table(
         values = _leading_numbers(words[:width])
         if len(values) < least:
             got = decoded(row).strip()[:60]
-            raise EclatError(f"{where}, line {lines[i]}: expected {least} numbers after {kind}, got {got!r}")
+            raise EclatError(f"{where}, line {lines[i]}: expected {least} or more numbers after {kind}, got {got!r}")
         junk += len(values) < min(len(words), width)
-        # Four or five numbers are a weight or incomplete colours, of which nothing is used.
+        # Four numbers are a position with a weight, and five are one with an incomplete colour. The rest is not used.
         count = width if len(values) == width else least if width == 6 else len(values)
         table[i, :count] = values[:count]
     if kind == "vt":
         table[np.isnan(table[:, 1]), 1] = 0
     if junk:
-        warn(f"{where}: {junk} {kind} lines have more than numbers; the rest of those lines is ignored")
+        warn(f"{where}: {junk} {kind} lines have other text after the numbers, which is ignored")
     return table
 
 
@@ -208,7 +215,12 @@ def _leading_numbers(words: list[bytes]) -> list[float]:
 
 
 def _corners(found: _Statements, where: str) -> tuple[IntArray, IntArray]:
-    """(C, 3) zero-based indices with −1 for none, and (F,) counts."""
+    """Parse the face corners.
+
+    Returns
+    -------
+    (C, 3) indices of position, texture coordinates and normal from 0, with −1 for none, and (F,) corners of each face.
+    """
     rows = _uncommented(found.faces)
     counts = np.array(list(map(len, map(bytes.split, rows))), dtype=np.int64)
     words = b" ".join(rows).split()
@@ -220,13 +232,13 @@ def _corners(found: _Statements, where: str) -> tuple[IntArray, IntArray]:
         )
     seen = np.repeat(np.array(found.face_seen, dtype=np.int64), counts, axis=0)
     totals = np.array([len(found.rows[kind.encode()]) for kind in _KINDS])
-    # Cinema 4D writes index 0 where a corner has no normal; indices count from 1.
+    # Cinema 4D writes the index 0 if a corner has no normal, although indices count from 1.
     zero = indices[:, 1:] == 0
     if zero.any():
         corner, column = (int(i) for i in np.argwhere(zero)[0])
         warn(
-            f"{where}: {int(zero.any(axis=1).sum())} face corners have the index 0 of vt or vn (the first in line "
-            f"{lines[corner]}, {_KINDS[column + 1]}), where indices count from 1; it is taken for a missing one"
+            f"{where}: {int(zero.any(axis=1).sum())} face corners have the index 0 of vt or vn (the first one in line "
+            f"{lines[corner]}, {_KINDS[column + 1]}), although indices count from 1; the index is ignored"
         )
         indices[:, 1:][zero] = _ABSENT
     given = indices != _ABSENT
@@ -236,13 +248,13 @@ def _corners(found: _Statements, where: str) -> tuple[IntArray, IntArray]:
         corner, column = (int(i) for i in np.argwhere(wrong)[0])
         raise EclatError(
             f"{where}, line {lines[corner]}: expected a {_KINDS[column]} index in 1..{totals[column]} "
-            f"(or negative, counted back from this line), got {indices[corner, column]}"
+            f"or a negative one, which counts back from this line, got {indices[corner, column]}"
         )
     return np.where(given, places, -1), counts
 
 
 def _uniform_corners(words: list[bytes]) -> IntArray | None:
-    """All corners at once when all are written alike (v, v/t, v//n or v/t/n), else None."""
+    """Parse all corners at once if all have the same form (v, v/t, v//n or v/t/n), otherwise return None."""
     slashes = words[0].count(b"/")
     joined = b" ".join(words)
     if b"//" in words[0]:
@@ -273,6 +285,6 @@ def _corner(word: bytes, line: int, where: str) -> list[int]:
         raise EclatError(
             f"{where}, line {line}: expected a face corner like 7, 7/3, 7//2 or 7/3/2, got {decoded(word)[:40]!r}"
         ) from None
-    # Out of range in any file: kept small enough for the arrays, so that the range check reports it.
+    # Clipped indices fit into the arrays and are still out of range, so that the range check reports them.
     limited = [n if n == _ABSENT else max(-_LARGEST_INDEX, min(n, _LARGEST_INDEX)) for n in numbers]
     return limited + [_ABSENT] * (3 - len(parts))

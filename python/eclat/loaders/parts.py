@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A bad part of a scene is left out with a warning, and the rest is loaded."""
+"""Load the valid parts of a scene, and leave out each invalid part with a warning."""
 
 from __future__ import annotations
 
@@ -10,15 +10,15 @@ from contextlib import contextmanager
 from eclat.errors import EclatError, warn
 
 MOST_NAMED = 20
-"""Parts whose errors are said one by one; the others are counted."""
+"""The largest number of invalid parts that get a warning each. One more warning states how many others there are."""
 
 
 class LimitError(EclatError):
-    """A scene is too large: leaving one part out would not help, so this ends the load."""
+    """The error that a scene is too large. It ends the loading, because leaving out one part would not help."""
 
 
 class Parts:
-    """Reads the parts of a scene one by one and collects their errors.
+    """The errors of a scene's parts, which are collected while the parts are read one by one.
 
     Examples
     --------
@@ -37,8 +37,10 @@ class Parts:
 
     @contextmanager
     def one(self) -> Iterator[None]:
-        """The context of one part, which is left out if it raises EclatError. All other exceptions and LimitError
-        propagate."""
+        """Read one part in the body of this context.
+
+        If the body raises EclatError, the part counts as left out. LimitError and all other exceptions propagate.
+        """
         try:
             yield
         except LimitError:
@@ -49,10 +51,10 @@ class Parts:
             self._good += 1
 
     def finish(self) -> None:
-        """Warn of the parts that were left out. Raises the first EclatError if no part was good."""
+        """Warn about each part that was left out. If no part was valid, raise the first EclatError instead."""
         if self._errors and not self._good:
             raise self._errors[0]
         for error in self._errors[:MOST_NAMED]:
             warn(f"{error}; it is left out")
         if len(self._errors) > MOST_NAMED:
-            warn(f"{len(self._errors) - MOST_NAMED} more parts of the scene are left out for errors like these")
+            warn(f"{len(self._errors) - MOST_NAMED} more parts of the scene are left out, because they are invalid too")

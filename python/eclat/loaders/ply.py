@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""PLY: one mesh with polygons or triangle strips, vertex normals, colours and texture coordinates.
+"""Load PLY files: a mesh of polygons or triangle strips, with vertex normals, colours and texture coordinates.
 
-The file's space is world space, and lengths are in metres. Colours of integer type are sRGB, of floating type linear.
-Textures are those that comments name (`comment TextureFile skin.png`). `ply_header` and `ply_data` read the format,
-`ply_textures` the textures; this file knows which names mean what.
+The coordinates in the file are world coordinates in metres. Colours of an integer type are sRGB, and colours of a
+floating-point type are linear. Comments can name textures (`comment TextureFile skin.png`). The modules `ply_header`
+and `ply_data` read the format, and `ply_textures` reads the textures. This module interprets the properties by name.
 """
 
 from __future__ import annotations
@@ -32,24 +32,31 @@ _INDEX_NAMES = ("vertex_indices", "vertex_index")
 
 
 def load_ply_scene(path: Path) -> Scene:
-    """The scene in a PLY file: one mesh, grey, vertex-coloured or textured (one for each texture); no camera, no lights."""
+    """Load the scene in a PLY file. It has neither a camera nor lights.
+
+    The scene has one mesh, which is grey or has vertex colours. If the file has textures, the scene has one textured
+    mesh for each of them. Raises EclatError as `load_ply` does.
+    """
     header, elements = _read(path)
     faces, mesh = _mesh(path, elements, face_normals=False, flip_v=True, textured=bool(header.textures))
     return Scene(meshes=tuple(textured(mesh, header.textures, faces, elements.get("face", {}), path)), name=path.stem)
 
 
 def load_ply(path: Path, *, face_normals: bool = False, flip_v: bool = False) -> Mesh:
-    """The mesh of a PLY file, with a diffuse material: grey 0.5, or its vertex colours alone.
+    """Load the mesh of a PLY file, with a diffuse material whose reflectance is 0.5 or the vertex colours.
 
     Parameters
     ----------
-    face_normals : shade flat. Without it the file's normals are used, or smooth ones weighted by angle if it has none.
-    flip_v : convert a v that grows upwards, as most programs write it, to one that grows downwards. Without it the
-        numbers are kept, as in Mitsuba.
+    path : the file.
+    face_normals : use flat shading. Otherwise the mesh has the file's vertex normals or, if there are none, smooth
+        normals weighted by angle.
+    flip_v : replace v by 1 − v, because most programs write a v that grows upwards and in Éclat it grows downwards.
+        If False, v is kept, as in Mitsuba.
 
     Raises
     ------
-    EclatError : unreadable or truncated files, indices out of range, coordinates that are not finite, no triangle.
+    EclatError : the file cannot be read or is truncated, an index is out of range, a coordinate is not finite, or
+        there is no triangle with an area.
     """
     return _mesh(path, _read(path)[1], face_normals=face_normals, flip_v=flip_v)[1]
 
@@ -68,16 +75,16 @@ def _mesh(
     vertex = elements.get("vertex", {})
     positions = _columns(vertex, ("x", "y", "z"))
     if positions is None or not len(positions):
-        raise EclatError(f"{where}: expected vertices with coordinates x, y, z, got none")
+        raise EclatError(f"{where}: expected at least one vertex with the coordinates x, y, z, got none")
     geometry.check_positions(positions, where)
     triangles, faces = _triangles(elements, positions, where)
     unread = elements.get("face", {}).keys() & (_FACE_ATTRIBUTES - (_TEXTURE_ATTRIBUTES if textured else set()))
     if unread:
         names = ", ".join(sorted(unread))
-        warn(f"{where}: attributes of faces are ignored, only those of vertices are read: {names}")
+        warn(f"{where}: these properties of faces are ignored, because they are only read from vertices: {names}")
     ignored = sorted(elements.keys() - {"vertex", "face", "tristrips"})
     if ignored:
-        warn(f"{where}: elements that are not understood are ignored: {', '.join(map(repr, ignored[:8]))}")
+        warn(f"{where}: these unknown elements are ignored: {', '.join(map(repr, ignored[:8]))}")
     colors = _colors(vertex, where)
     reflectance = grey(0.5 if colors is None else 1.0)
     return faces, Mesh(
@@ -94,7 +101,10 @@ def _mesh(
 
 
 def _columns(vertex: Columns, names: tuple[str, ...]) -> FloatArray | None:
-    """(V, len(names)) of the properties of these names, None unless all are there; float32 where the file has that."""
+    """The columns of the properties `names`, shape (V, len(names)), or None if one of them is missing.
+
+    The type is float32 if all columns have it in the file, otherwise float64.
+    """
     found = [vertex[name] for name in names if name in vertex]
     arrays = [column for column in found if not isinstance(column, Lists)]
     if len(arrays) < len(names):
@@ -115,7 +125,7 @@ def _uvs(vertex: Columns, where: str, *, flip_v: bool) -> NDArray[np.float32] | 
 
 
 def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
-    """The vertex colours in linear RGBA, shape (V, 4)."""
+    """The vertex colours (V, 4) in linear RGBA, or None if the file has none."""
     for names in _COLOR_NAMES:
         rgb = _columns(vertex, names)
         if rgb is None:
@@ -136,15 +146,22 @@ def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
 
 
 def _white(vertex: Columns, names: tuple[str, ...], values: FloatArray, where: str) -> float | None:
-    """The number of white: an integer type's largest, None for floating ones in 0..1; 255 where bytes came as others."""
+    """The number that stands for white in sRGB colours, or None if the colours are linear in 0..1.
+
+    White is the largest number of an integer type. It is 255, with a warning, if the colours have a larger integer type
+    or a floating-point type but look like bytes.
+    """
     columns = [column for column in map(vertex.__getitem__, names) if not isinstance(column, Lists)]
     what = f"vertex colours ({', '.join(names)})"
     if any(column.dtype.kind == "f" for column in columns):
-        white = geometry.white_of(values, what, where, linear=True)
+        white = geometry.white_level(values, what, where, linear=True)
         return None if white == 1 else white
     largest = float(max(np.iinfo(column.dtype).max for column in columns))
     if largest > 255 and 1 < values.max(initial=0) <= 255:
-        warn(f"{where}: {what} are {columns[0].dtype} and reach {values.max():g}; they are taken for numbers of 0..255")
+        warn(
+            f"{where}: {what} have the type {columns[0].dtype} but only reach {values.max():g}; they are taken for "
+            "numbers in 0..255"
+        )
         return 255.0
     return largest
 
@@ -152,7 +169,12 @@ def _white(vertex: Columns, names: tuple[str, ...], values: FloatArray, where: s
 def _triangles(
     elements: dict[str, Columns], positions: FloatArray, where: str
 ) -> tuple[NDArray[np.int64], FaceCorners]:
-    """(T, 3) from faces and strips, those without area dropped, and where in the faces they come from."""
+    """Collect the triangles of all faces and strips, except those without area.
+
+    Returns
+    -------
+    (T, 3) vertex indices, and the face corners that the triangles were cut from.
+    """
     parts: list[NDArray[np.int64]] = []
     places, polygons, counts = np.zeros((0, 3), np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
     short = 0
@@ -167,15 +189,18 @@ def _triangles(
     if strips is not None:
         parts.append(_from_strips(_checked(strips, len(positions), "tristrips", where), strips.counts))
     if not sum(map(len, parts)):
-        raise EclatError(f"{where}: expected a mesh with faces or triangle strips, got {len(positions)} vertices alone")
+        raise EclatError(
+            f"{where}: expected a mesh with faces or triangle strips, got only {len(positions)} vertices; "
+            "point clouds are not supported"
+        )
     triangles = np.concatenate(parts)
-    keep = geometry.drop_slivers(positions, triangles, where, short_polygons=short)
+    keep = geometry.triangles_with_area(positions, triangles, where, short_polygons=short)
     own = keep[: len(places)]
     return triangles[keep], FaceCorners(places[own], polygons[own], counts)
 
 
 def _index_lists(columns: Columns) -> Lists | None:
-    """The vertex indices of an element, whether it has polygons of any size or (rarely) one column per corner."""
+    """The lists of vertex indices in an element, or None if it has none."""
     for name in _INDEX_NAMES:
         found = columns.get(name)
         if isinstance(found, Lists) and found.items.dtype.kind in "iu":
@@ -184,8 +209,8 @@ def _index_lists(columns: Columns) -> Lists | None:
 
 
 def _checked(lists: Lists, vertices: int, element: str, where: str) -> NDArray[np.int64]:
-    """The items as int64, which are vertices or, in strips, −1."""
-    # Unsigned 64-bit indices beyond int64 would turn negative.
+    """The items of `lists` as int64. Raises EclatError if one is not a vertex index (or −1 in a strip)."""
+    # Without the limit, an unsigned 64-bit index beyond the range of int64 would become negative.
     items = (
         np.minimum(lists.items, np.array(vertices, lists.items.dtype))
         if lists.items.dtype == np.uint64
@@ -204,10 +229,13 @@ def _checked(lists: Lists, vertices: int, element: str, where: str) -> NDArray[n
 
 
 def _from_strips(indices: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
-    """The triangles of strips. A list is one strip, or several separated by −1. Every second triangle is reversed."""
+    """The triangles (T, 3) of triangle strips. Every second triangle of a strip is reversed.
+
+    A list of `counts[i]` indices contains one strip, or several strips that are separated by −1.
+    """
     if len(indices) < 3:
         return np.zeros((0, 3), dtype=np.int64)
-    # Each index's number in its strip, counted from the last separator or beginning of a list.
+    # `number` is the position of each index in its strip, counted from the last separator or the start of the list.
     begins = np.zeros(len(indices), dtype=bool)
     starts = np.cumsum(counts) - counts
     begins[starts[counts > 0]] = True

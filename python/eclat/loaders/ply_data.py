@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The data of a PLY file as columns, whole elements at a time where their rows are alike, else row by row."""
+"""Read the data of a PLY file as one column for each property.
+
+If all rows of an element have the same size, they are read at once, otherwise row by row.
+"""
 
 from __future__ import annotations
 
@@ -16,31 +19,33 @@ from eclat.loaders.ply_header import Element, Header, Property
 from eclat.loaders.text_files import decoded, plain_numbers
 
 Numbers = NDArray[Any]
-"""Integers or floats, one per row."""
+"""An array of integers or floats, one for each row."""
 
 
 @dataclass(frozen=True, eq=False)
 class Lists:
-    """A list property: the rows' items one after the other, and how many each row has."""
+    """A list property: the items of all rows, one row after the other, and the number of items of each row."""
 
     items: Numbers
     counts: NDArray[np.int64]
 
 
 _LONGEST_ALIKE = 1 << 16
-"""Items of a list, beyond which NumPy's record types do not pay (or, much later, do not work)."""
+"""The largest number of items in a list for which rows are read with a NumPy record type. With longer lists record types
+are not faster, and with much longer ones they fail."""
 
 Columns = dict[str, Numbers | Lists]
+"""The column of each property by its name."""
 
 
 def read_elements(data: bytes, header: Header, where: str) -> dict[str, Columns]:
-    """The columns of each element by name, numbers in native byte order.
+    """Read the columns of all elements, by the name of the element. Numbers are in native byte order.
 
-    Memory stays in proportion to the file whatever its header claims.
+    The memory is proportional to the size of the file, even if the header claims more rows.
 
     Raises
     ------
-    EclatError : the file ends before the rows that the header promises; ASCII words that are no numbers.
+    EclatError : the file ends before the last row, or a word of an ASCII file is no number of the right type.
     """
     result: dict[str, Columns] = {}
     if header.encoding == "ascii":
@@ -58,7 +63,9 @@ def read_elements(data: bytes, header: Header, where: str) -> dict[str, Columns]
 
 
 def _truncated(element: Element, where: str) -> EclatError:
-    return EclatError(f"{where}: expected {element.count} rows of element {element.name!r}, but the file ends before")
+    return EclatError(
+        f"{where}, element {element.name!r}: expected data up to row {element.count}, but the file ends before"
+    )
 
 
 def _read_binary(data: bytes, place: int, element: Element, order: str, where: str) -> tuple[Columns, int]:
@@ -80,7 +87,7 @@ def _no_rows(properties: tuple[Property, ...]) -> Columns:
 
 
 def _alike_rows(data: bytes, place: int, element: Element, order: str) -> tuple[Columns, int] | None:
-    """All rows at once if every list has as many items as in the first row, else None."""
+    """Read all rows at once if every list has as many items as in the first row, otherwise return None."""
     fields: list[tuple[str, str] | tuple[str, str, tuple[int]]] = []
     at = place
     for i, p in enumerate(element.properties):
@@ -118,7 +125,7 @@ def _uneven_rows(data: bytes, place: int, element: Element, order: str, where: s
     counts: list[list[int]] = [[] for _ in element.properties]
     sign = {"u": False, "i": True}
     endian: Literal["little", "big"] = "little" if order == "<" else "big"
-    # Per property: bytes of the count (0: no list), its sign, bytes of an item.
+    # For each property: the bytes of the list's count (0 for a number), whether it is signed, the bytes of an item.
     plan = [
         (
             np.dtype(p.count_type).itemsize if p.count_type else 0,
@@ -135,7 +142,9 @@ def _uneven_rows(data: bytes, place: int, element: Element, order: str, where: s
                 place += count_size
                 if length < 0:
                     name = element.properties[i].name
-                    raise EclatError(f"{where}, {element.name} {row}: expected a length of list {name!r}, got {length}")
+                    raise EclatError(
+                        f"{where}, {element.name} {row}: expected a non-negative length of the list {name!r}, got {length}"
+                    )
                 counts[i].append(length)
             end = place + length * size
             if end > len(data):
@@ -175,7 +184,8 @@ def _text_lists(words: list[bytes], place: int, element: Element, where: str) ->
             if p.count_type:
                 if place >= total:
                     raise _truncated(element, where)
-                length = _length(words[place], f"{where}, {element.name} {row}: expected a length of list {p.name!r}")
+                expected = f"{where}, {element.name} {row}: expected a non-negative length of the list {p.name!r}"
+                length = _length(words[place], expected)
                 place += 1
                 counts[i].append(length)
             if place + length > total:
@@ -200,7 +210,7 @@ def _length(word: bytes, expected: str) -> int:
 
 
 def _numbers(words: list[bytes], kind: str, element: Element, name: str, where: str) -> Numbers:
-    """Words as an array of a type; whole numbers may be written with a fraction of zeros."""
+    """Convert the words of an ASCII file to an array of the type `kind`. Integers may be written like 3.0."""
     read: Callable[[bytes], int | float] = float if kind[0] == "f" else int
     try:
         return np.array(list(map(read, words)), dtype=kind)
@@ -216,7 +226,8 @@ def _numbers(words: list[bytes], kind: str, element: Element, name: str, where: 
         except ValueError:
             got = decoded(word)[:40]
             raise EclatError(
-                f"{where}, element {element.name!r}, property {name!r}, number {i + 1}: expected type {kind}, got {got!r}"
+                f"{where}, element {element.name!r}, property {name!r}, number {i + 1}: expected a number of type {kind}, "
+                f"got {got!r}"
             ) from None
         values.append(value)
     return np.array(values).astype(kind)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The header of a PLY file: which elements follow, how many, with which properties, in which encoding."""
+"""Parse the header of a PLY file: the encoding, the elements, and the number of rows and the properties of each."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from eclat.loaders.text_files import decoded
 Encoding = Literal["ascii", "<", ">"]
 
 TYPES = {
-    # PLY's names: NumPy's, without byte order
+    # PLY's name of each type: NumPy's name, without byte order
     **{"char": "i1", "uchar": "u1", "short": "i2", "ushort": "u2", "int": "i4", "uint": "u4"},
     **{"int8": "i1", "uint8": "u1", "int16": "i2", "uint16": "u2", "int32": "i4", "uint32": "u4"},
     **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8", "int64": "i8", "uint64": "u8"},
@@ -22,15 +22,18 @@ TYPES = {
 
 _END = re.compile(rb"(?:\A|[\r\n])[ \t]*end_header[ \t]*(\r\n|\r|\n|\Z)")
 _MOST = 1000
-"""Elements, and properties of one: real files have a dozen."""
+"""The largest number of elements in a file, and of properties in an element. Real files have a dozen."""
 _LONGEST = 1 << 20
-"""Headers are some hundred bytes; a megabyte without `end_header` is something else."""
+"""The number of bytes in which `end_header` must occur. Real headers have some hundred bytes."""
 _ENCODINGS: dict[str, Encoding] = {"ascii": "ascii", "binary_little_endian": "<", "binary_big_endian": ">"}
 
 
 @dataclass(frozen=True)
 class Property:
-    """A number, or with `count_type` a list of numbers; types as in NumPy, without byte order."""
+    """A property: a number in each row, or a list of numbers if `count_type` is given.
+
+    `type` and `count_type` are NumPy's names of types, without byte order.
+    """
 
     name: str
     type: str
@@ -39,7 +42,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """An element of the file: `count` rows of the same properties."""
+    """An element of the file: `count` rows that have the same properties."""
 
     name: str
     count: int
@@ -48,19 +51,22 @@ class Element:
 
 @dataclass(frozen=True)
 class Header:
-    """`encoding` is ascii, or the byte order as in NumPy; the data begin at byte `size`."""
+    """The header of a PLY file.
+
+    `encoding` is "ascii", or NumPy's sign for the byte order of binary data. The data start at byte `size`.
+    """
 
     encoding: Encoding
     elements: tuple[Element, ...]
     size: int
     textures: tuple[str, ...] = ()
-    """Files that comments name, `comment TextureFile skin.png`, as MeshLab and its kin do."""
+    """The image files that comments of the form `comment TextureFile skin.png` name. MeshLab and others write these."""
 
 
 def read_header(data: bytes, where: str) -> Header:
-    """Parse the header of the PLY file `data`. Raises EclatError with the line."""
+    """Parse the header of the PLY file `data`. Raises EclatError, with the line number, if it is invalid."""
     if not re.match(rb"ply[ \t]*[\r\n]", data):
-        raise EclatError(f"{where}: expected a PLY file, which begins with 'ply', got {data[:16]!r}")
+        raise EclatError(f"{where}: expected a PLY file, which starts with 'ply', got {data[:16]!r}")
     end = _END.search(data, 0, _LONGEST)
     if end is None:
         raise EclatError(f"{where}: expected a PLY header that ends with 'end_header', got none")
@@ -84,26 +90,29 @@ def read_header(data: bytes, where: str) -> Header:
             case ["property", *rest] if elements:
                 last = elements[-1]
                 if any(p.name == rest[-1] for p in last.properties if rest):
-                    raise EclatError(f"{place}: expected property names to differ, got {rest[-1][:40]!r} twice")
+                    raise EclatError(f"{place}: expected different property names, got {rest[-1][:40]!r} twice")
                 elements[-1] = Element(last.name, last.count, (*last.properties, _property(rest, place)))
             case _:
                 raise EclatError(f"{place}: expected a PLY header statement, got {' '.join(words)[:60]!r}")
         if len(elements) > _MOST or (elements and len(elements[-1].properties) > _MOST):
-            raise EclatError(f"{place}: expected at most {_MOST} elements and properties of each, got more")
+            raise EclatError(f"{place}: expected at most {_MOST} elements with at most {_MOST} properties, got more")
     if encoding is None:
         raise EclatError(f"{where}: expected a 'format' statement in the PLY header, got none")
     return Header(encoding, tuple(elements), _data_start(data, end), tuple(textures[:_MOST]))
 
 
 def _data_start(data: bytes, end: re.Match[bytes]) -> int:
-    """A carriage return alone ends the header only where it ends the first line too: else it is followed by data."""
+    """The offset of the first byte after the header.
+
+    In a file whose first line ends with CR alone, the header ends with CR alone too: an LF after it is data.
+    """
     if end[1] == b"\r\n" and not re.match(rb"ply[ \t]*\r\n", data) and re.match(rb"ply[ \t]*\r", data):
         return end.start(1) + 1
     return end.end()
 
 
 def _count(word: str, place: str) -> int:
-    # Nineteen digits are more than any file could hold, and int() takes no longer than that for them.
+    # No file has as many rows as a number of nineteen digits, and int() is fast for that many.
     if not re.fullmatch(r"[0-9]{1,19}", word):
         raise EclatError(f"{place}: expected a number of rows, got {word[:40]!r}")
     return int(word)
@@ -115,4 +124,4 @@ def _property(words: list[str], place: str) -> Property:
             return Property(name, TYPES[kind])
         case ["list", count, kind, name] if TYPES.get(count, "f")[0] in "iu" and kind in TYPES:
             return Property(name, TYPES[kind], TYPES[count])
-    raise EclatError(f"{place}: expected a property's type and name, got {' '.join(words)[:60]!r}")
+    raise EclatError(f"{place}: expected the type and the name of a property, got {' '.join(words)[:60]!r}")

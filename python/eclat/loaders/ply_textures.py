@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Textures of PLY files. The format has none, so programs name the image files in comments and number them by face.
+"""Apply the textures of PLY files.
 
-MeshLab, Metashape, COLMAP and others write `comment TextureFile skin.png`, and texture coordinates of vertices (s, t) or
-of each face's corners (`texcoord`), with `texnumber` where there are several textures.
+The format itself has no textures. MeshLab, Metashape, COLMAP and other programs name the image files in comments
+(`comment TextureFile skin.png`). They write texture coordinates for each vertex (s, t) or for each corner of a face
+(`texcoord`). If there are several textures, the face property `texnumber` selects one for each face.
 """
 
 from __future__ import annotations
@@ -23,25 +24,26 @@ from eclat.scene import Material, Mesh, Texture, Value
 
 @dataclass(frozen=True, eq=False)
 class FaceCorners:
-    """The origin of a mesh's triangles: the first ones are cut from faces, the others from strips."""
+    """The origin of the triangles of a mesh. The first F triangles were cut from faces, the others from strips."""
 
     places: NDArray[np.int64]
-    """(F, 3) places among the corners of all faces, one face after the other."""
+    """(F, 3) for each corner of a triangle, its index in the list of the corners of all faces."""
     faces: NDArray[np.int64]
-    """(F,) the face of each."""
+    """(F,) the face that each triangle was cut from."""
     counts: NDArray[np.int64]
-    """Corners of each face."""
+    """The number of corners of each face of the file."""
 
 
 def textured(mesh: Mesh, names: tuple[str, ...], corners: FaceCorners, face: Columns, path: Path) -> list[Mesh]:
-    """Split `mesh` into one mesh for each used texture. Without textures it stays as it is.
+    """Split `mesh` into one textured mesh for each texture that it uses. Without textures, return it unchanged.
 
     Parameters
     ----------
-    mesh : with v downwards in its texture coordinates.
-    names : the files, in the order of their numbers.
-    face : columns of the faces, of which `texcoord` and `texnumber` are read.
-    path : the PLY file, from whose folder names count.
+    mesh : the mesh. Its texture coordinates have v downwards.
+    names : the names of the image files, in the order of their texture numbers, relative to the folder of `path`.
+    corners : the faces that the triangles of `mesh` were cut from.
+    face : the properties of the faces. `texcoord` and `texnumber` are used.
+    path : the PLY file.
     """
     where = path.name
     if not names:
@@ -50,10 +52,16 @@ def textured(mesh: Mesh, names: tuple[str, ...], corners: FaceCorners, face: Col
     if uvs is not None:
         mesh = _split(mesh, corners, uvs)
     if mesh.uvs is None:
-        warn(f"{where}: its texture {names[0][:100]!r} needs texture coordinates (s, t or texcoord), got none")
+        warn(
+            f"{where}: the texture {names[0][:100]!r} is ignored, because the file has no texture coordinates "
+            "(s, t or texcoord)"
+        )
         return [mesh]
     if mesh.colors is not None:
-        warn(f"{where}: has a texture and vertex colours, which say the same twice; the texture is used")
+        warn(
+            f"{where}: the vertex colours are ignored, because the file also has a texture, and both describe the same "
+            "colours"
+        )
         mesh = replace(mesh, colors=None)
     numbers = _texture_numbers(len(mesh.triangles), len(names), corners, face, where)
     parts = []
@@ -74,7 +82,7 @@ def _texture(path: Path, name: str) -> Texture:
 
 
 def _corner_uvs(corners: FaceCorners, face: Columns, where: str) -> NDArray[np.float32] | None:
-    """(C, 2) texture coordinates of all corners of faces, v downwards; None where faces have none."""
+    """The texture coordinates (C, 2) of the corners of all faces, with v downwards, or None if faces have none."""
     found = face.get("texcoord")
     if not isinstance(found, Lists) or not found.counts.any():
         return None
@@ -82,7 +90,7 @@ def _corner_uvs(corners: FaceCorners, face: Columns, where: str) -> NDArray[np.f
         wrong = int(np.argmax(found.counts != 2 * corners.counts))
         warn(
             f"{where}, face {wrong}: expected {2 * int(corners.counts[wrong])} numbers in texcoord, "
-            f"got {int(found.counts[wrong])}; texcoord is ignored"
+            f"got {int(found.counts[wrong])}; texcoord is ignored in all faces"
         )
         return None
     uvs = finite_rows(found.items.astype(np.float64).reshape(-1, 2), "texture coordinates", where)
@@ -91,7 +99,10 @@ def _corner_uvs(corners: FaceCorners, face: Columns, where: str) -> NDArray[np.f
 
 
 def _split(mesh: Mesh, corners: FaceCorners, uvs: NDArray[np.float32]) -> Mesh:
-    """`mesh` with a vertex for each pair of vertex and texture coordinates; triangles of strips get (0, 0)."""
+    """Split the vertices of `mesh` so that each has one pair of texture coordinates.
+
+    `uvs` (C, 2) belong to the corners of faces. Triangles of strips get the texture coordinates (0, 0).
+    """
     triangles = np.asarray(mesh.triangles, dtype=np.int64)
     own = np.zeros((triangles.size, 2), np.float32)
     own[: 3 * len(corners.places)] = uvs[corners.places.ravel()]
@@ -111,25 +122,29 @@ def _split(mesh: Mesh, corners: FaceCorners, uvs: NDArray[np.float32]) -> Mesh:
 def _texture_numbers(
     triangles: int, textures: int, corners: FaceCorners, face: Columns, where: str
 ) -> NDArray[np.int64]:
-    """The number (T,) of each triangle's texture, which is the first one if the file does not say."""
+    """The texture number (T,) of each triangle, which is 0 if the file does not give one."""
     numbers = np.zeros(triangles, np.int64)
     found = face.get("texnumber")
     if found is None or isinstance(found, Lists):
         if textures > 1:
-            warn(f"{where}: names {textures} textures and not which faces have which (texnumber); the first is used")
+            warn(
+                f"{where}: the file names {textures} textures, but its faces have no texnumber that selects one; the "
+                "first texture is used for all faces"
+            )
         return numbers
     own = found.astype(np.int64)[corners.faces]
     bad = (own < 0) | (own >= textures)
     if bad.any():
         warn(
-            f"{where}: {int(bad.sum())} triangles have a texnumber outside 0..{textures - 1}; the first texture is used"
+            f"{where}: {int(bad.sum())} triangles have a texnumber outside 0..{textures - 1}; the first texture is "
+            "used for them"
         )
     numbers[: len(own)] = np.where(bad, 0, own)
     return numbers
 
 
 def _compact(mesh: Mesh, which: NDArray[np.bool_]) -> Mesh:
-    """A mesh of the triangles `which` and only their vertices."""
+    """The mesh of the triangles that the mask `which` selects, without the vertices that they do not use."""
     used, inverse = np.unique(mesh.triangles[which], return_inverse=True)
     return replace(
         mesh,

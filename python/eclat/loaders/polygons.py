@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cuts polygons with equal numbers of corners into triangles, by fans if these fit and by ear clipping otherwise."""
+"""Cut polygons with equal numbers of corners into triangles: convex ones into fans, concave ones by ear clipping."""
 
 from __future__ import annotations
 
@@ -11,10 +11,11 @@ from eclat.errors import warn
 from eclat.scene import FloatArray
 
 EAR_WORK = 500_000_000
-"""Cubed corners of concave polygons that a mesh may have: measured, up to 10 s. Hostile files ask for hours."""
+"""The largest sum of n³ over the concave polygons of a mesh, where n is the number of corners. Ear clipping takes up to
+10 s for this sum (measured). Without a limit, a malicious file could keep it busy for hours."""
 
 _FLAT = 1e-9
-"""Twice a triangle's area over the polygon's, below which three corners count as collinear."""
+"""The ratio of areas, triangle to polygon, below which the corners of the triangle count as collinear."""
 
 Point = tuple[float, float]
 
@@ -22,18 +23,20 @@ Point = tuple[float, float]
 def polygon_triangles(
     positions: FloatArray, polygons: NDArray[np.integer], where: str, work: int = EAR_WORK
 ) -> tuple[NDArray[np.int64], int]:
-    """Cut P polygons of n corners each.
+    """Cut P polygons of n corners each into triangles.
 
     Parameters
     ----------
     positions : (V, 3).
-    polygons : (P, n) vertices, n ≥ 3; need not be convex or quite planar, should be simple.
-    where : file, for the warning that some concave polygons were cut as if convex.
-    work : how much may be spent on concave polygons, n³ for each.
+    polygons : (P, n) vertex indices, n ≥ 3. The polygons need not be convex or exactly planar, but they should not
+        intersect themselves.
+    where : the file, for warnings.
+    work : the budget for concave polygons, each of which costs n³. When it is spent, the rest are cut as if they
+        were convex, with a warning.
 
     Returns
     -------
-    (P, n − 2, 3) corner numbers 0 … n − 1 in the polygon's sense of rotation, and what is left of `work`.
+    (P, n − 2, 3) corner numbers 0 … n − 1, with the same orientation as the polygon, and the remaining `work`.
     """
     n = polygons.shape[1]
     fan = np.stack([np.zeros(n - 2, np.int64), np.arange(1, n - 1), np.arange(2, n)], axis=1)
@@ -42,7 +45,7 @@ def polygon_triangles(
         return result, work
     p = np.asarray(positions, dtype=np.float64)[polygons]
     p -= p[:, :1]
-    # The sum of the fan's cross products is the polygon's area vector, whether it is convex or not.
+    # The sum of the fan's cross products is twice the polygon's area vector, whether it is convex or not.
     crosses = np.cross(p[:, 1:-1], p[:, 2:])
     normal = crosses.sum(axis=1)
     areas = (crosses * normal[:, None]).sum(axis=2)
@@ -53,12 +56,15 @@ def polygon_triangles(
         result[row] = _ears(_flattened(p[row], normal[row]))
     if len(affordable) < len(concave):
         skipped = len(concave) - len(affordable)
-        warn(f"{where}: {skipped} concave polygons of {n} corners are cut as if convex, they are too many or too large")
+        warn(
+            f"{where}: {skipped} concave polygons of {n} corners are triangulated as if they were convex, because "
+            "there are too many of them or they have too many corners"
+        )
     return result, work - len(affordable) * n**3
 
 
 def _flattened(points: FloatArray, normal: FloatArray) -> list[Point]:
-    """The (n, 3) `points` projected along the longest axis of `normal`, so that they run counter-clockwise."""
+    """Project the (n, 3) `points` along the largest component of `normal`, so that they run counter-clockwise."""
     axis = int(np.argmax(np.abs(normal)))
     first, second = (axis + 1) % 3, (axis + 2) % 3
     if normal[axis] < 0:
@@ -71,7 +77,10 @@ def _cross(a: Point, b: Point, c: Point) -> float:
 
 
 def _ears(points: list[Point]) -> list[tuple[int, int, int]]:
-    """Triangles of a counter-clockwise simple polygon; of a tangled one, some n − 2 triangles."""
+    """Cut a simple counter-clockwise polygon of n points into n − 2 triangles by ear clipping.
+
+    A polygon that intersects itself gives n − 2 arbitrary triangles.
+    """
     left = list(range(len(points)))
     area = sum(_cross(points[0], points[i], points[i + 1]) for i in range(1, len(points) - 1))
     triangles = []
@@ -84,7 +93,7 @@ def _ears(points: list[Point]) -> list[tuple[int, int, int]]:
 
 
 def _find_ear(points: list[Point], left: list[int], flat: float) -> int:
-    """The place in `left` of a corner to cut: a proper ear, else a flat corner, else any."""
+    """The index in `left` of the corner to cut off: an ear if there is one, otherwise the flattest corner."""
     n = len(left)
     turns = [_cross(points[left[i - 1]], points[left[i]], points[left[(i + 1) % n]]) for i in range(n)]
     # Only corners that do not turn left can lie inside an ear.

@@ -1,12 +1,18 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Mitsuba's compressed meshes (.serialized), versions 3 and 4: several shapes in a file, each a zlib stream.
+"""Read Mitsuba's compressed meshes (.serialized), versions 3 and 4. A file holds several shapes.
 
-Each shape is a header of two 16-bit numbers (0x041C and the version) and a stream of: 32 flags; in version 4 a name
-that ends with a zero byte; 64-bit counts of vertices and triangles; positions, then normals, uvs and colours as the
-flags say, in single or double precision; indices, of 64 bits where there are more vertices than 32 bits can count.
-At the file's end stand the shapes' offsets (32 bits in version 3, 64 in version 4) and their 32-bit number.
-All is little-endian. Texture coordinates have our orientation, v downwards.
+Each shape has a header of two 16-bit numbers (0x041C and the version), which is followed by a zlib stream with:
+
+- 32 bits of flags;
+- in version 4, a name that ends with a zero byte;
+- the number of vertices and the number of triangles, 64 bits each;
+- positions, and then the normals, texture coordinates and colours that the flags announce, in single or double
+  precision;
+- vertex indices, of 64 bits if there are more vertices than 32 bits can count, otherwise of 32 bits.
+
+The file ends with the offsets of the shapes (32 bits each in version 3, 64 bits in version 4) and the 32-bit number of
+shapes. All numbers are little-endian. Texture coordinates have v downwards, as in Éclat.
 """
 
 from __future__ import annotations
@@ -30,23 +36,28 @@ _HAS_NORMALS, _HAS_UVS, _HAS_COLORS, _FACE_NORMALS = 0x1, 0x2, 0x8, 0x10
 _SINGLE, _DOUBLE = 0x1000, 0x2000
 
 _DEFLATE_LIMIT = 1032
-"""No deflate stream grows by more than this (258 bytes for 2 bits), so a shape that promises more is lying."""
+"""The largest ratio of decompressed to compressed bytes that deflate can reach: 258 bytes for 2 bits. A shape that
+claims more data is invalid."""
 _PIECE, _CHUNK = 1 << 16, 1 << 20
-"""Bytes decompressed from and to in one step."""
+"""The largest numbers of compressed and of decompressed bytes in one step."""
 _LONGEST_NAME = 4096
+"""The largest number of bytes in the name of a shape."""
 
 
 def load_serialized(path: Path, shape_index: int = 0, *, face_normals: bool = False) -> Mesh:
-    """Shape number `shape_index` (from 0) of the file, with the default material.
+    """Load one shape of a .serialized file as a mesh with the default material.
 
     Parameters
     ----------
-    face_normals : flat shading, which the file may ask for as well; else its normals, or where it has none smooth
-        ones, weighted by angle.
+    path : the file.
+    shape_index : the number of the shape, from 0.
+    face_normals : use flat shading. The file can demand flat shading too. Otherwise the mesh has the file's vertex
+        normals or, if there are none, smooth normals weighted by angle.
 
     Raises
     ------
-    EclatError : no such shape, truncated or corrupted files, indices out of range, coordinates that are not finite.
+    EclatError : there is no such shape, the file is truncated or corrupted, an index is out of range, or a coordinate
+        is not finite.
     """
     data = read_bytes(path, where=path.name)
     where = f"{path.name}, shape {shape_index}"
@@ -55,7 +66,7 @@ def load_serialized(path: Path, shape_index: int = 0, *, face_normals: bool = Fa
     name = decoded(stream.read_name()) if version >= 4 else ""
     vertices, count = struct.unpack("<QQ", stream.read(16))
     if bool(flags & _SINGLE) == bool(flags & _DOUBLE):
-        raise EclatError(f"{where}: expected flags that say single or double precision, got {flags:#x}")
+        raise EclatError(f"{where}: expected flags for either single or double precision, got {flags:#x}")
     real = "<f8" if flags & _DOUBLE else "<f4"
     index = "<u8" if vertices > 0xFFFFFFFF else "<u4"
     columns = 3 + 3 * bool(flags & _HAS_NORMALS) + 2 * bool(flags & _HAS_UVS) + 3 * bool(flags & _HAS_COLORS)
@@ -67,7 +78,7 @@ def load_serialized(path: Path, shape_index: int = 0, *, face_normals: bool = Fa
     triangles = _checked(stream.table(count, 3, index), vertices, where)
     stream.finish()
     geometry.check_positions(positions, where)
-    triangles = triangles[geometry.drop_slivers(positions, triangles, where)]
+    triangles = triangles[geometry.triangles_with_area(positions, triangles, where)]
     flat = face_normals or bool(flags & _FACE_NORMALS)
     return Mesh(
         positions=positions,
@@ -81,7 +92,7 @@ def load_serialized(path: Path, shape_index: int = 0, *, face_normals: bool = Fa
 
 
 def _opaque(colors: NDArray[np.float32], where: str) -> NDArray[np.float32]:
-    colors = colors / np.float32(geometry.white_of(colors, "vertex colours", where, linear=True))
+    colors = colors / np.float32(geometry.white_level(colors, "vertex colours", where, linear=True))
     return np.column_stack([np.clip(colors, 0, 1), np.ones(len(colors), dtype=np.float32)])
 
 
@@ -96,7 +107,7 @@ def _checked(triangles: NDArray[Any], vertices: int, where: str) -> NDArray[np.i
 
 
 def _shape_range(data: bytes, index: int, where: str) -> tuple[int, int]:
-    """The offsets at which a shape's bytes begin and end."""
+    """The offsets of the first byte of the shape `index` and of the first byte after it."""
     if len(data) < 8:
         raise EclatError(f"{where}: expected a .serialized file, got {len(data)} bytes")
     magic, version = struct.unpack_from("<HH", data)
@@ -109,7 +120,9 @@ def _shape_range(data: bytes, index: int, where: str) -> tuple[int, int]:
     (count,) = struct.unpack_from("<I", data, len(data) - 4)
     table = len(data) - 4 - width * count
     if count < 1 or table < 4:
-        raise EclatError(f"{where}: expected a table of shapes at the file's end, got {count} shapes: is it truncated?")
+        raise EclatError(
+            f"{where}: expected a table of shapes at the end of the file, got {count} shapes; the file may be truncated"
+        )
     if not 0 <= index < count:
         raise EclatError(f"{where}: expected a shape index in 0..{count - 1}, got {index}")
     (begin,) = struct.unpack_from(f"<{code}", data, table + width * index)
@@ -117,12 +130,14 @@ def _shape_range(data: bytes, index: int, where: str) -> tuple[int, int]:
     if index + 1 < count:
         (end,) = struct.unpack_from(f"<{code}", data, table + width * (index + 1))
     if not begin + 4 < end <= table:
-        raise EclatError(f"{where}: expected shape {index} inside the file's {table} bytes, got bytes {begin} to {end}")
+        raise EclatError(
+            f"{where}: expected shape {index} within the first {table} bytes of the file, got bytes {begin} to {end}"
+        )
     return begin, end
 
 
 class _Inflated:
-    """A shape's stream, decompressed only as far as it is read, so that memory grows with the real data."""
+    """The zlib stream of a shape. It is decompressed as it is read, so that invalid sizes do not allocate memory."""
 
     def __init__(self, compressed: bytes, where: str) -> None:
         self._decompressor = zlib.decompressobj()
@@ -133,7 +148,7 @@ class _Inflated:
 
     @classmethod
     def of_shape(cls, data: bytes, index: int, where: str) -> tuple[int, _Inflated]:
-        """The version that a shape states, and its stream."""
+        """The version in the header of the shape `index`, and the stream of the shape."""
         begin, end = _shape_range(data, index, where)
         magic, version = struct.unpack_from("<HH", data, begin)
         if magic != _MAGIC or version not in (3, 4):
@@ -143,18 +158,21 @@ class _Inflated:
         return version, cls(data[begin + 4 : end], f"{where}, shape {index}")
 
     def promise(self, size: int) -> None:
-        """Raise EclatError if this stream cannot contain the given number of bytes."""
+        """Raise EclatError if the stream cannot contain `size` decompressed bytes."""
         if size > len(self._input) * _DEFLATE_LIMIT:
-            raise EclatError(f"{self._where}: expected {size} bytes of mesh, more than the compressed data can hold")
+            raise EclatError(
+                f"{self._where}: the header claims {size} bytes of mesh data, which is more than "
+                f"{len(self._input)} compressed bytes can contain"
+            )
 
     def read(self, size: int) -> bytes:
-        """Read exactly `size` bytes."""
+        """Read exactly `size` bytes. Raises EclatError if the stream ends before."""
         parts = [self._ready]
         missing = size - len(self._ready)
         while missing > 0:
             part = self._more()
             if not part:
-                raise EclatError(f"{self._where}: expected {missing} more bytes of mesh: the data are truncated")
+                raise EclatError(f"{self._where}: expected {missing} more bytes of mesh data; the data are truncated")
             parts.append(part)
             missing -= len(part)
         joined = b"".join(parts)
@@ -162,7 +180,7 @@ class _Inflated:
         return joined[:size]
 
     def read_name(self) -> bytes:
-        """Read the bytes before the next zero, and skip the zero."""
+        """Read the bytes before the next zero byte, and skip the zero byte."""
         name = bytearray()
         while (byte := self.read(1)) != b"\0":
             name += byte
@@ -177,11 +195,11 @@ class _Inflated:
         return table.astype(kind[1:], copy=False)
 
     def finish(self) -> None:
-        """Reach the stream's checksum, which raises EclatError if it does not fit."""
+        """Read the stream up to its checksum. Raises EclatError if the checksum does not match."""
         self._more()
 
     def _more(self) -> bytes:
-        """Read at most one chunk; the result is empty only at the end of the stream."""
+        """Decompress at most `_CHUNK` bytes. The result is empty only at the end of the stream."""
         while not self._decompressor.eof:
             piece = self._decompressor.unconsumed_tail
             if not piece:

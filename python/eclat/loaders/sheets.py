@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tells triangles that bound a body from those of thin sheets, which decides the material of glass.
+"""Distinguish triangles that enclose a volume from triangles of thin sheets, which need different glass materials.
 
-Light that enters a body of glass is bent until it leaves it. A single sheet of triangles, as windows often are, has no
-inside: it stands for a whole pane. A mesh may hold both, so each connected piece is judged by itself.
+Light is refracted where it enters a solid piece of glass and again where it leaves. Windows are often modelled as a
+single sheet of triangles without an inside, which stands for a whole pane. A mesh may contain both solids and sheets,
+so each connected piece is classified separately.
 """
 
 from __future__ import annotations
@@ -11,28 +12,33 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.loaders.components import connected
+from eclat.loaders.components import connected_components
 from eclat.scene import Mesh
 
 Ints = NDArray[np.int64]
 Floats = NDArray[np.float64]
 
 _WELD = 1e-6
-"""Share of a mesh's size within which vertices are at one place: files write six or seven digits."""
+"""The distance, as a fraction of the mesh's size, within which vertices count as one. Files write coordinates with six
+or seven digits."""
 _HOLES = 0.02
-"""Share of a piece's area that its holes may have: a missing face of a fine mesh, not the open end of a tube or the mouth
-of a bowl."""
+"""The largest ratio of the area of a solid's holes to its surface area. It admits a missing face of a fine mesh, but not
+the open end of a tube or the mouth of a bowl."""
 _FLAT = 1e-7
-"""Volume of a piece, over its area to the power 3/2, below which its two sides lie on each other; a pane of 3 m whose sides
-are 0.1 mm apart has 4e-6."""
+"""The ratio volume / area^(3/2) of a closed piece below which its two sides coincide, so that it is a sheet. A pane of
+3 m × 3 m and a thickness of 0.1 mm has a ratio of 1e-5."""
 
 
 def bounding_triangles(mesh: Mesh) -> NDArray[np.bool_]:
-    """(T,) whether each triangle belongs to a piece that encloses a volume.
+    """Tell which triangles of a mesh belong to a connected piece that encloses a volume.
 
-    Vertices at one place count as one. A piece is a body where its triangles run along each edge as often one way as the
-    other, or its borders enclose hardly any area: those of T-junctions, where one long edge lies along several short ones,
-    enclose none.
+    Vertices at the same position count as one. A piece encloses a volume if each of its edges is used equally often in
+    both directions. It may have holes if their area is small. At a T-junction, where a long edge meets several short
+    ones, the hole has no area.
+
+    Returns
+    -------
+    (T,) True for each triangle of such a piece.
     """
     triangles = np.asarray(mesh.triangles, np.int64)
     if not len(triangles):
@@ -47,7 +53,12 @@ def bounding_triangles(mesh: Mesh) -> NDArray[np.bool_]:
 
 
 def _welded(positions: Floats, triangles: Ints) -> tuple[Ints, Floats]:
-    """The triangles (T, 3) between places, and the places (P, 3) around the first."""
+    """Merge vertices at the same position.
+
+    Returns
+    -------
+    (T, 3) the triangles as indices of merged vertices, and (P, 3) the merged vertices relative to the first vertex.
+    """
     used = positions[triangles.reshape(-1)]
     used = used - used[0]
     size = float(np.abs(used).max()) or 1.0
@@ -56,8 +67,8 @@ def _welded(positions: Floats, triangles: Ints) -> tuple[Ints, Floats]:
 
 
 def _pieces(corners: Ints, count: int) -> Ints:
-    """(T,) the number of each triangle's piece; triangles that share a vertex are of one."""
-    labels = connected(count, np.repeat(corners[:, 0], 2), corners[:, 1:].reshape(-1))
+    """The label (T,) of each triangle's connected piece. Triangles that share a vertex belong to the same piece."""
+    labels = connected_components(count, np.repeat(corners[:, 0], 2), corners[:, 1:].reshape(-1))
     return labels[corners[:, 0]]
 
 
@@ -66,8 +77,8 @@ def _encloses(corners: Ints, places: Floats) -> bool:
     area = float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum()) / 2
     start, end = _open_ends(corners)
     if len(start):
-        # Each border as a fan around its middle.
-        labels = connected(len(places), start, end)[start]
+        # The area of a hole is that of a triangle fan from the centre of its border.
+        labels = connected_components(len(places), start, end)[start]
         holes = 0.0
         for label in np.unique(labels):
             p, q = places[start[labels == label]], places[end[labels == label]]
@@ -81,7 +92,7 @@ def _encloses(corners: Ints, places: Floats) -> bool:
 
 
 def _open_ends(corners: Ints) -> tuple[Ints, Ints]:
-    """Edges along which more triangles run one way than the other: from where, to where."""
+    """The start and end vertices of the edges that triangles do not use equally often in both directions."""
     start, end = corners.reshape(-1), np.roll(corners, -1, axis=1).reshape(-1)
     low, high = np.minimum(start, end), np.maximum(start, end)
     edges, which = np.unique(np.column_stack((low, high)), axis=0, return_inverse=True)

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads text files: their encodings, their lines, and the words for infinity and NaN."""
+"""Read text files: decode them, split them into lines, and normalise their spellings of infinity and NaN."""
 
 from __future__ import annotations
 
@@ -12,14 +12,15 @@ from eclat.errors import EclatError
 
 _CONTINUED = re.compile(rb"\\[ \t]*(?:\r\n|\r|\n)")
 _BOMS = (
-    # UTF-32 before UTF-16, whose mark is the beginning of the other's.
+    # UTF-32 comes first, because its byte order mark starts with that of UTF-16.
     (codecs.BOM_UTF32_LE, "utf-32"),
     (codecs.BOM_UTF32_BE, "utf-32"),
     (codecs.BOM_UTF16_LE, "utf-16"),
     (codecs.BOM_UTF16_BE, "utf-16"),
 )
 _LOOKED_AT = 64
-"""Bytes in which UTF-16 without a mark shows: every second one of them is zero where the text is English."""
+"""The number of bytes that are searched for UTF-16 without a byte order mark. In ASCII text that is encoded as UTF-16,
+every second byte is zero."""
 
 _WINDOWS_NUMBER = re.compile(
     rb"(?<![^\s/])([-+]?)(?:1\.#(IND|Q?S?NAN|INF)[0-9]*|(nan)\([^)\s]{0,40}\))(?![^\s/])", re.I
@@ -27,7 +28,7 @@ _WINDOWS_NUMBER = re.compile(
 
 
 def utf8(data: bytes, where: str) -> bytes:
-    """The bytes of a text as UTF-8 without a byte order mark; what is UTF-16 or UTF-32 is converted, the rest kept.
+    """Convert a text in UTF-16 or UTF-32 to UTF-8, and remove its byte order mark. Other bytes are returned unchanged.
 
     Raises
     ------
@@ -45,11 +46,17 @@ def utf8(data: bytes, where: str) -> bytes:
     try:
         return data.decode(encoding).encode("utf-8")
     except UnicodeError as error:
-        raise EclatError(f"{where}: expected text in {encoding.upper()}, as its beginning says; {error}") from None
+        raise EclatError(
+            f"{where}: expected text in {encoding.upper()}, because of the first bytes of the file, but it cannot be "
+            f"decoded: {error}"
+        ) from None
 
 
 def plain_numbers(data: bytes) -> bytes:
-    """`-1.#IND`, `1.#QNAN`, `1.#INF` (old) and `-nan(ind)` (new), as Windows writes numbers, become nan and inf."""
+    """Replace the spellings of NaN and infinity that old and new versions of Windows write by nan and inf.
+
+    The old spellings are `-1.#IND`, `1.#QNAN` and `1.#INF`, and the new one is `-nan(ind)`.
+    """
     if b".#" not in data and b"(" not in data:
         return data
     return _WINDOWS_NUMBER.sub(
@@ -58,7 +65,7 @@ def plain_numbers(data: bytes) -> bytes:
 
 
 def decoded(text: bytes) -> str:
-    """The text decoded as UTF-8, or as Latin-1 if that fails."""
+    """Decode `text` as UTF-8, or as Latin-1 if it is not valid UTF-8."""
     try:
         return text.decode("utf-8")
     except UnicodeDecodeError:
@@ -66,9 +73,14 @@ def decoded(text: bytes) -> str:
 
 
 def logical_lines(data: bytes, where: str) -> Iterator[tuple[int, bytes]]:
-    """Numbered lines (from 1), those that end with a backslash joined to the next; any line ending.
+    """Yield the lines of a text with their numbers, from 1. All line endings are recognised.
 
-    The bytes may be as in `utf8`, whose EclatError passes; words for NaN and infinity are made Python's.
+    A line that ends with a backslash is joined to the next one. The text may have any encoding that `utf8` accepts.
+    NaN and infinity are replaced as in `plain_numbers`.
+
+    Raises
+    ------
+    EclatError : the text cannot be decoded (see `utf8`).
     """
     data = plain_numbers(utf8(data, where))
     if not _CONTINUED.search(data):

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Geometry for loaders of mesh files: triangulation of polygons, vertex normals, and checks of a file's data."""
+"""Geometry for the loaders of mesh files: triangulation of polygons, vertex normals, and validation of vertex data."""
 
 from __future__ import annotations
 
@@ -14,30 +14,34 @@ from eclat.scene import FloatArray
 IntArray = NDArray[np.integer]
 
 LARGEST = float(np.finfo(np.float32).max)
-"""The core computes in float32; what lies beyond is infinite there."""
+"""The largest finite float32. The core computes in float32, where larger numbers would be infinite."""
 
 _BYTES = 16.0
-"""Colours beyond it are numbers of 0..255: as factors of white they would mean nothing on a surface."""
+"""The value from which linear colours are taken for bytes in 0..255. No surface is 16 times as bright as white."""
 _ROUNDING = 1e-3
+"""The amount by which colours may exceed 1 without a warning, since rounding may explain it."""
 
 _SLIVER = 1e-9
-"""A triangle lower than this share of its longest edge has no normal left in float32 (whose rounding is 6e-8)."""
+"""The smallest ratio of a triangle's height to its longest edge. The normal of a thinner triangle is lost to rounding
+in float32, whose relative error is 6e-8."""
 
 
 def triangulate(
     positions: FloatArray, corners: IntArray, counts: IntArray, where: str
 ) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Polygons cut into triangles, in the polygons' order.
+    """Cut polygons into triangles, in the order of the polygons.
 
     Parameters
     ----------
     positions : (V, 3).
-    corners : (C,) vertices of all polygons, one after the other.
-    counts : (P,) numbers of corners, their sum is C. Polygons of fewer than three corners give no triangle.
+    corners : (C,) vertex indices of all polygons, one polygon after the other.
+    counts : (P,) the number of corners of each polygon. The sum is C. Polygons of fewer than three corners give no
+        triangle.
+    where : the file, for warnings.
 
     Returns
     -------
-    (T, 3) places in `corners`, and (T,) the polygon that each triangle comes from.
+    (T, 3) indices into `corners`, and (T,) the polygon that each triangle was cut from.
     """
     counts = np.asarray(counts, dtype=np.int64)
     starts = np.cumsum(counts) - counts
@@ -55,8 +59,11 @@ def triangulate(
 
 
 def check_positions(positions: FloatArray, where: str, *, numbers: list[int] | None = None) -> None:
-    """Raise EclatError for the first of the (V, 3) `positions` that is not finite; `numbers` are the vertices'
-    lines."""
+    """Raise EclatError if one of the (V, 3) `positions` is not finite or exceeds float32.
+
+    The message names the file `where` and the first such vertex: by its line, if `numbers` has the line number of each
+    vertex, otherwise by its index.
+    """
     good = (np.abs(positions) <= LARGEST).all(axis=1)
     if good.all():
         return
@@ -67,24 +74,38 @@ def check_positions(positions: FloatArray, where: str, *, numbers: list[int] | N
 
 
 def finite_rows(values: FloatArray, what: str, where: str) -> FloatArray:
-    """The `values` as float32. Rows that are not finite become zeros, with a warning that counts them."""
+    """Convert the rows of `values` to float32, and replace each row that is not finite by zeros, with a warning.
+
+    The warning names the file `where` and says `what` the values are.
+    """
     with np.errstate(over="ignore", invalid="ignore"):
         single = values.astype(np.float32)
     bad = ~np.isfinite(single).all(axis=1)
     if bad.any():
-        warn(f"{where}: {int(bad.sum())} {what} are not finite; zeros are used")
+        warn(f"{where}: {int(bad.sum())} {what} are not finite; zeros are used instead")
         single[bad] = 0
     return single
 
 
-def drop_slivers(
+def triangles_with_area(
     positions: FloatArray, triangles: IntArray, where: str, *, short_polygons: int = 0
 ) -> NDArray[np.bool_]:
-    """Which of the (T, 3) `triangles` have an area; a warning counts the others and the polygons too short to be any.
+    """Tell which of the (T, 3) `triangles` have an area, and warn how many have none.
+
+    Parameters
+    ----------
+    positions : (V, 3).
+    triangles : (T, 3) vertex indices.
+    where : the file, for messages.
+    short_polygons : the number of polygons with fewer than three corners, which the warning mentions too.
+
+    Returns
+    -------
+    (T,) True for each triangle to keep.
 
     Raises
     ------
-    EclatError : nothing is left.
+    EclatError : no triangle has an area.
     """
     p = np.asarray(positions, dtype=np.float64)[triangles]
     edges = p[:, (1, 2, 0)] - p
@@ -93,7 +114,7 @@ def drop_slivers(
     keep: NDArray[np.bool_] = (twice_area > _SLIVER * longest) & (twice_area > 0)
     if not keep.any():
         raise EclatError(
-            f"{where}: expected at least one triangle with an area, got {len(keep)} triangles, all without"
+            f"{where}: expected at least one triangle with an area, got {len(keep)} triangles of zero area"
         )
     lost = len(keep) - int(keep.sum())
     if lost or short_polygons:
@@ -103,13 +124,16 @@ def drop_slivers(
 
 
 def face_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.float64]:
-    """(T, 3) unit normals by counter-clockwise order; zero where the area is."""
+    """The unit normals (T, 3) of triangles, on the side from which the corners appear counter-clockwise.
+
+    A triangle without area has a zero normal.
+    """
     p = np.asarray(positions, dtype=np.float64)[triangles]
     return normalized(np.cross(p[:, 1] - p[:, 0], p[:, 2] - p[:, 0]))
 
 
 def normalized(vectors: FloatArray) -> NDArray[np.float64]:
-    """The rows normalised, without overflow or underflow. Zero rows stay zero."""
+    """Normalise the rows of `vectors` without overflow or underflow. Zero rows stay zero."""
     v = np.asarray(vectors, dtype=np.float64)
     largest = np.abs(v).max(axis=-1, keepdims=True, initial=0)
     v = v / np.where(largest > 0, largest, 1)
@@ -118,9 +142,10 @@ def normalized(vectors: FloatArray) -> NDArray[np.float64]:
 
 
 def smooth_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.float32]:
-    """(V, 3) unit vertex normals: the triangles' normals weighted by their angle at the vertex (as Mitsuba 3).
+    """Compute unit vertex normals (V, 3): means of the triangles' normals, weighted by the angle at the vertex.
 
-    Where they cancel the vertex gets the normal of one of its triangles, and an unused vertex +z.
+    Mitsuba 3 uses the same weights. If the normals at a vertex cancel, the vertex gets the normal of one of its
+    triangles. A vertex that no triangle uses gets +z.
     """
     faces = face_normals(positions, triangles)
     p = np.asarray(positions, dtype=np.float64)[triangles]
@@ -129,7 +154,7 @@ def smooth_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.flo
     for corner in range(3):
         a = normalized(p[:, (corner + 1) % 3] - p[:, corner])
         b = normalized(p[:, (corner + 2) % 3] - p[:, corner])
-        # Half-chords keep small angles exact where the arc cosine does not.
+        # This formula is accurate for small angles, unlike the arc cosine.
         angle = 2 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
         vertices = triangles[:, corner]
         for axis in range(3):
@@ -143,7 +168,20 @@ def smooth_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.flo
 def vertex_normals(
     positions: FloatArray, triangles: IntArray, given: FloatArray | None, where: str
 ) -> NDArray[np.float32]:
-    """`given` (V, 3) made unit, or, where there are none or they are zero or not finite, smooth ones."""
+    """Normalise the file's vertex normals, or compute smooth ones.
+
+    Parameters
+    ----------
+    positions : (V, 3).
+    triangles : (T, 3) vertex indices.
+    given : (V, 3) the file's normals, or None if it has none. Normals that are zero or not finite are replaced by
+        smooth ones.
+    where : the file, for warnings.
+
+    Returns
+    -------
+    (V, 3) unit vectors.
+    """
     if given is None:
         return smooth_normals(positions, triangles)
     units = normalized(finite_rows(given, "normals", where))
@@ -153,24 +191,24 @@ def vertex_normals(
     return units.astype(np.float32)
 
 
-def white_of(colors: FloatArray, what: str, where: str, *, linear: bool = False) -> float:
-    """The number that means white in colours which should lie in 0..1: 1, or, with a warning, 255 if they look like
-    bytes.
+def white_level(colors: FloatArray, what: str, where: str, *, linear: bool = False) -> float:
+    """Find the number that stands for white in floating-point colours: usually 1, but 255 if they look like bytes.
 
-    Numbers between `_BYTES` and 255 are colours in bytes, and so are whole ones beyond 1, unless colours are
-    `linear`, where 2 is more likely twice white. Of other colours beyond 1, which would reflect more than arrives, it is said
-    that they will be cut.
+    Colours count as bytes, with a warning, if the largest is between `_BYTES` and 255, or if it exceeds 1 and all are
+    whole numbers. The second rule does not hold for `linear` colours, where a 2 more likely means twice white. Other
+    colours that exceed 1 get a warning that they will be clipped to 1, because a surface cannot reflect more light
+    than it receives.
     """
     largest = float(colors.max(initial=0))
     if _BYTES < largest <= 255 or (1 < largest <= _BYTES and not linear and not (colors % 1).any()):
-        warn(f"{where}: {what} reach {largest:g}; they are taken for numbers of 0..255")
+        warn(f"{where}: expected {what} in 0..1, got up to {largest:g}; they are taken for numbers in 0..255")
         return 255.0
     if largest > 1 + _ROUNDING:
-        warn(f"{where}: {what} reach {largest:g}, expected 0..1; what lies above is cut")
+        warn(f"{where}: expected {what} in 0..1, got up to {largest:g}; larger values are clipped to 1")
     return 1.0
 
 
 def linear_from_srgb(values: FloatArray) -> NDArray[np.float32]:
-    """The inverse of the sRGB transfer function, for values in 0..1. [IEC61966]"""
+    """Convert sRGB values in 0..1 to linear values by the inverse of the sRGB transfer function. [IEC61966]"""
     v = np.clip(np.asarray(values, dtype=np.float64), 0, 1)
     return np.where(v <= 0.04045, v / 12.92, ((v + 0.055) / 1.055) ** 2.4).astype(np.float32)

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eclat.loaders.components import connected, edges_of
+from eclat.loaders.components import connected_components, triangle_edges
 
 
 def test_connected() -> None:
@@ -24,15 +24,15 @@ def test_connected() -> None:
                 if wanted[i] < 0:
                     wanted[i] = start
                     stack += neighbours[i]
-        np.testing.assert_array_equal(connected(count, a, b), wanted)
+        np.testing.assert_array_equal(connected_components(count, a, b), wanted)
 
 
 def test_a_long_chain() -> None:
     order = np.random.default_rng(3).permutation(1000)
-    assert (connected(1000, order[:-1], order[1:]) == 0).all()
+    assert (connected_components(1000, order[:-1], order[1:]) == 0).all()
 
 
 def test_edges() -> None:
-    edges, owners = edges_of(np.array([[0, 1, 2], [2, 1, 3]]))
+    edges, owners = triangle_edges(np.array([[0, 1, 2], [2, 1, 3]]))
     assert edges.tolist() == [[0, 1], [0, 2], [1, 2], [1, 2], [1, 3], [2, 3]]
     assert owners.tolist() == [0, 0, 0, 1, 1, 1]

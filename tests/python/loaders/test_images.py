@@ -206,6 +206,6 @@ def test_images_of_one_scene_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> 
     with images.image_budget():
         for _ in range(2):
             images.decode_image(data)
-        with pytest.raises(EclatError, match="the image would take 0 MB, which with others is too much"):
+        with pytest.raises(EclatError, match="the image would take 0 MiB, and all images of the scene together"):
             images.decode_image(data)
     images.decode_image(data)

@@ -92,7 +92,7 @@ def test_a_folded_face_among_smooth_ones_has_a_normal_too(tmp_path: Path) -> Non
 
 def test_a_material_without_normals_stays_flat_beside_one_with(tmp_path: Path) -> None:
     path = write(tmp_path, SQUARE + "vn 0 0 1\nusemtl a\nf 1//1 2//1 3//1\nusemtl b\nf 1 3 4\n")
-    with pytest.warns(EclatWarning, match="material '[ab]' is in no MTL file"):
+    with pytest.warns(EclatWarning, match="material '[ab]' is not defined in any MTL file"):
         a, b = load_obj(path)
     assert a.normals is not None and b.normals is None
 
@@ -170,10 +170,10 @@ def test_flat_triangles_and_short_faces_are_left_out(tmp_path: Path) -> None:
         (SQUARE + "f 1 2 1.5\n", "line 5: expected a face corner"),
         ("v 0 0 0\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", r"line 2: expected finite coordinates .*, got 1 nan 0"),
         ("v 0 0 0\nv 1 0 1e99\nv 0 1 0\nf 1 2 3\n", "line 2: expected finite coordinates"),
-        ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "line 1: expected 3 numbers after v, got '0 0'"),
-        ("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n", "line 2: expected 3 numbers after v, got '1 zero 0'"),
-        ("v\nf 1 1 1\n", "line 1: expected 3 numbers after v"),
-        (SQUARE + "vt\nf 1/1 2/1 3/1\n", "line 5: expected 1 numbers after vt"),
+        ("v 0 0\nv 1 0\nv 0 1\nf 1 2 3\n", "line 1: expected 3 or more numbers after v, got '0 0'"),
+        ("v 0 0 0\nv 1 zero 0\nv 0 1 0\nf 1 2 3\n", "line 2: expected 3 or more numbers after v, got '1 zero 0'"),
+        ("v\nf 1 1 1\n", "line 1: expected 3 or more numbers after v"),
+        (SQUARE + "vt\nf 1/1 2/1 3/1\n", "line 5: expected 1 or more numbers after vt"),
         (SQUARE + "f 1 1 2\n", "expected at least one triangle with an area"),
     ],
 )
@@ -257,7 +257,7 @@ def test_smoothing_groups_end_at_each_other_and_go_across_materials(tmp_path: Pa
     apart = only(tmp_path, PYRAMID + "s 1\n" + SIDES[0] + SIDES[1] + "s 2\n" + SIDES[2] + SIDES[3])
     found = normals_at(apart, (0, 0, 1))
     np.testing.assert_allclose(found[np.argsort(found[:, 1])], np.array([[0, -1, 1], [0, 1, 1]]) / 2**0.5, atol=1e-6)
-    with pytest.warns(EclatWarning, match="in no MTL file"):
+    with pytest.warns(EclatWarning, match="not defined in any MTL file"):
         two = load_obj(
             write(tmp_path, PYRAMID + "s 1\nusemtl a\n" + SIDES[0] + SIDES[1] + "usemtl b\n" + SIDES[2] + SIDES[3])
         )
@@ -299,14 +299,16 @@ def test_vertex_colours_in_bytes(tmp_path: Path, color: str, expected: tuple[flo
     if "." in color and color[0] == "0":
         mesh = only(tmp_path, text)
     else:
-        with pytest.warns(EclatWarning, match=r"vertex colours reach .*; they are taken for numbers of 0..255"):
+        with pytest.warns(
+            EclatWarning, match=r"vertex colours in 0..1, got up to .*; they are taken for numbers in 0..255"
+        ):
             mesh = only(tmp_path, text)
     assert mesh.colors is not None
     np.testing.assert_allclose(mesh.colors[:, :3], np.tile(expected, (3, 1)), atol=1e-5)
 
 
 def test_vertex_colours_beyond_one_are_cut_and_said(tmp_path: Path) -> None:
-    with pytest.warns(EclatWarning, match="vertex colours reach 1.5, expected 0..1; what lies above is cut"):
+    with pytest.warns(EclatWarning, match="expected vertex colours in 0..1, got up to 1.5; larger values are clipped"):
         only(tmp_path, "v 0 0 0 1.5 0 0\nv 1 0 0 1 1 1\nv 1 1 0 1 1 1\nf 1 2 3\n")
 
 
@@ -320,7 +322,7 @@ def test_utf16(tmp_path: Path) -> None:
     "face", ["f 1//0 2//0 3//0 4//0", "f 1/1/0 2/1/0 3/1/0", "f 1/0/1 2/0/1 3/0/1", "f 1/0 2/0 3/0"]
 )
 def test_index_zero_of_an_attribute_is_a_missing_one(tmp_path: Path, face: str) -> None:
-    with pytest.warns(EclatWarning, match="face corners have the index 0 of vt or vn .the first in line 7, v"):
+    with pytest.warns(EclatWarning, match="face corners have the index 0 of vt or vn .the first one in line 7, v"):
         mesh = only(tmp_path, SQUARE + "vt 0 0\nvn 0 0 1\n" + face + "\n")
     assert (mesh.normals is None) == ("/0/1" not in face)
     assert (mesh.uvs is None) == ("/1/" not in face)

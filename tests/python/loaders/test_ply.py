@@ -86,8 +86,8 @@ def test_any_order_of_properties_and_unusual_ones(tmp_path: Path, encoding: str)
     with pytest.warns(EclatWarning) as caught:
         mesh = load(tmp_path, data)
     assert [str(w.message) for w in caught] == [
-        "test.ply: attributes of faces are ignored, only those of vertices are read: red, texcoord",
-        "test.ply: elements that are not understood are ignored: 'camera'",
+        "test.ply: these properties of faces are ignored, because they are only read from vertices: red, texcoord",
+        "test.ply: these unknown elements are ignored: 'camera'",
     ]
     assert mesh.positions.tolist() == [list(map(float, v)) for v in VERTICES]
     assert mesh.uvs.tolist() == [[0.75, 0.25]] * 4
@@ -109,7 +109,7 @@ def test_uv_is_kept_as_mitsuba_does_and_turned_for_scenes(tmp_path: Path) -> Non
 def test_floating_colours_are_linear(tmp_path: Path) -> None:
     vertex = [*XYZ, "float red", "float green", "float blue"]
     data = ply("ascii", ("vertex", vertex, [(*p, 0.5, 2, -1) for p in VERTICES]), ("face", FACE, [((0, 1, 2),)]))
-    with pytest.warns(EclatWarning, match="reach 2, expected 0..1"):
+    with pytest.warns(EclatWarning, match="in 0..1, got up to 2; larger values are clipped"):
         assert load(tmp_path, data).colors.tolist() == [[0.5, 1, 0, 1]] * 4
 
 
@@ -147,32 +147,41 @@ POINTS = "0 0 0\n1 0 0\n0 1 0\n"
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("", r"test\.ply: expected a PLY file, which begins with 'ply', got b''"),
+        ("", r"test\.ply: expected a PLY file, which starts with 'ply', got b''"),
         ("OFF\n3 1 0\n", "expected a PLY file"),
         ("ply\nformat ascii 1.0\n", "expected a PLY header that ends with 'end_header', got none"),
         ("ply\nend_header\n", "expected a 'format' statement"),
         ("ply\nformat binary 1.0\nend_header\n", "line 2: expected format ascii, binary_little_endian"),
         (HEADER + "element face many\nend_header\n", "line 7: expected a number of rows, got 'many'"),
         (HEADER + "element face -1\nend_header\n", "line 7: expected a number of rows, got '-1'"),
-        (HEADER + "property quad w\nend_header\n", "line 7: expected a property's type and name, got 'quad w'"),
-        (HEADER + "property list float int i\nend_header\n", "line 7: expected a property's type and name"),
-        (HEADER + "property float x\nend_header\n", "line 7: expected property names to differ, got 'x' twice"),
+        (
+            HEADER + "property quad w\nend_header\n",
+            "line 7: expected the type and the name of a property, got 'quad w'",
+        ),
+        (HEADER + "property list float int i\nend_header\n", "line 7: expected the type and the name of a property"),
+        (HEADER + "property float x\nend_header\n", "line 7: expected different property names, got 'x' twice"),
         (HEADER + "materials 3\nend_header\n", "line 7: expected a PLY header statement, got 'materials 3'"),
-        (HEADER + "end_header\n" + POINTS, "expected a mesh with faces or triangle strips, got 3 vertices alone"),
-        (HEADER + FACES + POINTS, "expected 1 rows of element 'face', but the file ends before"),
-        (HEADER + FACES + POINTS + "3 0 1\n", "expected 1 rows of element 'face', but the file ends before"),
-        (HEADER + FACES + "0 0 0\n", "expected 3 rows of element 'vertex', but the file ends before"),
+        (HEADER + "end_header\n" + POINTS, "expected a mesh with faces or triangle strips, got only 3 vertices"),
+        (HEADER + FACES + POINTS, "element 'face': expected data up to row 1, but the file ends before"),
+        (HEADER + FACES + POINTS + "3 0 1\n", "element 'face': expected data up to row 1, but the file ends before"),
+        (HEADER + FACES + "0 0 0\n", "element 'vertex': expected data up to row 3, but the file ends before"),
         (HEADER + FACES + POINTS + "3 0 1 3\n", r"face 0: expected vertex indices in 0\.\.2, got 3"),
         (HEADER + FACES + POINTS + "3 0 1 -1\n", r"face 0: expected vertex indices in 0\.\.2, got -1"),
-        (HEADER + FACES + POINTS + "-3 0 1 2\n", "face 0: expected a length of list 'vertex_indices', got '-3'"),
+        (
+            HEADER + FACES + POINTS + "-3 0 1 2\n",
+            "face 0: expected a non-negative length of the list 'vertex_indices', got '-3'",
+        ),
         (
             HEADER + FACES + POINTS + "3 0 1 two\n",
-            "'face', property 'vertex_indices', number 3: expected type i4, got 'two'",
+            "'face', property 'vertex_indices', number 3: expected a number of type i4, got 'two'",
         ),
-        (HEADER + FACES + POINTS + "3 0 1 1e30\n", "number 3: expected type i4"),
+        (HEADER + FACES + POINTS + "3 0 1 1e30\n", "number 3: expected a number of type i4"),
         (HEADER + FACES + POINTS.replace("1", "nan") + "3 0 1 2\n", "vertex 1: expected finite coordinates"),
         (HEADER + FACES + POINTS + "3 0 1 1\n", "expected at least one triangle with an area"),
-        ("ply\nformat ascii 1.0\nelement face 1\nproperty int vertex_indices\nend_header\n3\n", "expected vertices"),
+        (
+            "ply\nformat ascii 1.0\nelement face 1\nproperty int vertex_indices\nend_header\n3\n",
+            "expected at least one vertex",
+        ),
     ],
 )
 def test_errors_say_file_place_and_expectation(tmp_path: Path, text: str, message: str) -> None:
@@ -189,7 +198,7 @@ def test_absurd_counts_cost_no_memory(tmp_path: Path, encoding: str, element: st
     data = data[:position] + b"1000000000000" + data[position + 1 :]
     tracemalloc.start()
     try:
-        with pytest.raises(EclatError, match=f"expected 1000000000000 rows of element '{element}'"):
+        with pytest.raises(EclatError, match=f"element '{element}': expected data up to row 1000000000000"):
             load(tmp_path, data)
         assert tracemalloc.get_traced_memory()[1] < 4 << 20
     finally:
@@ -201,13 +210,13 @@ def test_absurd_lists_cost_no_memory(tmp_path: Path) -> None:
         "binary_little_endian", ("vertex", XYZ, VERTICES), ("face", ["list uint int vertex_indices"], [((0, 1, 2),)])
     )
     data = data[: -16 if data.endswith(struct.pack("<Iiii", 3, 0, 1, 2)) else None]
-    with pytest.raises(EclatError, match="expected 1 rows of element 'face'"):
+    with pytest.raises(EclatError, match="element 'face': expected data up to row 1"):
         load(tmp_path, data + struct.pack("<Iiii", 0xFFFFFFFF, 0, 1, 2))
 
 
 def test_absurd_headers_take_no_time(tmp_path: Path) -> None:
     many = "".join(f"property char p{i}\n" for i in range(30_000))
-    with pytest.raises(EclatError, match="expected at most 1000 elements and properties"):
+    with pytest.raises(EclatError, match="expected at most 1000 elements with at most 1000 properties"):
         load(tmp_path, (HEADER + many + "end_header\n").encode())
 
 
@@ -288,8 +297,8 @@ def test_textures_by_face_and_their_corners(tmp_path: Path, encoding: str) -> No
 @pytest.mark.parametrize(
     ("vertex", "message"),
     [
-        ([], "needs texture coordinates"),
-        (["float s", "float t", "uchar red", "uchar green", "uchar blue"], "the texture is used"),
+        ([], "is ignored, because the file has no texture coordinates"),
+        (["float s", "float t", "uchar red", "uchar green", "uchar blue"], "because the file also has a texture"),
     ],
 )
 def test_textures_with_too_little_or_too_much(tmp_path: Path, vertex: list[str], message: str) -> None:
@@ -302,7 +311,7 @@ def test_a_missing_texture_has_a_stand_in(tmp_path: Path) -> None:
     rows = [(*p, 0, 0) for p in VERTICES]
     data = ply("ascii", ("vertex", [*XYZ, "float s", "float t"], rows), ("face", FACE, [((0, 1, 2),)]))
     (tmp_path / "test.ply").write_bytes(data.replace(b"comment made by a test", b"comment TextureFile gone.png"))
-    with pytest.warns(EclatWarning, match="a mauve and grey checker stands in"):
+    with pytest.warns(EclatWarning, match="a mauve and grey checkerboard is used instead"):
         load_ply_scene(tmp_path / "test.ply")
 
 
@@ -310,7 +319,7 @@ def test_a_missing_texture_has_a_stand_in(tmp_path: Path) -> None:
 def test_colours_in_bytes_of_another_type(tmp_path: Path, kind: str) -> None:
     vertex = [*XYZ, *(f"{kind} {name}" for name in ("red", "green", "blue"))]
     data = ply("ascii", ("vertex", vertex, [(*p, 128, 64, 0) for p in VERTICES]), ("face", FACE, [((0, 1, 2),)]))
-    with pytest.warns(EclatWarning, match="they are taken for numbers of 0..255"):
+    with pytest.warns(EclatWarning, match="they are taken for numbers in 0..255"):
         mesh = load(tmp_path, data)
     assert mesh.colors is not None
     np.testing.assert_allclose(mesh.colors[0, :3], (0.215861, 0.051269, 0), atol=1e-5)

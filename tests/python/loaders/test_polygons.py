@@ -66,7 +66,9 @@ def test_tangled_and_flat_polygons_still_give_triangles() -> None:
 def test_concave_polygons_beyond_the_budget_become_fans_with_a_warning() -> None:
     star = [(np.cos(a) * r, np.sin(a) * r, 0.0) for a, r in zip(np.linspace(0, 6, 20), [1, 0.3] * 10, strict=True)]
     polygons = np.tile(np.arange(20), (3, 1))
-    with pytest.warns(EclatWarning, match=r"test: 2 concave polygons of 20 corners are cut as if convex"):
+    with pytest.warns(
+        EclatWarning, match=r"test: 2 concave polygons of 20 corners are triangulated as if they were convex"
+    ):
         triangles, left = polygon_triangles(np.array(star), polygons, "test", work=10_000)
     assert left == 2000
     assert not np.array_equal(triangles[0], triangles[1])

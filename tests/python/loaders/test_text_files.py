@@ -35,7 +35,7 @@ def test_what_is_no_utf16_is_kept_or_named() -> None:
     for data in (b"", b"v", b"ply\nformat", bytes(64), b"v 0 0 0\n\xff\xfe", "Fläche".encode("latin-1")):
         assert utf8(data, "a.obj") == data
     assert decoded("Fläche".encode("latin-1")) == "Fläche"
-    with pytest.raises(EclatError, match=r"a\.obj: expected text in UTF-16, as its beginning says"):
+    with pytest.raises(EclatError, match=r"a\.obj: expected text in UTF-16, because of the first bytes of the file"):
         utf8(codecs.BOM_UTF16_LE + b"v\0 \0\x00\xd8", "a.obj")
 
 

@@ -54,14 +54,16 @@ def test_given_normals_are_made_unit_and_zero_ones_replaced() -> None:
 
 def test_slivers_are_dropped_with_one_warning() -> None:
     with pytest.warns(EclatWarning, match=r"^test: 2 triangles of zero area and 1 faces of fewer") as caught:
-        keep = triangles.drop_slivers(BENT, np.array([(0, 1, 2), (0, 0, 1), (1, 2, 1)]), "test", short_polygons=1)
+        keep = triangles.triangles_with_area(
+            BENT, np.array([(0, 1, 2), (0, 0, 1), (1, 2, 1)]), "test", short_polygons=1
+        )
     assert keep.tolist() == [True, False, False]
     assert len(caught) == 1
 
 
 def test_only_slivers_is_an_error() -> None:
     with pytest.raises(EclatError, match="test: expected at least one triangle with an area, got 1 triangles"):
-        triangles.drop_slivers(BENT, np.array([(1, 1, 2)]), "test")
+        triangles.triangles_with_area(BENT, np.array([(1, 1, 2)]), "test")
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e39])

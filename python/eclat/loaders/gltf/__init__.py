@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""glTF 2.0: `load_gltf` makes a `Scene` of a `.gltf` or `.glb` file.
+"""Load scenes from glTF 2.0 files (`.gltf` and `.glb`).
 
-The parts: `container` (files, chunks, buffers), `element` (checked JSON), `accessors` (arrays), `topology` and
-`primitives` (triangles), `textures`, `materials`, `lights`, `cameras`, `nodes` (the hierarchy).
+The modules of this package are `container` (files, chunks and buffers), `element` (validated JSON), `accessors`
+(arrays), `topology` and `primitives` (triangles), `textures`, `materials`, `lights`, `cameras` and `nodes` (the node
+hierarchy).
 """
 
 from __future__ import annotations
@@ -17,35 +18,42 @@ from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.cameras import read_camera
 from eclat.loaders.gltf.container import Document
 from eclat.loaders.gltf.element import Element
-from eclat.loaders.gltf.extensions import warn_of_unsupported
+from eclat.loaders.gltf.extensions import warn_about_unsupported
 from eclat.loaders.gltf.lights import Light, read_light
 from eclat.loaders.gltf.materials import Materials, used_uv_sets
 from eclat.loaders.gltf.nodes import Matrix, instances, scene_nodes
-from eclat.loaders.gltf.primitives import Primitive, bodies_and_sheets, place, read_primitive
+from eclat.loaders.gltf.primitives import (
+    Primitive,
+    read_primitive,
+    split_solids_and_sheets,
+    transform_primitive,
+)
 from eclat.loaders.parts import LimitError, Parts
 from eclat.scene import Camera, Material, Mesh, Scene
 
 MAX_VERTICES = 1 << 26
-"""Vertices of all instances together. A small file can ask for any number; 6 GB hold these."""
+"""The largest number of vertices of all instances together, which take 6 GB. Without a limit, a small file with many
+instances could fill the memory."""
 
 MESH_COST = 256
-"""What an instance costs at least, in vertices: its Python objects."""
+"""The smallest number of vertices that an instance counts for. It covers the memory of its Python objects."""
 
 
 def load_gltf(path: str | Path) -> Scene:
-    """The default scene of a glTF 2.0 file, all instances in world space.
+    """Load the default scene of a glTF 2.0 file, with all instances in world space.
 
-    Lengths are metres. Punctual lights are in candela and lux, emission is in cd·m⁻² [KHR_lights_punctual,
-    KHR_materials_emissive_strength]: a file with either sets `Scene.photometric`. Double-sided materials emit on both
-    sides. Whatever is replaced or ignored is told by an `EclatWarning`.
+    Lengths are in metres. The intensity of lights is in candela or lux [KHR_lights_punctual], and the emission of
+    surfaces is in cd·m⁻² [KHR_materials_emissive_strength]. A file that has lights or emission sets
+    `Scene.photometric`. Double-sided materials emit on both sides. An `EclatWarning` reports everything that is replaced
+    or ignored.
 
     Parameters
     ----------
-    path : a `.gltf` or `.glb` file; the files it names must lie in its folder or below.
+    path : a `.gltf` or `.glb` file. The files that it refers to must be in its folder or in a folder below it.
 
     Raises
     ------
-    EclatError : the file is broken or unreadable; the message names the element.
+    EclatError : the file cannot be read or is invalid. The message names the element.
 
     Examples
     --------
@@ -57,7 +65,7 @@ def load_gltf(path: str | Path) -> Scene:
 
 
 class _Builder:
-    """Collects meshes, lights and cameras while the nodes are walked."""
+    """The builder of a scene. It visits the nodes and collects meshes, lights and cameras."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
@@ -74,7 +82,7 @@ class _Builder:
 
     def build(self, name: str) -> Scene:
         document = self._document
-        warn_of_unsupported(document)
+        warn_about_unsupported(document)
         for node, to_world in scene_nodes(document):
             self._add_mesh(node, to_world)
             reference = node.extension("KHR_lights_punctual")
@@ -84,7 +92,7 @@ class _Builder:
             self._add_camera(node, to_world)
         self._parts.finish()
         if not self._meshes:
-            warn(f"{document.name}: the scene has no triangles")
+            warn(f"{document.name}: the scene has no triangles, so it is empty")
         return Scene(
             meshes=tuple(self._meshes),
             lights=tuple(self._lights),
@@ -94,8 +102,12 @@ class _Builder:
         )
 
     def _photometric(self) -> bool:
-        """As glTF means its numbers, unless the file is ours and says otherwise."""
-        note = self._document.own_note
+        """Whether the scene has photometric units.
+
+        It has if there are lights or emission, because glTF defines their units, unless the file was written by Éclat
+        and states the units.
+        """
+        note = self._document.eclat_extras
         if note is not None and note.data.get("photometric") is not None:
             return note.flag("photometric")
         return bool(self._lights) or any(mesh.material.emission is not None for mesh in self._meshes)
@@ -105,15 +117,18 @@ class _Builder:
         if mesh is None:
             return
         if node.data.get("skin") is not None:
-            warn(f"{node.where}: skins are not supported; the mesh keeps the shape and place it has without")
+            warn(f"{node.where}: skins are not supported; the mesh is loaded in its bind pose")
         elements = mesh.children("primitives")
         if not elements:
-            warn(f"{mesh.where}: has no primitives and is skipped")
+            warn(f"{mesh.where}: the mesh has no primitives and is left out")
         weights = _weights(node, mesh)
         with np.errstate(all="ignore"):
             places = to_world @ instances(node, self._accessors)
         if not np.isfinite(places).all():
-            raise EclatError(f"{node.where}: the scales of its instances multiply beyond all bounds")
+            raise EclatError(
+                f"{node.where}: expected finite transforms of the instances, got an overflow: the product of the scales "
+                "is too large"
+            )
         for i, element in enumerate(elements):
             name = mesh.text("name") or node.text("name") or mesh.where.partition(", ")[2]
             with self._parts.one():
@@ -127,18 +142,21 @@ class _Builder:
         if found is None:
             return
         primitive, material = found
-        parts = bodies_and_sheets(primitive, material)
+        parts = split_solids_and_sheets(primitive, material)
         self._spend(max(len(primitive.positions), MESH_COST) * len(places), element)
         for matrix in places:
             if np.linalg.matrix_rank(matrix[:3, :3]) < 2:
-                warn(f"{element.where}: a node scales it to nothing; it is skipped there")
+                warn(
+                    f"{element.where}: the transform of a node scales the mesh to a line or a point; this instance is "
+                    "left out"
+                )
                 continue
-            self._meshes += [place(part, matrix, surface, name) for part, surface in parts]
+            self._meshes += [transform_primitive(part, matrix, surface, name) for part, surface in parts]
 
     def _read(self, element: Element, weights: tuple[float, ...]) -> tuple[Primitive, Material] | None:
-        note = element.own_note()
+        note = element.eclat_extras()
         if note is not None and note.flag("back_side"):
-            return None  # of a sheet whose front stands beside it
+            return None  # the primitive that holds the front side gets a two-sided material instead
         attributes = element.child("attributes")
         positions = self._accessors.floats(attributes, "POSITION", ("VEC3",)) if attributes is not None else None
         self._spend(0 if positions is None else len(positions), element)
@@ -148,20 +166,26 @@ class _Builder:
         material = self._materials.of(element, primitive.colors is not None)
         for uv_set in sorted(used_uv_sets(material)):
             if (primitive.uvs, primitive.uvs2)[uv_set] is None:
-                warn(f"{element.where}: its material reads TEXCOORD_{uv_set}, which it lacks; (0, 0) is used")
-        if primitive.colors is not None and self._materials.opaque(element):
+                warn(
+                    f"{element.where}: the material uses TEXCOORD_{uv_set}, which the primitive does not have; (0, 0) is "
+                    "used for all vertices"
+                )
+        if primitive.colors is not None and self._materials.ignores_alpha(element):
             primitive.colors[:, 3] = 1
         return primitive, material
 
     def _spend(self, vertices: int, element: Element) -> None:
         self._vertices += vertices
         if self._vertices > MAX_VERTICES:
-            raise LimitError(f"{element.where}: with it the scene has more than {MAX_VERTICES} vertices, the limit")
+            raise LimitError(
+                f"{element.where}: expected at most {MAX_VERTICES} vertices in the scene, including instances, "
+                "got more with this primitive"
+            )
 
     def _add_light(self, reference: Element, to_world: Matrix) -> None:
         index = reference.index("light", len(self._known_lights), "lights")
         if index is None:
-            raise EclatError(f"{reference.where}: expected an integer as 'light', which is missing")
+            raise EclatError(f"{reference.where}: expected the index of a light as 'light', but it is missing")
         self._lights.append(read_light(self._known_lights[index], to_world))
 
     def _add_camera(self, node: Element, to_world: Matrix) -> None:
@@ -172,7 +196,7 @@ class _Builder:
 
 
 def _weights(node: Element, mesh: Element) -> tuple[float, ...]:
-    """The weights of morph targets: those of the node, or else of the mesh."""
+    """The weights of morph targets: those of the node or, if it has none, those of the mesh."""
     owner = node if node.data.get("weights") is not None else mesh
     values = owner.data.get("weights")
     return owner.numbers("weights", len(values) if isinstance(values, list) else 0, ())

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Accessors: typed, strided, normalised and sparse arrays inside buffers [glTF 2.0, 3.6.2]."""
+"""Read accessors: typed arrays in buffers, which may be strided, normalised or sparse [glTF 2.0, 3.6.2]."""
 
 from __future__ import annotations
 
@@ -23,31 +23,38 @@ COMPONENT_TYPES: dict[int, np.dtype] = {
     5125: np.dtype("<u4"),
     5126: np.dtype("<f4"),
 }
+"""The NumPy type of each componentType."""
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+"""The number of components of each type of element."""
 
 MAX_ZEROS = 1 << 22
-"""Elements of an accessor without data of its own (zeros): the file's size does not bound them, so this does."""
+"""The largest number of elements in an accessor without a buffer view, which consists of zeros. Without a limit, a small
+file could fill the memory."""
 
 
 class Accessors:
-    """The accessors of a document, each read once. The arrays are shared: they must not be written."""
+    """The accessors of a document. Each is read once. The arrays are shared, so they must not be modified."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
         self._arrays: dict[int, Numbers] = {}
 
     def count(self, owner: Element, member: str) -> int:
-        """The number of elements of the accessor whose index `owner` holds as `member`; 0 where it holds none."""
+        """The number of elements of the accessor whose index is the member `member` of `owner`, or 0 without one."""
         accessor = self._document.element(owner, member, "accessors")
         return 0 if accessor is None else accessor.integer("count")
 
     def has_data(self, owner: Element, member: str) -> bool:
-        """Whether that accessor has data of its own, not only zeros."""
+        """Whether the accessor whose index is the member `member` of `owner` exists and has data other than zeros."""
         accessor = self._document.element(owner, member, "accessors")
         return accessor is not None and ("bufferView" in accessor.data or "sparse" in accessor.data)
 
     def floats(self, owner: Element, member: str, types: tuple[str, ...]) -> NDArray[np.float32] | None:
-        """(N, width) float32 of an accessor of one of `types`; normalised integers decoded. None where absent."""
+        """Read an accessor as floats, shape (N, width). Normalised integers are decoded to 0..1 or −1..1.
+
+        The index of the accessor is the member `member` of `owner`. If it is absent, the result is None. Raises
+        EclatError if the accessor is invalid or its type is not one of `types`.
+        """
         found = self._read(owner, member, types)
         if found is None:
             return None
@@ -57,12 +64,16 @@ class Accessors:
         decoded = values.astype(np.float32)
         if not accessor.flag("normalized"):
             return decoded
-        # The decoding is symmetric: the most negative integer means −1, and so does its neighbour.
+        # The decoding is symmetric, so that both the smallest integer and the one above it become −1.
         scaled: NDArray[np.float32] = decoded / np.float32(np.iinfo(values.dtype).max)
         return np.maximum(scaled, np.float32(-1))
 
     def integers(self, owner: Element, member: str) -> NDArray[np.unsignedinteger] | None:
-        """Unsigned integers (N,), or None if they are absent."""
+        """Read an accessor as unsigned integers, shape (N,).
+
+        The index of the accessor is the member `member` of `owner`. If it is absent, the result is None. Raises
+        EclatError if the accessor is invalid.
+        """
         found = self._read(owner, member, ("SCALAR",))
         if found is None:
             return None
@@ -88,7 +99,7 @@ class Accessors:
 
 
 def _read_accessor(document: Document, accessor: Element) -> Numbers:
-    """(count, width) in the accessor's own component type."""
+    """Read an accessor, shape (count, width), with the component type of the file."""
     dtype = _component_type(accessor)
     width = WIDTHS[accessor.text("type")]
     count = accessor.integer("count")
@@ -96,7 +107,9 @@ def _read_accessor(document: Document, accessor: Element) -> Numbers:
     if view is not None:
         values = _elements(view, accessor, dtype, width, count)
     elif count > MAX_ZEROS:
-        raise EclatError(f"{accessor.where}: expected a bufferView or at most {MAX_ZEROS} elements, got count {count}")
+        raise EclatError(
+            f"{accessor.where}: expected a bufferView, or at most {MAX_ZEROS} elements without one, got {count} elements"
+        )
     else:
         values = np.zeros((count, width), dtype)
     sparse = accessor.child("sparse")
@@ -111,7 +124,7 @@ def _component_type(owner: Element) -> np.dtype:
 
 
 def _elements(view: tuple[memoryview, int | None], owner: Element, dtype: np.dtype, width: int, count: int) -> Numbers:
-    """`count` elements of a buffer view as a packed array."""
+    """Read `count` elements of a buffer view as a packed array (count, width)."""
     data, stride = view
     size = dtype.itemsize * width
     stride = stride or size
@@ -122,23 +135,27 @@ def _elements(view: tuple[memoryview, int | None], owner: Element, dtype: np.dty
         return np.zeros((0, width), dtype)
     end = start + stride * (count - 1) + size
     if end > len(data):
-        raise EclatError(f"{owner.where}: expected {end} bytes in the bufferView for count {count}, got {len(data)}")
+        raise EclatError(
+            f"{owner.where}: expected a bufferView of at least {end} bytes for {count} elements, got {len(data)} bytes"
+        )
     strided = np.ndarray((count, width), dtype, data, start, (stride, dtype.itemsize))
     return np.ascontiguousarray(strided)
 
 
 def _substitute(document: Document, sparse: Element, values: Numbers) -> Numbers:
-    """The `values` with the elements of a sparse accessor written into them."""
+    """Copy `values`, and replace the elements that the object `sparse` of an accessor lists."""
     count = sparse.integer("count")
     where, new = sparse.child("indices"), sparse.child("values")
     if where is None or new is None:
-        raise EclatError(f"{sparse.where}: expected 'indices' and 'values', got {sorted(sparse.data)[:5]}")
+        raise EclatError(f"{sparse.where}: expected 'indices' and 'values', got only {sorted(sparse.data)[:5]}")
     index_view, value_view = document.buffer_view(where), document.buffer_view(new)
     if index_view is None or value_view is None:
         raise EclatError(f"{sparse.where}: expected a bufferView for 'indices' and for 'values', got none")
     indices = _elements(index_view, where, _component_type(where), 1, count)[:, 0]
     if indices.dtype.kind != "u" or (count and int(indices.max()) >= len(values)):
-        raise EclatError(f"{where.where}: expected unsigned integers below the accessor's count, {len(values)}")
+        raise EclatError(
+            f"{where.where}: expected unsigned integers below {len(values)}, the count of the accessor, got others"
+        )
     result = values.copy()
     result[indices] = _elements(value_view, new, values.dtype, values.shape[1], count)
     return result

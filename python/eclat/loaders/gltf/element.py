@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A JSON object that knows its place in the file, with typed methods whose errors name that place."""
+"""JSON objects with typed access to their members. Errors name the location of the member in the file."""
 
 from __future__ import annotations
 
@@ -13,19 +13,22 @@ from eclat.errors import EclatError, warn
 
 
 def printable(text: str) -> str:
-    """The `text` with question marks for lone surrogates, which JSON allows but files and terminals do not."""
+    """Replace lone surrogates in `text` by question marks. JSON allows them, but files and terminals do not."""
     return text.encode("utf-8", "replace").decode("utf-8")
 
 
 @dataclass(frozen=True)
 class Element:
-    """A JSON object and its place, e.g. ``"room.glb, meshes[2].primitives[0]"``. Each method raises EclatError."""
+    """A JSON object, and its location in the file, such as ``"room.glb, meshes[2].primitives[0]"``.
+
+    All methods raise EclatError if the member is invalid.
+    """
 
     data: dict[str, Any]
     where: str
 
     def at(self, name: str) -> str:
-        """The place of the member `name`."""
+        """The location of the member `name`, for messages."""
         return f"{self.where}.{name}" if "[" in self.where else f"{self.where}, {name}"
 
     def child(self, name: str) -> Element | None:
@@ -50,14 +53,14 @@ class Element:
         extensions = self.child("extensions")
         return extensions.child(name) if extensions else None
 
-    def own_note(self) -> Element | None:
-        """The object extras.eclat that `eclat.gltf_export` wrote; None if it did not write this file."""
+    def eclat_extras(self) -> Element | None:
+        """The object extras.eclat that `eclat.gltf_export` writes, or None if there is none."""
         extras = self.data.get("extras")
         note = extras.get("eclat") if isinstance(extras, dict) else None
         return Element(note, self.at("extras.eclat")) if isinstance(note, dict) else None
 
     def number(self, name: str, default: float | None = None) -> float:
-        """A finite number; it must be there unless `default` is given."""
+        """A finite number. If it is absent, the result is `default`, or EclatError is raised if there is no default."""
         value = self.data.get(name)
         if value is None:
             if default is None:
@@ -66,11 +69,14 @@ class Element:
         return self._finite(value, name)
 
     def clamped(self, name: str, default: float, low: float = 0.0, high: float = 1.0) -> float:
-        """A number. If it lies outside [low, high], it is clamped with a warning."""
+        """A number, or `default` if it is absent. If it is outside [low, high], it is clamped, with a warning."""
         return self._clamp(self.number(name, default), name, low, high)
 
     def numbers(self, name: str, size: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
-        """A list of `size` finite numbers; it must be there unless `default` is given."""
+        """A list of `size` finite numbers.
+
+        If it is absent, the result is `default`, or EclatError is raised if there is no default.
+        """
         if self.data.get(name) is None and default is not None:
             return tuple(default)
         values = self._list(name)
@@ -79,30 +85,36 @@ class Element:
         return tuple(self._finite(value, f"{name}[{i}]") for i, value in enumerate(values))
 
     def levels(self, name: str, default: Sequence[float], high: float = math.inf) -> tuple[float, ...]:
-        """As many numbers as `default` has. Numbers outside [0, high] are clamped with a warning."""
+        """A list of as many numbers as `default` has, or `default` if it is absent.
+
+        Numbers outside [0, high] are clamped, with a warning.
+        """
         values = self.numbers(name, len(default), default)
         return tuple(self._clamp(value, f"{name}[{i}]", 0.0, high) for i, value in enumerate(values))
 
     def color(self, name: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
-        """Three numbers of at least 0."""
+        """A list of three numbers of at least 0, or `default` if it is absent. Negative ones become 0 with a warning."""
         r, g, b = self.levels(name, default)
         return r, g, b
 
     def integer(self, name: str, default: int | None = None) -> int:
-        """An integer of at least 0; it must be there unless `default` is given."""
+        """An integer of at least 0.
+
+        If it is absent, the result is `default`, or EclatError is raised if there is no default.
+        """
         value = self.data.get(name)
         if value is None and default is not None:
             return default
         return self._natural(value, name)
 
     def index(self, name: str, count: int, what: str) -> int | None:
-        """An index into the file's `count` elements called `what`, None where absent."""
+        """An index into the `count` elements of the file that are called `what`, or None if it is absent."""
         if self.data.get(name) is None:
             return None
         return self._in_range(self._natural(self.data[name], name), name, count, what)
 
     def indices(self, name: str, count: int, what: str) -> list[int]:
-        """A list of indices into the file's `count` elements called `what`, empty where absent."""
+        """A list of indices into the `count` elements of the file that are called `what`. It is empty if absent."""
         places = [f"{name}[{i}]" for i in range(len(self._list(name)))]
         return [
             self._in_range(self._natural(value, place), place, count, what)
@@ -158,11 +170,11 @@ class Element:
     def _clamp(self, value: float, name: str, low: float, high: float) -> float:
         inside = min(max(value, low), high)
         if inside != value:
-            warn(f"{self.at(name)}: expected {low:g} to {high:g}, got {value:g}; {inside:g} is used")
+            warn(f"{self.at(name)}: expected a number in {low:g}..{high:g}, got {value:g}; {inside:g} is used instead")
         return inside
 
     def _expected(self, what: str, name: str, got: Any) -> EclatError:
         if got is None:
-            return EclatError(f"{self.where}: expected {what} as {name!r}, which is missing")
+            return EclatError(f"{self.where}: expected {what} as {name!r}, but it is missing")
         shown = repr(got)
         return EclatError(f"{self.at(name)}: expected {what}, got {shown if len(shown) < 60 else shown[:57] + '...'}")

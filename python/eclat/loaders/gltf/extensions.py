@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The supported extensions, and the warning that names the others."""
+"""The extensions that the loader supports, and the warning about those that it does not support."""
 
 from __future__ import annotations
 
@@ -30,8 +30,9 @@ SUPPORTED = frozenset(
         "MSFT_texture_dds",
     }
 )
+"""The supported extensions."""
 
-WITH_OWN_ERROR = frozenset(
+COMPRESSIONS = frozenset(
     {
         "KHR_draco_mesh_compression",
         "KHR_texture_basisu",
@@ -40,28 +41,32 @@ WITH_OWN_ERROR = frozenset(
         "MESHOPT_compression",
     }
 )
-"""Compressions: harmless where the file has the plain data too, and an error at the element where it has not."""
+"""The extensions that compress data, which are not supported. They need no warning: if the file also has the uncompressed
+data, these are used, and otherwise the compressed element raises an error."""
 
-HARMLESS = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
-"""Say nothing about the picture, or what we compute ourselves."""
+IGNORED_SILENTLY = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
+"""The extensions that need no warning, because they contain metadata or baked light, which do not affect the image."""
 
 
-def warn_of_unsupported(document: Document) -> None:
-    """Warn, once for each kind, of extensions and animations in the file that are ignored."""
+def warn_about_unsupported(document: Document) -> None:
+    """Warn about the extensions and animations in the file that are ignored."""
     used, required = (set(document.root.texts(name)) for name in ("extensionsUsed", "extensionsRequired"))
-    known = SUPPORTED | WITH_OWN_ERROR | HARMLESS
+    known = SUPPORTED | COMPRESSIONS | IGNORED_SILENTLY
     essential = sorted(required - known)
     optional = sorted((used | _found(document.root.data)) - known - required)
     if essential:
-        warn(f"{document.name}: requires extensions that are not supported; expect differences: {_shown(essential)}")
+        warn(
+            f"{document.name}: the file requires extensions that are not supported, so the image may be wrong: "
+            f"{_shown(essential)}"
+        )
     if optional:
-        warn(f"{document.name}: extensions that are not supported are ignored: {_shown(optional)}")
+        warn(f"{document.name}: these extensions are not supported and are ignored: {_shown(optional)}")
     if document.root.data.get("animations"):
-        warn(f"{document.name}: animations are not supported and ignored")
+        warn(f"{document.name}: animations are not supported and are ignored")
 
 
 def _found(root: dict[str, Any]) -> set[str]:
-    """The names of all extensions that objects in the file carry, whether declared or not."""
+    """The names of all extensions in the objects of the file, whether they are declared or not."""
     names: set[str] = set()
     stack: list[Any] = [root]
     while stack:
@@ -77,6 +82,6 @@ def _found(root: dict[str, Any]) -> set[str]:
 
 
 def _shown(names: list[str]) -> str:
-    """A list of at most ten names, each shortened if it is long."""
+    """Join at most ten `names` for a message, each shortened to 60 characters."""
     more = f" and {len(names) - 10} more" if len(names) > 10 else ""
     return ", ".join(printable(name[:60]) for name in names[:10]) + more

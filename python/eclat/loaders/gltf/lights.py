@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Point, spot and directional lights [KHR_lights_punctual]."""
+"""Read point, spot and directional lights [KHR_lights_punctual]."""
 
 from __future__ import annotations
 
@@ -17,9 +17,24 @@ Light = PointLight | SpotLight | DirectionalLight
 
 
 def read_light(light: Element, to_world: NDArray[np.float64]) -> Light:
-    """The light of a node: candela or lux times colour, along the node's −z. Raises EclatError."""
+    """Read a light, whose direction is −z of its node.
+
+    The RGB intensity is the colour multiplied by the intensity in candela or, for directional lights, in lux.
+
+    Parameters
+    ----------
+    light : the element of the light.
+    to_world : the 4×4 transform of the node that it belongs to.
+
+    Raises
+    ------
+    EclatError : the type is unknown, a number is invalid, or the light has no direction.
+    """
     if light.data.get("range") is not None:
-        warn(f"{light.at('range')}: cutting a light off at a distance is not supported; it follows the inverse square")
+        warn(
+            f"{light.at('range')}: the range of a light is not supported and is ignored; its intensity decreases with the "
+            "inverse square of the distance"
+        )
     r, g, b = light.color("color", (1, 1, 1))
     power = max(light.number("intensity", 1.0), 0.0)
     color = (r * power, g * power, b * power)
@@ -39,13 +54,15 @@ def _direction(light: Element, to_world: NDArray[np.float64]) -> tuple[float, fl
     axis = -to_world[:3, 2]
     length = float(np.linalg.norm(axis))
     if not length > 0:
-        raise EclatError(f"{light.where}: expected a direction, but its node is scaled to nothing along z")
+        raise EclatError(
+            f"{light.where}: expected a light with a direction, but the transform of its node has the scale 0 along z"
+        )
     x, y, z = (float(v) for v in axis / length)
     return x, y, z
 
 
 def _cone(light: Element) -> tuple[float, float]:
-    """The inner and outer angle in degrees."""
+    """The inner and the outer angle of a spot light, in degrees from its axis."""
     spot = light.child("spot") or Element({}, light.where)
     outer = spot.clamped("outerConeAngle", math.pi / 4, 0.0, math.pi / 2)
     inner = spot.clamped("innerConeAngle", 0.0, 0.0, outer)

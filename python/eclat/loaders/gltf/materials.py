@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Materials: metallic-roughness and its extensions [glTF 2.0, 3.9]."""
+"""Read materials: metallic-roughness and its extensions [glTF 2.0, 3.9]."""
 
 from __future__ import annotations
 
@@ -15,16 +15,17 @@ from eclat.scene import Material, NormalMap, Value, grey
 Rgba = tuple[float, float, float, float]
 
 MAX_INDEX = 100.0
-"""Stands for the infinite index that ior = 0 means (KHR_materials_ior): 96 % reflected head-on."""
+"""The largest refractive index. It is also used for ior = 0, which means an infinite index (KHR_materials_ior). Its
+reflectance at normal incidence is 96 %."""
 
 _GLOSSY = "KHR_materials_pbrSpecularGlossiness"
 
-# An empty object gives every default of the specification.
+# All members of an empty object have the defaults of the specification.
 _NOTHING = Element({}, "the default material")
 
 
 class Materials:
-    """The materials of a document; one `Material` for each that is used, two if with and without vertex colours."""
+    """The materials of a document. Each is converted once, or twice if it is used with and without vertex colours."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
@@ -32,7 +33,10 @@ class Materials:
         self._made: dict[tuple[int | None, bool], Material] = {}
 
     def of(self, primitive: Element, vertex_colors: bool) -> Material:
-        """The material of a primitive; the specification's default where it names none. Raises EclatError."""
+        """The material of a primitive. If it refers to none, this is the default material of the specification.
+
+        Raises EclatError if the material is invalid.
+        """
         elements = self._document.elements("materials")
         index = primitive.index("material", len(elements), "materials")
         key = (index, vertex_colors)
@@ -42,8 +46,8 @@ class Materials:
             self._made[key] = self._make(element, name, vertex_colors)
         return self._made[key]
 
-    def opaque(self, primitive: Element) -> bool:
-        """Whether the alpha of a primitive's textures, factors and vertex colours means nothing."""
+    def ignores_alpha(self, primitive: Element) -> bool:
+        """Whether the material of a primitive is opaque, so that the alpha of textures and vertex colours is ignored."""
         element = self._document.element(primitive, "material", "materials")
         return element is None or element.text("alphaMode", "OPAQUE") == "OPAQUE"
 
@@ -53,9 +57,9 @@ class Materials:
         factor = _base_factor(pbr)
         opacity, cutoff = self._opacity(element, pbr, factor[3])
         both_sides = emits_twice = element.flag("doubleSided")
-        note = element.own_note()
+        note = element.eclat_extras()
         if note is not None and note.flag("two_sided"):
-            # Of a sheet that we wrote as two: its back is skipped.
+            # Éclat wrote this two-sided surface as two meshes. The mesh of the back side is not loaded.
             both_sides, emits_twice = True, note.flag("emission_two_sided")
         black = note is not None and note.flag("black_back")
         material = Material(
@@ -63,7 +67,7 @@ class Materials:
         )
         if element.extension("KHR_materials_unlit") is not None:
             if vertex_colors:
-                warn(f"{element.where}: vertex colours of unlit materials are not supported and ignored")
+                warn(f"{element.where}: vertex colours of unlit materials are not supported and are ignored")
             return replace(
                 material,
                 kind="diffuse",
@@ -79,7 +83,7 @@ class Materials:
             vertex_colors=vertex_colors,
             normal_map=self._normal_map(element),
             emission=self._emission(element),
-            # Back faces are shaded as fronts are with the normal reversed, so they emit as well.
+            # Back faces are shaded like front faces with the reversed normal, so they emit light as well.
             emission_two_sided=emits_twice,
         )
 
@@ -96,7 +100,7 @@ class Materials:
         }
 
     def _dielectric(self, element: Element) -> dict[str, Value]:
-        """The parameters of KHR_materials_ior, _specular, _transmission and _diffuse_transmission that the material has."""
+        """The parameters that the extensions ior, specular, transmission and diffuse_transmission set."""
         parameters: dict[str, Value] = {}
         ior = element.extension("KHR_materials_ior")
         if ior is not None:
@@ -128,18 +132,24 @@ class Materials:
         return parameters
 
     def _glossy(self, glossy: Element | None) -> dict[str, Value]:
-        """Specular-glossiness: not metallic, with an index so high that the specular colour is the reflectance at
-        normal incidence."""
+        """The parameters of a specular-glossiness material.
+
+        The material becomes non-metallic with a refractive index so high that the specular colour is the reflectance at
+        normal incidence.
+        """
         if glossy is None:
             return {}
-        warn(f"{glossy.where}: is approximated by metallic-roughness")
+        warn(f"{glossy.where}: the specular-glossiness material is approximated by a metallic-roughness material")
         texture, gloss = glossy.child("specularGlossinessTexture"), glossy.clamped("glossinessFactor", 1.0)
         specular = self._textures.value(texture, glossy.color("specularFactor", (1, 1, 1)), srgb=True)
         roughness = self._textures.value(texture, (1.0, 1.0, 1.0), srgb=True, channel=3, square=True)
         if roughness.texture is None:
             roughness = replace(roughness, constant=(1 - gloss,) * 3)
         elif gloss != 1:
-            warn(f"{glossy.at('glossinessFactor')}: is not supported beside a texture; 1 is used")
+            warn(
+                f"{glossy.at('glossinessFactor')}: a glossinessFactor other than 1 is not supported together with a "
+                "texture; 1 is used instead"
+            )
         return {
             "metallic": grey(0.0),
             "roughness": replace(roughness, invert=roughness.texture is not None),
@@ -148,7 +158,7 @@ class Materials:
         }
 
     def _opacity(self, element: Element, pbr: Element, alpha: float) -> tuple[Value, float | None]:
-        """The straight-through opacity, and the cutoff of alphaMode MASK."""
+        """The opacity, and the alpha cutoff if alphaMode is MASK, otherwise None."""
         mode = element.text("alphaMode", "OPAQUE")
         if mode not in ("OPAQUE", "MASK", "BLEND"):
             raise EclatError(f"{element.at('alphaMode')}: expected OPAQUE, MASK or BLEND, got {mode[:20]!r}")
@@ -165,7 +175,7 @@ class Materials:
         if value.texture is None:
             return None
         if value.texture.image.shape[2] < 3:
-            warn(f"{info.where}: expected an RGB image as normal map, got a grey one; it is ignored")
+            warn(f"{info.where}: expected an RGB image as the normal map, got a grey one; it is ignored")
             return None
         return NormalMap(value, scale=info.number("scale", 1.0))
 
@@ -179,14 +189,16 @@ class Materials:
 
 
 def used_uv_sets(material: Material) -> set[int]:
-    """The texture coordinate sets that a material reads."""
+    """The numbers of the texture coordinate sets that the textures of a material use."""
     normal = material.normal_map.value if material.normal_map else None
     return uv_sets(*material.parameters.values(), material.opacity, material.emission, normal)
 
 
 def _metallic_roughness(element: Element, glossy: Element | None) -> Element:
-    """The object with base colour, metalness and roughness. For `glossy` it holds the diffuse colour under these
-    names."""
+    """The object with the base colour, metalness and roughness of a material.
+
+    For a specular-glossiness material, `glossy`, the diffuse colour takes the place of the base colour.
+    """
     if glossy is None:
         return element.child("pbrMetallicRoughness") or Element({}, element.where)
     names = {"baseColorFactor": "diffuseFactor", "baseColorTexture": "diffuseTexture"}
@@ -199,12 +211,12 @@ def _base_factor(pbr: Element) -> Rgba:
 
 
 def _is_thin(element: Element) -> bool:
-    """Whether light is transmitted without refraction: KHR_materials_volume is absent or has no thickness."""
+    """Whether the surface is thin-walled, so that it does not refract: KHR_materials_volume or its thickness is absent."""
     volume = element.extension("KHR_materials_volume")
     if volume is None:
         return True
     if volume.color("attenuationColor", (1, 1, 1)) != (1, 1, 1) and volume.data.get("attenuationDistance") is not None:
-        warn(f"{volume.where}: attenuation inside a volume is not supported; the glass is clear")
+        warn(f"{volume.where}: attenuation in a volume is not supported and is ignored, so that the volume is clear")
     return volume.number("thicknessFactor", 0.0) <= 0
 
 

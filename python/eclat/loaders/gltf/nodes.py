@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The node hierarchy: which nodes a scene has, and where they stand [glTF 2.0, 3.5]."""
+"""Read the node hierarchy: the nodes of a scene and their transforms [glTF 2.0, 3.5]."""
 
 from __future__ import annotations
 
@@ -19,9 +19,13 @@ _INSTANCING = "EXT_mesh_gpu_instancing"
 
 
 def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
-    """The visible nodes of the default scene with their 4×4 `to_world`, parents before children, in the file's order.
+    """Yield the visible nodes of the default scene, and the 4×4 matrix from the space of each to world space.
 
-    Raises EclatError for cycles, nodes with two parents, and matrices that are not affine or not finite.
+    Parents come before their children, and siblings are in the order of the file.
+
+    Raises
+    ------
+    EclatError : a node is its own ancestor or has two parents, or a matrix is not affine or not finite.
     """
     nodes = document.elements("nodes")
     children = [node.indices("children", len(nodes), "nodes") for node in nodes]
@@ -32,7 +36,9 @@ def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
         index, outer = stack.pop()
         node = nodes[index]
         if seen[index]:
-            raise EclatError(f"{node.where}: expected a tree of nodes, but this one is its own ancestor or comes twice")
+            raise EclatError(
+                f"{node.where}: expected a tree of nodes, got a node that is its own ancestor or that occurs twice"
+            )
         seen[index] = True
         visibility = node.extension("KHR_node_visibility")
         if visibility is not None and not visibility.flag("visible", True):
@@ -40,17 +46,26 @@ def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
         with np.errstate(all="ignore"):
             to_world = outer @ local_matrix(node)
         if not np.isfinite(to_world).all():
-            raise EclatError(f"{node.where}: the scales of this node and its ancestors multiply beyond all bounds")
+            raise EclatError(
+                f"{node.where}: expected a finite transform, got an overflow: the product of the scales of this node and "
+                "its ancestors is too large"
+            )
         yield node, to_world
         stack.extend((child, to_world) for child in reversed(children[index]))
 
 
 def local_matrix(node: Element) -> Matrix:
-    """The node's own 4×4 transform, from `matrix` or from translation, rotation and scale. Raises EclatError."""
+    """The 4×4 transform of a node relative to its parent.
+
+    It is read from `matrix`, or from translation, rotation and scale. Raises EclatError if it is invalid.
+    """
     if node.data.get("matrix") is not None:
         matrix: Matrix = np.array(node.numbers("matrix", 16)).reshape(4, 4).T
         if not np.allclose(matrix[3], (0, 0, 0, 1), rtol=0, atol=1e-6):
-            raise EclatError(f"{node.at('matrix')}: expected an affine matrix, got a last row of {matrix[3].tolist()}")
+            raise EclatError(
+                f"{node.at('matrix')}: expected an affine matrix, whose last row is 0 0 0 1, "
+                f"got the last row {matrix[3].tolist()}"
+            )
         matrix[3] = (0, 0, 0, 1)
         return matrix
     translation = np.array(node.numbers("translation", 3, (0, 0, 0)))
@@ -61,7 +76,10 @@ def local_matrix(node: Element) -> Matrix:
 
 
 def instances(node: Element, accessors: Accessors) -> Matrix:
-    """The transforms (N, 4, 4) of a node's mesh in the node's space; there are several with EXT_mesh_gpu_instancing."""
+    """The transforms (N, 4, 4) of the N instances of a node's mesh, relative to the node.
+
+    Without EXT_mesh_gpu_instancing there is one instance. Raises EclatError if the attributes are invalid.
+    """
     extension = node.extension(_INSTANCING)
     attributes = extension.child("attributes") if extension is not None else None
     if attributes is None:
@@ -72,10 +90,10 @@ def instances(node: Element, accessors: Accessors) -> Matrix:
     }
     counts = {len(values) for values in found.values() if values is not None}
     if len(counts) != 1:
-        raise EclatError(f"{attributes.where}: expected attributes of one size, got {sorted(counts)}")
+        raise EclatError(f"{attributes.where}: expected attributes with equal counts, got {sorted(counts)}")
     count = counts.pop()
     if count == 0:
-        raise EclatError(f"{attributes.where}: expected at least one instance, got attributes of no elements")
+        raise EclatError(f"{attributes.where}: expected at least one instance, got none")
 
     def of(name: str, default: tuple[float, ...]) -> Matrix:
         values = found[name]
@@ -89,9 +107,12 @@ def _trs(translation: Matrix, rotation: Matrix, scale: Matrix, owner: Element) -
     lengths = np.linalg.norm(rotation, axis=1, keepdims=True)
     finite = all(np.isfinite(values).all() for values in (translation, rotation, scale))
     if not finite or not (lengths > 0).all():
-        raise EclatError(f"{owner.where}: expected finite transforms and quaternions other than 0")
+        raise EclatError(f"{owner.where}: expected finite transforms and nonzero quaternions, got others")
     if np.abs(lengths - 1).max(initial=0) > 0.01:
-        warn(f"{owner.where}: a rotation is a quaternion of length {float(lengths[0, 0]):.3g}; it is normalised")
+        warn(
+            f"{owner.where}: expected a rotation by a unit quaternion, got one of length {float(lengths[0, 0]):.3g}; "
+            "it is normalised"
+        )
     x, y, z, w = (rotation / lengths).T
     matrices = np.zeros((len(rotation), 4, 4))
     matrices[:, 0, :3] = np.column_stack((1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)))
@@ -121,5 +142,5 @@ def _roots(document: Document, parents: list[int | None]) -> list[int]:
         return [index for index, parent in enumerate(parents) if parent is None]
     default = document.root.index("scene", len(scenes), "scenes") or 0
     if len(scenes) > 1:
-        warn(f"{document.name}: has {len(scenes)} scenes, of which scenes[{default}] is loaded")
+        warn(f"{document.name}: the file has {len(scenes)} scenes; only scenes[{default}] is loaded")
     return scenes[default].indices("nodes", len(parents), "nodes")

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Mesh primitives as triangles, in their own space and in the world [glTF 2.0, 3.7.2]."""
+"""Read mesh primitives as triangles, and transform them to world space [glTF 2.0, 3.7.2]."""
 
 from __future__ import annotations
 
@@ -19,12 +19,16 @@ from eclat.scene import Material, Mesh
 
 Floats = NDArray[np.float32]
 _ROUNDING = 1e-3
+"""The amount by which vertex colours may exceed 1 without a warning, since rounding may explain it."""
 _DRACO = "KHR_draco_mesh_compression"
 
 
 @dataclass(frozen=True)
 class Primitive:
-    """Triangles in the mesh's space. Shapes as in `Mesh`; positions in float64."""
+    """A triangle mesh in local coordinates. Its arrays have the same shapes as those of `Mesh`.
+
+    `where` is its location in the file, for messages.
+    """
 
     where: str
     positions: NDArray[np.float64]
@@ -39,17 +43,27 @@ class Primitive:
 def read_primitive(
     element: Element, accessors: Accessors, weights: Sequence[float], second_uv_set: int = 1
 ) -> Primitive | None:
-    """The triangles of a primitive with its morph targets weighted; None, with a warning, where there are none.
+    """Read the triangles of a primitive, and apply its morph targets.
 
-    `second_uv_set`: the number of the TEXCOORD that becomes `uvs2`.
+    Parameters
+    ----------
+    element : the element of the primitive.
+    accessors : the accessors of the file.
+    weights : the weights of the morph targets.
+    second_uv_set : the number of the attribute TEXCOORD that becomes `uvs2`.
+
+    Returns
+    -------
+    The primitive, or None, with a warning, if it has no triangles.
 
     Raises
     ------
-    EclatError : invalid accessors, sizes that differ, indices out of range, positions that are not finite.
+    EclatError : an accessor is invalid, attributes have different counts, an index is out of range, a position is not
+        finite, or the geometry is compressed.
     """
     attributes = element.child("attributes")
     if attributes is None or accessors.count(attributes, "POSITION") == 0:
-        warn(f"{element.where}: has no positions and is skipped")
+        warn(f"{element.where}: the primitive has no positions and is left out")
         return None
     _refuse_draco(element, attributes, accessors)
     reader = _Attributes(element, attributes, accessors, weights)
@@ -63,7 +77,7 @@ def read_primitive(
             positions=reader.positions,
             triangles=triangles,
             normals=None if normals is None else _unit_normals(normals, reader.positions, triangles, element.where),
-            # Without normals the specification wants tangents ignored.
+            # The specification requires that tangents are ignored if there are no normals.
             tangents=None if normals is None else reader.tangents(),
             uvs=reader.read("TEXCOORD_0", ("VEC2",)),
             uvs2=reader.read(f"TEXCOORD_{second_uv_set}", ("VEC2",)),
@@ -72,15 +86,21 @@ def read_primitive(
     )
 
 
-def bodies_and_sheets(primitive: Primitive, material: Material) -> list[tuple[Primitive, Material]]:
-    """The primitive in at most two parts: of a material that refracts, pieces that enclose no volume are thin panes, since
-    KHR_materials_volume asks for a closed mesh."""
+def split_solids_and_sheets(primitive: Primitive, material: Material) -> list[tuple[Primitive, Material]]:
+    """Split a refractive primitive into the solids and the thin sheets among its connected pieces.
+
+    KHR_materials_volume requires a closed mesh. Pieces that enclose no volume get a thin-walled material instead, with a
+    warning. A primitive whose material does not refract is not split.
+    """
     if material.thin_walled or "transmission" not in material.parameters:
         return [(primitive, material)]
     bodies = bounding_triangles(Mesh(primitive.positions, primitive.triangles, material))
     if bodies.all():
         return [(primitive, material)]
-    warn(f"{primitive.where}: KHR_materials_volume needs a closed mesh; its open sheets are thin panes")
+    warn(
+        f"{primitive.where}: KHR_materials_volume requires a closed mesh, but parts of this one enclose no volume; they "
+        "become thin panes"
+    )
     choices = ((bodies, material), (~bodies, replace(material, thin_walled=True)))
     return [
         (_compact(replace(primitive, triangles=primitive.triangles[which])), surface)
@@ -89,22 +109,28 @@ def bodies_and_sheets(primitive: Primitive, material: Material) -> list[tuple[Pr
     ]
 
 
-def place(primitive: Primitive, to_world: NDArray[np.float64], material: Material, name: str) -> Mesh:
-    """The primitive in the world. `to_world` is 4×4, affine, and may mirror. Raises EclatError on overflow."""
+def transform_primitive(primitive: Primitive, to_world: NDArray[np.float64], material: Material, name: str) -> Mesh:
+    """Transform a primitive to world space and make a mesh of it.
+
+    `to_world` is a 4×4 affine matrix, which may contain a reflection. Raises EclatError if positions overflow float32.
+    """
     linear = to_world[:3, :3]
     with np.errstate(all="ignore"):
         positions = primitive.positions @ linear.T + to_world[:3, 3]
         if not np.isfinite(positions.astype(np.float32)).all():
-            raise EclatError(f"{primitive.where}: a node's transform takes positions beyond the range of a float")
+            raise EclatError(
+                f"{primitive.where}: expected finite positions in world space, but the transform of a node makes them "
+                "overflow float32"
+            )
     shape = linear / np.abs(linear).max()
     mirrored = bool(np.linalg.det(shape) < 0)
     normals, tangents = primitive.normals, primitive.tangents
     if normals is not None:
-        # Cofactors are the inverse transpose times the determinant, and exist for a flattening transform too.
+        # The cofactor matrix is the inverse transpose times the determinant. It exists for singular matrices too.
         cofactors = np.column_stack([np.cross(shape[:, (i + 1) % 3], shape[:, (i + 2) % 3]) for i in range(3)])
         normals = _normalized(normals @ cofactors.T * (-1 if mirrored else 1))
     if tangents is not None:
-        # The sign tells the bitangent's side of normal × tangent, which a mirror swaps.
+        # The sign w orients the bitangent w · normal × tangent. A reflection reverses it.
         turned = _normalized(tangents[:, :3] @ shape.T)
         tangents = np.column_stack((turned, tangents[:, 3] * (-1 if mirrored else 1))).astype(np.float32)
     return Mesh(
@@ -121,56 +147,70 @@ def place(primitive: Primitive, to_world: NDArray[np.float64], material: Materia
 
 
 class _Attributes:
-    """The vertex attributes of one primitive, checked against its positions, morph targets added."""
+    """The validated vertex attributes of one primitive, with morph targets applied."""
 
     def __init__(self, element: Element, attributes: Element, accessors: Accessors, weights: Sequence[float]) -> None:
         self._element, self._attributes, self._accessors = element, attributes, accessors
         targets = element.children("targets")
         if len(weights) > len(targets):
-            warn(f"{element.where}: {len(weights)} weights for {len(targets)} morph targets; the rest are ignored")
+            warn(
+                f"{element.where}: expected at most {len(targets)} weights, one for each morph target, "
+                f"got {len(weights)}; the rest are ignored"
+            )
         self._targets = [(t, w) for t, w in zip(targets, weights, strict=False) if w != 0]
         positions = accessors.floats(attributes, "POSITION", ("VEC3",))
-        assert positions is not None, "the caller has seen that there are positions"
+        assert positions is not None, "the caller has checked that there are positions"
         self.count = len(positions)
         self.positions = self._morphed(positions, "POSITION").astype(np.float64)
         _check_finite(self.positions, element.where)
 
     def read(self, name: str, types: tuple[str, ...]) -> Floats | None:
-        """A finite attribute, shape (V, width); None if it is absent."""
+        """The attribute `name` as finite numbers, shape (V, width), or None if it is absent.
+
+        Values that are not finite become 0, with a warning.
+        """
         values = self._accessors.floats(self._attributes, name, types)
         if values is None:
             return None
         if len(values) != self.count:
             raise EclatError(
-                f"{self._element.where}: expected {self.count} of {name}, as of POSITION, got {len(values)}"
+                f"{self._element.where}: expected {self.count} elements of {name}, as many as of POSITION, "
+                f"got {len(values)}"
             )
         values = self._morphed(values, name)
         bad = ~np.isfinite(values)
         if bad.any():
-            warn(f"{self._element.where}: {int(bad.any(axis=1).sum())} of {name} are not finite; 0 is used")
+            warn(
+                f"{self._element.where}: {int(bad.any(axis=1).sum())} elements of {name} are not finite; 0 is used instead"
+            )
             values = np.where(bad, np.float32(0), values)
         return values
 
     def tangents(self) -> Floats | None:
-        """The tangents (V, 4) with unit xyz and w = ±1; None if they are absent or unusable."""
+        """The tangents (V, 4), with unit vectors xyz and w = ±1, or None if they are absent or one has length 0."""
         values = self.read("TANGENT", ("VEC4",))
         if values is None:
             return None
         if not (_lengths(values[:, :3]) > 0).all():
-            warn(f"{self._element.where}: tangents of length 0; they are computed from texture coordinates instead")
+            warn(
+                f"{self._element.where}: some tangents have length 0; all tangents are computed from texture coordinates "
+                "instead"
+            )
             return None
         return np.column_stack((_normalized(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
 
     def colors(self) -> Floats | None:
-        """Vertex colours, shape (V, 4), clamped to 0..1 as the specification says; alpha is 1 where the file has none
-        [glTF 2.0, 3.7.2.1]."""
+        """The linear RGBA vertex colours (V, 4), or None if they are absent [glTF 2.0, 3.7.2.1].
+
+        They are clamped to 0..1, as the specification requires. Without alpha in the file, alpha is 1.
+        """
         values = self.read("COLOR_0", ("VEC3", "VEC4"))
         if values is None:
             return None
         if values.shape[1] == 3:
             values = np.column_stack((values, np.ones(len(values), np.float32)))
         if values.max(initial=0) > 1 + _ROUNDING:
-            warn(f"{self._element.where}: COLOR_0 reaches {values.max():g}; it is clamped to 1")
+            warn(f"{self._element.where}: expected COLOR_0 in 0..1, got up to {values.max():g}; it is clamped to 1")
         return np.clip(values, np.float32(0), np.float32(1))
 
     def _morphed(self, values: Floats, name: str) -> Floats:
@@ -179,7 +219,9 @@ class _Attributes:
             if delta is None:
                 continue
             if len(delta) != len(values) or delta.shape[1] > values.shape[1]:
-                raise EclatError(f"{target.where}: expected {values.shape} numbers as {name}, got {delta.shape}")
+                raise EclatError(
+                    f"{target.where}: expected {name} of the shape {values.shape}, as in the primitive, got {delta.shape}"
+                )
             values = values.copy()
             with np.errstate(all="ignore"):
                 values[:, : delta.shape[1]] += np.float32(weight) * delta
@@ -191,7 +233,7 @@ def _refuse_draco(element: Element, attributes: Element, accessors: Accessors) -
         return
     raise EclatError(
         f"{element.where}: the geometry is compressed by {_DRACO}, which is not supported; "
-        "decompress the file first (gltf-transform can)"
+        "decompress the file first, for example with gltf-transform"
     )
 
 
@@ -200,13 +242,16 @@ def _check_finite(positions: NDArray[np.float64], where: str) -> None:
     if bad.any():
         first = int(np.argmax(bad))
         raise EclatError(
-            f"{where}: expected finite positions, got {positions[first].tolist()} as number {first} "
-            f"({int(bad.sum())} of {len(positions)} are not finite)"
+            f"{where}: expected finite positions, got {positions[first].tolist()} for vertex {first} "
+            f"({int(bad.sum())} of {len(positions)} positions are not finite)"
         )
 
 
 def _compact(primitive: Primitive) -> Primitive:
-    """The primitive without unused vertices if most are unused, since many primitives may share one set of vertices."""
+    """Remove the unused vertices of a primitive if at least half of its vertices are unused.
+
+    Many primitives may share one set of vertices.
+    """
     used = np.zeros(len(primitive.positions), bool)
     used[primitive.triangles] = True
     count = int(used.sum())
@@ -230,11 +275,14 @@ def _compact(primitive: Primitive) -> Primitive:
 
 
 def _unit_normals(normals: Floats, positions: NDArray[np.float64], triangles: NDArray[np.int32], where: str) -> Floats:
-    """The normals normalised. Those of length 0 become the average of their triangles' normals."""
+    """Normalise the normals. Those of length 0 become the mean of the triangles' normals, weighted by area.
+
+    A warning counts the normals of length 0.
+    """
     bad = ~(_lengths(normals) > 1e-12)
     if not bad.any():
         return _normalized(normals)
-    warn(f"{where}: {int(bad.sum())} normals have length 0; the average of their triangles' is used")
+    warn(f"{where}: {int(bad.sum())} normals have length 0; they are computed from the adjacent triangles instead")
     a, b, c = (positions[triangles[:, i]] for i in range(3))
     with np.errstate(all="ignore"):
         faces = np.nan_to_num(np.cross(b - a, c - a))
@@ -252,7 +300,7 @@ def _lengths(vectors: NDArray[np.floating]) -> NDArray[np.float64]:
 
 
 def _normalized(vectors: NDArray[np.floating]) -> Floats:
-    """The vectors normalised, in float32. Those of length 0 become +z."""
+    """Normalise vectors, as float32. Those of length 0 become +z."""
     lengths = _lengths(vectors)
     with np.errstate(all="ignore"):
         result = vectors / lengths[:, None]

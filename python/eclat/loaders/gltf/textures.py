@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Textures, images, samplers, and parameters that they vary [glTF 2.0, 3.8; KHR_texture_transform]."""
+"""Read textures, images and samplers, and make textured parameters [glTF 2.0, 3.8; KHR_texture_transform]."""
 
 from __future__ import annotations
 
@@ -22,13 +22,13 @@ Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 _NEAREST = 9728
-# Extensions that name an image of another format, in the order of preference.
+# The extensions that refer to an image in another format, in the order of preference.
 _IMAGE_EXTENSIONS = ("EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds")
 _BASISU = "KHR_texture_basisu"
 
 
 class Textures:
-    """The textures of a document. Equal ones are one `Texture`; each image is decoded once."""
+    """The textures of a document. Each image is decoded once, and equal textures share one `Texture`."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
@@ -45,10 +45,21 @@ class Textures:
         square: bool = False,
         neutral: tuple[float, float, float] | None = None,
     ) -> Value:
-        """`constant` times the texture that `info` (a textureInfo) names.
+        """Make a parameter: `constant`, multiplied by the texture that `info` refers to.
 
-        Grey images serve every colour channel; images without alpha are opaque, so then the constant acts alone.
-        `neutral` is the texel that stands in for a broken image (see `eclat.loaders.files.read_texture`).
+        Parameters
+        ----------
+        info : the textureInfo, or None for a parameter without a texture.
+        constant : the RGB factor.
+        srgb : whether the image is encoded in sRGB.
+        channel : the channel of the image to use, or None for RGB. A grey image is used for every colour channel. If the
+            image has no alpha channel, alpha is 1.
+        square : whether to square the product, as for roughness.
+        neutral : the RGB value that replaces an invalid image (see `eclat.loaders.files.read_texture`).
+
+        Raises
+        ------
+        EclatError : an element is invalid. An invalid image gives a warning instead.
         """
         found = self._find(info, srgb, neutral)
         if info is None or found is None:
@@ -62,15 +73,15 @@ class Textures:
         return Value(constant, found, channel, uv_set, matrix, square=square)
 
     def _find(self, info: Element | None, srgb: bool, neutral: tuple[float, float, float] | None) -> Texture | None:
-        """The texture that a textureInfo names, or None."""
+        """The texture that the textureInfo `info` refers to, or None if there is none."""
         if info is None:
             return None
         element = self._document.element(info, "index", "textures")
         if element is None:
-            raise EclatError(f"{info.where}: expected an integer as 'index', which is missing")
+            raise EclatError(f"{info.where}: expected the index of a texture as 'index', but it is missing")
         image = self._image_index(element)
         if image is None:
-            warn(f"{element.where}: names no image; the constants stand in")
+            warn(f"{element.where}: the texture refers to no image; only the constant factor is used")
             return None
         options = self._sampler(element)
         usable = not isinstance(self._pixels(image), str)
@@ -90,7 +101,7 @@ class Textures:
         return Texture(pixels, srgb=srgb, **options)
 
     def _pixels(self, index: int) -> Pixels | str:
-        """The decoded image, or the reason why there is none."""
+        """The decoded image (H, W, C), or the reason why it cannot be decoded."""
         if index not in self._images:
             data = self._encoded(self._document.elements("images")[index])
             try:
@@ -100,11 +111,14 @@ class Textures:
         return self._images[index]
 
     def _encoded(self, image: Element) -> bytes | str:
-        """The bytes of an image file, or why there are none. A URI that leads out of the folder is an error."""
+        """The bytes of an image file, or the reason why they cannot be read.
+
+        Raises EclatError if a URI leads out of the folder of the document.
+        """
         uri = image.text("uri")
         if not uri:
             view = self._document.buffer_view(image)
-            return "names neither a URI nor a bufferView" if view is None else bytes(view[0])
+            return "the image has neither a 'uri' nor a 'bufferView'" if view is None else bytes(view[0])
         if uri[:5].lower() == "data:":
             try:
                 return self._document.uri_bytes(uri, image.where)
@@ -128,7 +142,7 @@ class Textures:
         if texture.extension(_BASISU) is not None:
             raise EclatError(
                 f"{texture.where}: the image is compressed by {_BASISU}, which is not supported; "
-                "convert it to PNG or JPEG first (gltf-transform can)"
+                "convert it to PNG or JPEG first, for example with gltf-transform"
             )
         return None
 
@@ -145,19 +159,19 @@ class Textures:
 
 
 def uv_sets(*values: Value | None) -> set[int]:
-    """The texture coordinate sets that textured values read."""
+    """The numbers of the texture coordinate sets that the textures of `values` use."""
     return {value.uv_set for value in values if value is not None and value.texture is not None}
 
 
 def _wrap(sampler: Element, name: str) -> Wrap:
     code = sampler.integer(name, 10497)
     if code not in _WRAPS:
-        warn(f"{sampler.at(name)}: expected one of {list(_WRAPS)}, got {code}; the texture repeats")
+        warn(f"{sampler.at(name)}: expected one of {list(_WRAPS)}, got {code}; the texture is repeated")
     return _WRAPS.get(code, "repeat")
 
 
 def _uv_mapping(info: Element, second_uv_set: int) -> tuple[int, Affine]:
-    """The texture coordinate set and the affine map of a textureInfo."""
+    """The texture coordinate set, 0 or 1, and the affine map of texture coordinates of a textureInfo."""
     transform = info.extension("KHR_texture_transform")
     uv_set = info.integer("texCoord", 0)
     matrix: Affine = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
@@ -166,12 +180,16 @@ def _uv_mapping(info: Element, second_uv_set: int) -> tuple[int, Affine]:
         angle = transform.number("rotation", 0.0)
         cos, sin = math.cos(angle), math.sin(angle)
         (dx, dy), (sx, sy) = transform.numbers("offset", 2, (0, 0)), transform.numbers("scale", 2, (1, 1))
-        # Counter-clockwise as seen with v downwards, as every viewer has it; the GLSL in the extension's text turns
-        # the other way (github.com/KhronosGroup/glTF/issues/1563), against its own words and example.
+        # The rotation is counter-clockwise in an image with v downwards, as in all viewers. The GLSL code in the
+        # extension's specification rotates the other way, but contradicts the text and the example there
+        # (github.com/KhronosGroup/glTF/issues/1563).
         matrix = ((cos * sx, sin * sy, dx), (-sin * sx, cos * sy, dy))
     if uv_set == second_uv_set:
         uv_set = 1
     elif uv_set > 0:
-        warn(f"{info.where}: TEXCOORD_{uv_set} is not supported (only 0 and 1 are); TEXCOORD_0 is used")
+        warn(
+            f"{info.where}: TEXCOORD_{uv_set} is not supported, only TEXCOORD_0 and TEXCOORD_1 are; TEXCOORD_0 is used "
+            "instead"
+        )
         uv_set = 0
     return uv_set, matrix

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Triangles of lists, strips and fans, indexed or not [glTF 2.0, 3.7.2.1]."""
+"""Read triangles from lists, strips and fans, with or without indices [glTF 2.0, 3.7.2.1]."""
 
 from __future__ import annotations
 
@@ -11,21 +11,35 @@ from eclat.errors import EclatError, warn
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.element import Element
 
+# The modes of a primitive that consist of triangles.
 TRIANGLES, STRIP, FAN = 4, 5, 6
-_WITHOUT_AREA = {0: "points", 1: "lines", 2: "a line loop", 3: "a line strip"}
+# The modes of a primitive that do not consist of triangles.
+_WITHOUT_AREA = {0: "points", 1: "lines", 2: "lines in a loop", 3: "lines in a strip"}
 
 
 def read_triangles(element: Element, accessors: Accessors, vertices: int) -> NDArray[np.int32] | None:
-    """(T, 3) vertex indices, those that use a vertex twice left out; None, with a warning, where none remain.
+    """Read the triangles of a primitive, except those that use a vertex twice.
 
-    Raises EclatError for indices that are not below `vertices`, and unknown modes.
+    Parameters
+    ----------
+    element : the element of the primitive.
+    accessors : the accessors of the file.
+    vertices : the number of vertices of the primitive.
+
+    Returns
+    -------
+    (T, 3) vertex indices, or None, with a warning, if there are no triangles.
+
+    Raises
+    ------
+    EclatError : the mode is unknown, or an index is not below `vertices`.
     """
     mode = element.integer("mode", TRIANGLES)
     if mode in _WITHOUT_AREA:
-        warn(f"{element.where}: {_WITHOUT_AREA[mode]} cannot be rendered and are skipped")
+        warn(f"{element.where}: the primitive consists of {_WITHOUT_AREA[mode]}, which have no area; it is left out")
         return None
     if mode not in (TRIANGLES, STRIP, FAN):
-        raise EclatError(f"{element.at('mode')}: expected 0 to 6, got {mode}")
+        raise EclatError(f"{element.at('mode')}: expected a mode in 0..6, got {mode}")
     corners = accessors.integers(element, "indices")
     if corners is None:
         corners = np.arange(vertices, dtype=np.uint32)
@@ -33,15 +47,18 @@ def read_triangles(element: Element, accessors: Accessors, vertices: int) -> NDA
         first = int(np.argmax(corners >= vertices))
         raise EclatError(
             f"{element.at('indices')}: expected indices below {vertices}, the number of vertices, "
-            f"got {int(corners[first])} at place {first}"
+            f"got {int(corners[first])} as number {first}"
         )
     if mode == TRIANGLES and len(corners) % 3:
-        warn(f"{element.where}: {len(corners)} corners make no whole number of triangles; the last are ignored")
+        warn(
+            f"{element.where}: expected a number of indices that is a multiple of 3, got {len(corners)}; the last "
+            f"{len(corners) % 3} are ignored"
+        )
     assembled = _assemble(mode, corners.astype(np.int32))
     a, b, c = assembled.T
     triangles: NDArray[np.int32] = assembled[(a != b) & (b != c) & (c != a)]
     if not len(triangles):
-        warn(f"{element.where}: has no triangles and is skipped")
+        warn(f"{element.where}: the primitive has no triangles and is left out")
         return None
     return triangles
 

@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Loads Mitsuba scenes: XML of versions 0.4 to 3, or the dict of Mitsuba 3.
+"""Load Mitsuba scenes from XML files of the versions 0.4 to 3 or from the dicts of Mitsuba 3.
 
-`parse` and `dicts` make the same neutral tree (`node`), from which `assemble` makes the scene.
+The modules `parse` and `dicts` read both forms into the same tree of nodes (`node`), and `assemble` builds the scene
+from the tree.
 """
 
 from __future__ import annotations
@@ -22,33 +23,35 @@ __all__ = ["load_dict", "load_material", "load_xml"]
 
 
 def load_xml(path: Path, parameters: dict[str, str] | None = None) -> Scene:
-    """The scene in a Mitsuba XML file.
+    """Load the scene in a Mitsuba XML file.
+
+    Anything that is unknown or not supported is replaced or left out, with an `EclatWarning`.
 
     Parameters
     ----------
-    path : the file; meshes and textures are looked for beside it.
-    parameters : values of `$name` in the file, before its own `<default>`s.
+    path : the file. Relative paths of meshes and textures start from its folder.
+    parameters : the values of `$name` in the file. They take precedence over the `<default>` elements of the file.
 
     Raises
     ------
-    EclatError : malformed XML and numbers, unknown references and parameters, missing meshes, with file and line.
-        Whatever is only unknown or unsupported is replaced or left out with an `EclatWarning`.
+    EclatError : the XML or a number is malformed, a reference or a parameter is unknown, or no mesh can be loaded.
+        The message names the file and the line.
     """
     path = Path(path)
     return assemble(parse_xml(path, dict(parameters or {})), path.stem)
 
 
 def load_dict(d: Mapping[str, Any], base_folder: Path | None = None) -> Scene:
-    """The scene in a dict as `mitsuba.load_dict` takes it; Mitsuba itself is not needed.
+    """Load a scene from a dict of the form that `mitsuba.load_dict` takes. Mitsuba need not be installed.
 
     Parameters
     ----------
-    d : `{'type': 'scene', …}`; transforms are 4×4 arrays or objects with a `matrix`.
-    base_folder : where relative file names begin, by default the current folder.
+    d : the scene, `{'type': 'scene', …}`. Transforms are 4×4 arrays, or objects with an attribute `matrix`.
+    base_folder : the folder that relative file names start from. The default is the current folder.
 
     Raises
     ------
-    EclatError : as `load_xml`, with the path of keys.
+    EclatError : as `load_xml`. The message names the keys that lead to the invalid entry.
 
     Examples
     --------
@@ -61,19 +64,28 @@ def load_dict(d: Mapping[str, Any], base_folder: Path | None = None) -> Scene:
 
 
 def load_material(bsdf: Mapping[str, Any], base_folder: Path | None = None) -> Material:
-    """The material that a dict describes as `mitsuba.load_dict` takes it, such as `{'type': 'plastic', 'int_ior': 1.4}`.
+    """Build a material from a dict for a BSDF in Mitsuba's form, such as `{'type': 'plastic', 'int_ior': 1.4}`.
 
-    Raises EclatError. Unlike in scenes, this includes unknown types and properties, which are the caller's own.
+    Parameters
+    ----------
+    bsdf : the dict.
+    base_folder : the folder that relative file names start from. The default is the current folder.
+
+    Raises
+    ------
+    EclatError : a value is invalid, or a type or a property is unknown. In scenes, unknown names only give warnings.
     """
     kinds = known_kinds()
     kind = bsdf.get("type")
     if not isinstance(kind, str) or kind not in kinds:
         raise EclatError(
-            f"expected a bsdf of type {', '.join(kinds)}, got {shown(kind)}{did_you_mean(str(kind), kinds)}"
+            f"expected a BSDF whose type is one of {', '.join(kinds)}, got {shown(kind)}{did_you_mean(str(kind), kinds)}"
         )
     node = parse_bsdf(bsdf, Path(base_folder) if base_folder is not None else Path())
     material = Materials().of(node)
     for name in node.properties:
         if name not in node.used:
-            raise EclatError(f"{kind} has no property {name!r}{did_you_mean(name, sorted(node.asked))}")
+            raise EclatError(
+                f"expected a property of the BSDF type {kind}, got {name!r}{did_you_mean(name, sorted(node.asked))}"
+            )
     return material

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Makes a `Scene` of the neutral tree, and warns about properties and objects that are not used."""
+"""Build a `Scene` from the tree of nodes, and warn about properties and objects that are not used."""
 
 from __future__ import annotations
 
@@ -11,7 +11,7 @@ from eclat.loaders.mitsuba.emitters import Light, make_emitter, merge_environmen
 from eclat.loaders.mitsuba.kinds import IGNORED_TAGS, PLUGINS, SILENT_PROPERTIES
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
-from eclat.loaders.mitsuba.settings import tell_of_settings
+from eclat.loaders.mitsuba.settings import warn_about_settings
 from eclat.loaders.mitsuba.shapes import Shapes
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.parts import Parts
@@ -19,9 +19,9 @@ from eclat.scene import Camera, Environment, Mesh, Scene
 
 
 def assemble(tree: Node, name: str) -> Scene:
-    """The scene that `tree`, of tag scene and with references resolved, describes.
+    """Build the scene called `name` from `tree`, whose root has the tag scene and whose references are resolved.
 
-    A shape or emitter that cannot be read is left out with a warning. Raises EclatError if none can be read.
+    A shape or an emitter that is invalid is left out with a warning. Raises EclatError if all of them are invalid.
     """
     shapes = Shapes(tessellation=Tessellation(tree))
     meshes: list[Mesh] = []
@@ -45,25 +45,28 @@ def assemble(tree: Node, name: str) -> Scene:
             _report_object(node)
     parts.finish()
     _report_unread(tree)
-    tell_of_settings(tree)
+    warn_about_settings(tree)
     up = up_axis(cameras[0]) if cameras else (0.0, 1.0, 0.0)
     return Scene(tuple(meshes), tuple(lights), environment, tuple(cameras), name, up)
 
 
 def _report_object(node: Node) -> None:
-    """Warn about an object that has no meaning for us; definitions for others to refer to have one."""
+    """Warn about an object of the scene that is not used, unless other objects may refer to it."""
     if node.tag in ("bsdf", "texture", "spectrum", "scene"):
         return
     if node.tag not in IGNORED_TAGS:
         known = [plugin for plugins in PLUGINS.values() for plugin in plugins]
         near = did_you_mean(node.type, known) if node.tag == "unknown" else ""
-        warn(f"{node.where}: an object of this kind is not supported{near}; ignored")
+        warn(f"{node.where}: objects of this kind are not supported and are ignored{near}")
     elif node.type not in PLUGINS[node.tag]:
-        warn(f"{node.where}: an unknown {node.tag}, ignored (the picture does not depend on it)")
+        warn(
+            f"{node.where}: the {node.tag} type {node.type!r} is unknown and is ignored; "
+            "the image does not depend on it"
+        )
 
 
 def _report_unread(tree: Node) -> None:
-    """Warn about given properties that are not used, once for each kind of object."""
+    """Warn about the properties in the file that are not used, once for each type of object."""
     unread: dict[tuple[str, str, str], list[str]] = defaultdict(list)
     seen: set[int] = set()
     stack = [child for _, child in tree.children if child.tag in ("shape", "emitter", "sensor")]
@@ -83,6 +86,6 @@ def _report_unread(tree: Node) -> None:
     for (tag, kind, name), where in sorted(unread.items()):
         others = f" (and {len(where) - 1} more)" if len(where) > 1 else ""
         if name:
-            warn(f"{where[0]}{others}: the property {name!r} of a {tag} of type {kind} is not used")
+            warn(f"{where[0]}{others}: the property {name!r} of the {tag} type {kind!r} is not used")
         else:
-            warn(f"{where[0]}{others}: a {tag} inside an object is not supported, ignored")
+            warn(f"{where[0]}{others}: objects that contain a {tag} are not supported; the {tag} is ignored")

@@ -1,17 +1,21 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The daylight of Mitsuba's `sun`, `sky` and `sunsky`, at the scale and with the colours that it has there.
+"""Compute the daylight of Mitsuba's emitters `sun`, `sky` and `sunsky`, with Mitsuba's scale and colours.
 
-Scale: Mitsuba's radiance of daylight is the mean spectral radiance, W·sr⁻¹·m⁻²·nm⁻¹, weighted with the observer's x̄, ȳ
-and z̄, whose areas are 106.857 nm. Éclat's own daylight is W·sr⁻¹·m⁻² of visible light with 179 lm/W, which is
-683 · 106.857 / 179 = 408 times as much: suns of the two, through clear air, are 403 to 420 apart. The other lights of a
-file are meant beside Mitsuba's numbers, so its daylight comes at Mitsuba's scale, and [Preetham99], whose zenith is half
-as bright again as that of the model of Hosek and Wilkie, which Mitsuba has, cannot stand for it.
+Mitsuba's radiance of daylight is a mean spectral radiance in W·sr⁻¹·m⁻²·nm⁻¹. The mean is weighted with the colour
+matching functions x̄, ȳ and z̄, whose integrals are 106.857 nm. Éclat's own daylight is a radiance of visible light in
+W·sr⁻¹·m⁻² with 179 lm/W. Its numbers are therefore 683 · 106.857 / 179 = 408 times as large as Mitsuba's. (Under a
+clear sky, the ratio of the suns of both renderers is between 403 and 420.)
 
-What is here is a fit to what `eval` of Mitsuba 3.9.1's `sunsky` returns, at 24,000 directions under 150 suns of turbidity
-1.7 to 10: the logarithm of radiance as a polynomial of degree 5 in turbidity, the sun's elevation, the height of the
-direction and its angle from the sun. It errs by 3 % (one standard deviation), by 2 % under a sun higher than 15° at turbidity 2
-to 4; the sun's irradiance by 2 % of a high sun's.
+The other lights of a Mitsuba file are adjusted to Mitsuba's daylight, so this module uses Mitsuba's scale. It cannot
+use the sky of [Preetham99], which Éclat has, because Mitsuba uses the model of Hosek and Wilkie, whose zenith is only
+two thirds as bright.
+
+The sky is a fit to the radiance that the function `eval` of `sunsky` in Mitsuba 3.9.1 returns for 24,000 directions and
+150 positions of the sun, with turbidities from 1.7 to 10. The logarithm of the radiance is a polynomial of degree 5 in
+the turbidity, the sun's elevation, the height of the direction, and the angle between the direction and the sun. The
+relative error of the fit has a standard deviation of 3 %, or 2 % for turbidities from 2 to 4 and a sun above 15°. The
+error of the sun's irradiance is 2 % of the irradiance of a high sun.
 """
 
 from __future__ import annotations
@@ -26,10 +30,13 @@ from eclat.daylight.sky import SUN_ANGULAR_RADIUS, Direction, dusk, sun_sky
 from eclat.scene import DirectionalLight, Environment, FloatArray
 
 _FITTED_TURBIDITY = (1.7, 10.0)
+"""The range of turbidities of the fit. Turbidities outside it are clipped to it."""
 _LEAST_ELEVATION = 1.0
-"""Degrees of the lowest sun that was measured; lower ones are as bright, and below the horizon fade as dusk does."""
+"""The lowest elevation of the sun in the fit, in degrees. A lower sun has the same brightness down to the horizon.
+Below it, the sky fades with the factor `dusk`."""
 _ALBEDO_SLOPE, _FITTED_ALBEDO = 0.71, 0.3
-"""Ground of albedo a brightens the sky as 1 + slope · a does: within 1 % at the albedos 0, 0.3 and 1 under a sun at 53°."""
+"""The slope s and the ground albedo of the fit. A ground of albedo a makes the sky brighter by a factor 1 + s · a. Under a
+sun at 53°, Mitsuba's sky agrees with this factor within 1 % at the albedos 0, 0.3 and 1."""
 
 _SKY = np.array(
     [
@@ -80,8 +87,11 @@ _SKY = np.array(
         ],
     ]
 )
-"""(3, 126): of red, green and blue, in the order of `_monomials` of turbidity / 10, √(elevation / 90°), √(cosine from
-the zenith), √(angle from the sun / π)."""
+"""The coefficients of the sky's logarithmic radiance, (3, 126), for red, green and blue.
+
+They belong to the `_monomials` up to degree 5 of turbidity / 10, √(elevation / 90°), √(cosine of the angle to the
+zenith) and √(angle to the sun / π). `_sky_image` uses them.
+"""
 _SUN = np.array(
     [
         [
@@ -95,7 +105,10 @@ _SUN = np.array(
         ],
     ]
 )
-"""(3, 10): the same for the sun's irradiance, of turbidity / 10 and relative air mass."""
+"""The coefficients of the sun's logarithmic irradiance, (3, 10), for red, green and blue.
+
+They belong to the `_monomials` up to degree 3 of turbidity / 10 and the relative air mass. `_sun_irradiance` uses them.
+"""
 
 
 def mitsuba_sun_sky(
@@ -109,13 +122,22 @@ def mitsuba_sun_sky(
     parts: Literal["sunsky", "sky", "sun"],
     angular_radius: float = SUN_ANGULAR_RADIUS,
 ) -> tuple[DirectionalLight | None, Environment | None]:
-    """The sun and the sky as Mitsuba has them: arguments as those of `sun_sky`. Below the horizon the sky is black.
+    """Compute Mitsuba's sun and sky. The sky is black below the horizon.
 
-    `angular_radius` of the sun in degrees: a wider one shines as much.
+    Parameters
+    ----------
+    to_sun, turbidity, up, albedo, sun_scale, sky_scale, parts : as in `eclat.daylight.sky.sun_sky`.
+    angular_radius : the angular radius of the sun in degrees. The irradiance of the sun does not depend on it.
 
-    Raises EclatError for what `sun_sky` refuses.
+    Returns
+    -------
+    The sun and the sky. Either is None if `parts` does not include it.
+
+    Raises
+    ------
+    EclatError : `sun_sky` refuses the arguments.
     """
-    # What the two share: the checks, the frame, the sun's disc, a sky below whose sun it is dusk.
+    # Éclat's own model checks the arguments and provides the directions, the coordinate system and the image size.
     sun, sky = sun_sky(to_sun, turbidity, up, albedo, sun_scale, sky_scale, parts)
     turbidity = min(max(turbidity, _FITTED_TURBIDITY[0]), _FITTED_TURBIDITY[1])
     vertical = np.asarray(up, np.float64) / np.linalg.norm(up)
@@ -132,7 +154,7 @@ def mitsuba_sun_sky(
 
 
 def _sun_irradiance(turbidity: float, elevation: float) -> FloatArray:
-    """(3,) RGB, on what faces the sun."""
+    """The RGB irradiance (3,) of the sun on a surface that faces it. `elevation` is in degrees."""
     elevation = max(elevation, _LEAST_ELEVATION)
     air_mass = 1 / (math.sin(math.radians(elevation)) + 0.15 * (elevation + 3.885) ** -1.253)
     terms = _monomials(np.array([[turbidity / 10], [air_mass]]), 3)
@@ -143,7 +165,16 @@ def _sun_irradiance(turbidity: float, elevation: float) -> FloatArray:
 def _sky_image(
     to_sun: FloatArray, turbidity: float, elevation: float, albedo: float, size: tuple[int, int]
 ) -> FloatArray:
-    """(height, width, 3) radiance in the environment's frame, whose +y is up; `to_sun` (3,) lies in it."""
+    """The radiance of the sky as an environment map, (height, width, 3).
+
+    Parameters
+    ----------
+    to_sun : (3,) unit vector towards the sun in the coordinates of the environment map, where +y is up.
+    turbidity : the turbidity, in the range of the fit.
+    elevation : the elevation of the sun in degrees.
+    albedo : the albedo of the ground in 0..1.
+    size : (height, width) of the image in texels.
+    """
     height, width = size
     theta = (np.arange(height) + 0.5) * (math.pi / height)
     phi = ((np.arange(width) + 0.5) / width - 0.5) * (2 * math.pi)
@@ -152,7 +183,7 @@ def _sky_image(
     cosine = across * np.sin(phi) * to_sun[0] + z * to_sun[1] - across * np.cos(phi) * to_sun[2]
     angle = np.arccos(np.clip(cosine, -1.0, 1.0))
     lit = max(elevation, _LEAST_ELEVATION)
-    # Two of the four are the same in all of the image.
+    # Two of the four variables of the polynomial are the same for all texels.
     constant = np.full(cosine.size, turbidity / 10), np.full(cosine.size, math.sqrt(lit / 90))
     heights = np.sqrt(np.broadcast_to(z, cosine.shape)).ravel()
     terms = _monomials(np.stack([*constant, heights, np.sqrt(angle / math.pi).ravel()]), 5)
@@ -164,7 +195,11 @@ def _sky_image(
 
 
 def _monomials(variables: FloatArray, degree: int) -> FloatArray:
-    """(count, N): all products of up to `degree` of the `variables` (V, N), by degree and then in order."""
+    """Evaluate all monomials up to `degree` in V variables at N points.
+
+    `variables` has the shape (V, N). The result has one row for each monomial and the shape (monomials, N). The rows
+    are ordered by degree, and within a degree lexicographically.
+    """
     rows = [np.ones(variables.shape[1])]
     for d in range(1, degree + 1):
         for chosen in itertools.combinations_with_replacement(range(len(variables)), d):

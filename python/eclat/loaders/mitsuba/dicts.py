@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads the dict form of a scene, as `mitsuba.load_dict` takes it, into the neutral tree. Mitsuba need not be
-installed."""
+"""Read a scene from a dict of the form that `mitsuba.load_dict` takes into a tree of nodes.
+
+Mitsuba need not be installed.
+"""
 
 from __future__ import annotations
 
@@ -19,15 +21,18 @@ from eclat.loaders.mitsuba.spectra import check_curve, parse_rgb, parse_spectrum
 from eclat.loaders.mitsuba.transforms import check_matrix
 
 _IMAGE_DATA = ("bitmap", "data")
-"""Properties of textures and environments that hold an image instead of naming a file."""
+"""The properties of textures and environment maps that contain an image instead of a file name."""
 
 
 def parse_dict(scene: Mapping[str, Any], folder: Path) -> Node:
-    """The tree of a scene given as a dict, references resolved. Raises EclatError with the path of keys."""
+    """Read a scene from a dict into a tree of nodes, and resolve its references.
+
+    Relative file names start from `folder`. Raises EclatError with the keys that lead to the invalid entry.
+    """
     if not isinstance(scene, Mapping):
-        raise EclatError(f"expected a dict with the scene, got {type(scene).__name__}")
+        raise EclatError(f"expected a dict that describes a scene, got {type(scene).__name__}")
     kind = scene.get("type")
-    # An array would compare to an array.
+    # The comparison of an array with a string would give an array.
     if not isinstance(kind, str) or kind != "scene":
         raise EclatError(f"dict: expected 'type': 'scene', got {shown(kind)}")
     identifiers = Identifiers()
@@ -37,7 +42,7 @@ def parse_dict(scene: Mapping[str, Any], folder: Path) -> Node:
 
 
 def parse_bsdf(bsdf: Mapping[str, Any], folder: Path) -> Node:
-    """The tree of a bsdf alone. Raises EclatError with the path of keys."""
+    """Read a BSDF from a dict into a tree of nodes. Otherwise as `parse_dict`."""
     identifiers = Identifiers()
     root = _node(bsdf, "bsdf", "", folder, identifiers, 0)
     resolve_references(root, identifiers)
@@ -47,7 +52,7 @@ def parse_bsdf(bsdf: Mapping[str, Any], folder: Path) -> Node:
 def _node(given: Mapping[str, Any], tag: str, path: str, folder: Path, identifiers: Identifiers, depth: int) -> Node:
     where = f"dict{path}"
     if depth > MAX_DEPTH:
-        raise EclatError(f"{where}: nested more than {MAX_DEPTH} deep")
+        raise EclatError(f"{where}: expected at most {MAX_DEPTH} levels of nested objects, got more")
     node = Node(tag, str(given["type"]), f"{where} (type {given['type']!r})", (folder,), id=str(given.get("id", "")))
     for key, value in given.items():
         if key in ("type", "id"):
@@ -66,11 +71,11 @@ def _add_object(
     where = f"dict{path}"
     kind = given.get("type")
     if not isinstance(kind, str):
-        raise EclatError(f"{where}: expected an object with 'type': a string, got {shown(kind)}")
+        raise EclatError(f"{where}: expected an object whose 'type' is a string, got {shown(kind)}")
     if kind == "ref":
         target = given.get("id")
         if not isinstance(target, str):
-            raise EclatError(f"{where}: expected the 'id' of an object, got {shown(target)}")
+            raise EclatError(f"{where}: expected a reference whose 'id' is a string, got {shown(target)}")
         node.children.append((name, Node("ref", "", where, (folder,), id=target)))
         return
     _refuse_misspelt(kind, where)
@@ -81,25 +86,25 @@ def _add_object(
             node.properties[snake_case(name)] = color
             return
     child = _node(given, tag, path, folder, identifiers, depth + 1)
-    # As in Mitsuba an object of the scene is known by its key.
+    # As in Mitsuba, the key of an object of the scene is its id.
     child.id = child.id or (name if node.tag == "scene" else "")
     identifiers.add(child.id, child)
     node.children.append((name, child))
 
 
 def _refuse_misspelt(kind: str, where: str) -> None:
-    """Raise EclatError for an unknown type that resembles one of Mitsuba's, which is probably a typing error.
+    """Raise EclatError if a type is unknown but resembles one of Mitsuba's types, because it is probably misspelt.
 
-    A type that resembles none may be a custom plugin. As in a file, it is left out with a warning.
+    A type that resembles no known one may be a custom plugin. It is left out with a warning later, as in files.
     """
     known = [name for names in kinds.PLUGINS.values() for name in names]
     near = "" if kind in known else did_you_mean(kind[:60], known)
     if near:
-        raise EclatError(f"{where}: expected a type that Mitsuba has, got {shown(kind)}{near}")
+        raise EclatError(f"{where}: expected the type of a Mitsuba plugin, got {shown(kind)}{near}")
 
 
 def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:
-    """The colour in `{'type': 'rgb' | 'spectrum' | 'srgb', …}`, or None for the types that are objects."""
+    """The colour in a dict of type 'rgb', 'srgb' or 'spectrum', or None for other types, which become nodes."""
     kind, value = given["type"], given.get("value", given.get("color"))
     if kind not in ("rgb", "srgb", "spectrum"):
         return None
@@ -115,13 +120,16 @@ def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:
     if kind == "spectrum" and array.ndim == 2 and array.shape[1] == 2:
         return check_curve(array[:, 0].tolist(), array[:, 1].tolist(), where)
     if array.shape != (3,):
-        raise EclatError(f"{where}: expected one number or three, got an array of shape {array.shape}")
+        raise EclatError(f"{where}: expected one number or three numbers, got an array of shape {array.shape}")
     r, g, b = (check_number(x, where) for x in array.tolist())
     return Rgb((r, g, b))
 
 
 def _value(value: Any, where: str, keep: bool) -> Any:
-    """A property: a number, a string, three numbers or a 4×4 matrix. With `keep`, images are allowed too."""
+    """Convert the value of a property: a number, a string, three numbers or a matrix.
+
+    With `keep`, any other value is returned as it is, because it may be an image. Raises EclatError.
+    """
     if isinstance(value, (str, bool, np.bool_)):
         return bool(value) if isinstance(value, np.bool_) else value
     if isinstance(value, (int, float, np.integer, np.floating)):
@@ -140,18 +148,18 @@ def _value(value: Any, where: str, keep: bool) -> Any:
         return check_matrix(affine, where)
     if array.ndim == 1:
         return tuple(check_number(x, where) for x in array.tolist())
-    raise EclatError(f"{where}: expected a number, three numbers or a 4×4 matrix, got shape {array.shape}")
+    raise EclatError(f"{where}: expected a number, three numbers or a 4×4 matrix, got an array of shape {array.shape}")
 
 
 def _as_float(value: Any, where: str) -> float:
     try:
         return float(value)
     except OverflowError:
-        raise EclatError(f"{where}: expected a finite number, got a whole number that is too large") from None
+        raise EclatError(f"{where}: expected a finite number, got an integer that is too large for a float") from None
 
 
 def _array(value: Any, where: str) -> np.ndarray:
     try:
         return np.asarray(value, dtype=np.float64)
     except (TypeError, ValueError, OverflowError):
-        raise EclatError(f"{where}: expected numbers, got {type(value).__name__}") from None
+        raise EclatError(f"{where}: expected numbers, got a {type(value).__name__}") from None

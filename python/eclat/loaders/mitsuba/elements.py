@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads XML text into a tree of elements that know their lines. Entities and document types are refused."""
+"""Parse XML to a tree of elements with their line numbers. Entities and document types are refused."""
 
 from __future__ import annotations
 
@@ -14,12 +14,14 @@ from eclat.loaders.files import read_bytes
 from eclat.loaders.mitsuba.node import MAX_DEPTH
 
 _MAX_BYTES = 1 << 28
+"""The largest size of an XML file, in bytes."""
 _CHUNK = 1 << 16
+"""The number of bytes that are parsed at once."""
 
 
 @dataclass(eq=False)
 class Element:
-    """An XML element: `where` is file, line and tag."""
+    """An XML element. `where` names its file, line and tag in messages."""
 
     tag: str
     attributes: dict[str, str]
@@ -28,7 +30,7 @@ class Element:
 
 
 class _Builder:
-    """Expat's handlers; the tree grows in `root`."""
+    """The handlers of the Expat parser. They build the tree below `root`."""
 
     def __init__(self, name: str) -> None:
         self.name = name
@@ -43,7 +45,7 @@ class _Builder:
     def start(self, tag: str, attributes: dict[str, str]) -> None:
         where = f"{self.name}:{self.parser.CurrentLineNumber} <{tag}{_label(attributes)}>"
         if len(self.stack) >= MAX_DEPTH:
-            raise EclatError(f"{where}: elements are nested more than {MAX_DEPTH} deep")
+            raise EclatError(f"{where}: expected at most {MAX_DEPTH} levels of nested elements, got more")
         element = Element(tag, attributes, where)
         if self.stack:
             self.stack[-1].children.append(element)
@@ -56,21 +58,23 @@ class _Builder:
 
     def refuse(self, *_: object) -> NoReturn:
         line = self.parser.CurrentLineNumber
-        raise EclatError(f"{self.name}:{line}: document types and entities are not allowed in scene files")
+        raise EclatError(f"{self.name}:{line}: expected no document type and no entities in a scene file; remove them")
 
 
 def read_elements(path: Path, where: str) -> Element:
-    """The root element of an XML file.
+    """Parse an XML file and return its root element.
+
+    `where` names the element that refers to the file, for messages.
 
     Raises
     ------
-    EclatError : unreadable or malformed files, document types, deep nesting; `where` says who asked for the file.
+    EclatError : the file cannot be read, is malformed, contains a document type or entities, or is nested too deeply.
     """
     return parse_elements(read_bytes(path, where=where, limit=_MAX_BYTES), path.name)
 
 
 def parse_elements(data: bytes, name: str) -> Element:
-    """As `read_elements`, from the bytes of the file called `name`."""
+    """Parse `data`, the bytes of the XML file called `name`. Otherwise as `read_elements`."""
     builder = _Builder(name)
     try:
         for begin in range(0, len(data), _CHUNK):
@@ -78,17 +82,17 @@ def parse_elements(data: bytes, name: str) -> Element:
         builder.parser.Parse(b"", True)
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code) or "unknown error"
-        raise EclatError(f"{name}:{error.lineno}: expected well-formed XML, but: {reason}") from None
+        raise EclatError(f"{name}:{error.lineno}: expected well-formed XML, got an error: {reason}") from None
     except EclatError:
         raise
-    except (ValueError, LookupError) as error:  # encodings that Python does not know or expat cannot use
-        raise EclatError(f"{name}: expected XML in a usual encoding, got: {error}") from None
+    except (ValueError, LookupError) as error:  # encodings that Python does not know or Expat cannot use
+        raise EclatError(f"{name}: expected XML in an encoding such as UTF-8, got an error: {error}") from None
     if builder.root is None:
         raise EclatError(f"{name}: expected an XML element, got an empty file")
     return builder.root
 
 
 def _label(attributes: dict[str, str]) -> str:
-    """The attributes that tell elements apart, for messages."""
+    """The attributes that identify an element in messages: its type, id and name."""
     shown = ((key, attributes[key]) for key in ("type", "id", "name") if key in attributes)
     return "".join(f' {key}="{value[:60]}"' for key, value in shown)

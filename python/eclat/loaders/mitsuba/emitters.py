@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Emitters that are not part of a shape: lights at points and from infinity, environments, sun and sky."""
+"""Convert emitters that are not part of a shape: point, spot and directional lights, environments, sun and sky."""
 
 from __future__ import annotations
 
@@ -26,37 +26,40 @@ Light = PointLight | SpotLight | DirectionalLight
 Emission = tuple[list[Light], Environment | None]
 
 HALF_TURN = np.diag([-1.0, 1.0, -1.0])
-"""Mitsuba's environment has +z at the image's centre and +x left of it, ours −z and +x right of it."""
+"""The rotation from Éclat's environment maps to Mitsuba's. In Mitsuba, the centre of the image is at +z, and +x is to the
+left of it. In Éclat, the centre is at −z, and +x is to the right of it."""
 
 
 def make_emitter(node: Node, textures: Textures) -> Emission:
-    """The lights and the environment that an emitter of the scene makes. An unknown emitter is left out with a warning.
+    """Convert an emitter of the scene to lights and an environment.
+
+    An emitter whose type is unknown or not supported is left out with a warning.
 
     Raises
     ------
-    EclatError : numbers are out of range, or a direction is the zero vector.
+    EclatError : a number is out of range, or a direction is the zero vector.
     """
     if node.type == "area" and node.id:
-        return [], None  # defined here for shapes to refer to
+        return [], None  # it is defined here so that shapes can refer to it
     if node.type not in _MAKERS:
         near = did_you_mean(node.type, PLUGINS["emitter"]) if node.type not in PLUGINS["emitter"] else ""
-        reason = "needs a shape" if node.type == "area" else f"is not supported{near}"
-        warn(f"{node.where}: an emitter of this type {reason}; left out")
+        reason = "must be part of a shape" if node.type == "area" else f"is not supported{near}"
+        warn(f"{node.where}: an emitter of type {node.type!r} {reason}; it is left out")
         return [], None
     return _MAKERS[node.type](node, textures)
 
 
 def merge_environments(first: Environment | None, second: Environment | None, where: str) -> Environment | None:
-    """The one environment that a scene can have: of two the first stays, with a warning."""
+    """The first environment that is not None. If both are given, a warning says that the second one is ignored."""
     if first is not None and second is not None:
-        warn(f"{where}: a second environment; only the first is used")
+        warn(f"{where}: this second environment is ignored, because a scene can only have one")
     return first if first is not None else second
 
 
 def _color(node: Node, textures: Textures, name: str) -> Vector:
     value = textures.value(node, name, default=1.0, kind="emission")
     if value.texture is not None:
-        warn(f"{node.where}, {name}: a texture is not supported here; its constant factor is used alone")
+        warn(f"{node.where}, {name}: textures are not supported here; only the constant factor of the texture is used")
     return value.constant
 
 
@@ -73,9 +76,12 @@ def _spot(node: Node, textures: Textures) -> Emission:
     outer = node.number("cutoff_angle", default=20.0)
     inner = node.number("beam_width", default=outer * 3 / 4)
     if not 0 < outer <= 180 or inner < 0:
-        raise EclatError(f"{node.where}: expected 0 ≤ beam_width ≤ cutoff_angle ≤ 180, got {inner:g} and {outer:g}")
+        raise EclatError(
+            f"{node.where}: expected 0 ≤ beam_width ≤ cutoff_angle ≤ 180 degrees, got beam_width {inner:g} and "
+            f"cutoff_angle {outer:g}"
+        )
     if node.get("texture") is not None:
-        warn(f"{node.where}: the texture of a spot is not supported, ignored")
+        warn(f"{node.where}: textures of spot lights are not supported; the texture is ignored")
     light = SpotLight(
         position=_position(node),
         direction=_axis(node),
@@ -124,29 +130,37 @@ def _envmap(node: Node, textures: Textures) -> Emission:
         image = srgb_to_linear(image)
     image = np.asarray(image * node.number("scale", default=1.0), dtype=np.float32)
     if image.min() < 0:
-        warn(f"{node.where}: the environment has radiance below 0; it is set to 0")
+        warn(f"{node.where}: the environment map has negative radiance, which is set to 0")
         image = np.maximum(image, 0)
     return [], Environment(image, _rotation(node) @ HALF_TURN)
 
 
 def _rotation(node: Node) -> Matrix:
-    """The rotation in `to_world` without its scale. A reflection is kept."""
+    """The rotation or reflection (3, 3) in `to_world`, without scale."""
     linear = node.transform("to_world")[:3, :3]
     u, values, vt = np.linalg.svd(linear)
     if values[-1] <= 1e-9 * max(values[0], 1e-300):
-        raise EclatError(f"{node.where}, to_world: expected a rotation, got a matrix that flattens space")
+        raise EclatError(f"{node.where}, to_world: expected a rotation, got a singular matrix")
     if not np.allclose(values, values.mean(), rtol=1e-3):
-        warn(f"{node.where}, to_world: only the rotation of an environment's transform is used")
+        warn(
+            f"{node.where}, to_world: the unequal scale of an environment's transform is ignored; its rotation is used"
+        )
     rotation: Matrix = u @ vt
     return rotation
 
 
 def _sun_radius(node: Node) -> float:
-    """The angular radius of the sun in degrees, from `sun_aperture` (a diameter, Mitsuba 3) or `sun_radius_scale` (0.6)."""
+    """The angular radius of the sun in degrees.
+
+    It is read from `sun_aperture` (an angular diameter in degrees, Mitsuba 3) and `sun_radius_scale` (a factor, Mitsuba
+    0.6).
+    """
     radius = node.number("sun_aperture", default=2 * SUN_ANGULAR_RADIUS) / 2
     radius *= node.number("sun_radius_scale", default=1.0)
     if not 0 <= radius < 90:
-        raise EclatError(f"{node.where}: expected a sun with a radius from 0 to below 90 degrees, got {radius:g}")
+        raise EclatError(
+            f"{node.where}: expected an angular radius of the sun of at least 0 and below 90 degrees, got {radius:g}"
+        )
     return radius
 
 

@@ -1,7 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The plugins of Mitsuba, which give the XML tag of an object in a dict, and those that may be ignored without a
-warning."""
+"""The types of Mitsuba's plugins by XML tag, and the plugins and properties that are ignored without a warning."""
 
 from __future__ import annotations
 
@@ -43,15 +42,28 @@ PLUGINS: dict[str, frozenset[str]] = {
     "volume": _words("gridvolume constvolume"),
     "subsurface": _words("dipole singlescatter"),
 }
+"""The types of plugins by XML tag. In a dict, the type of an object determines its tag."""
 
 IGNORED_TAGS = ("integrator", "sampler", "film", "rfilter")
-"""Objects of which only the film's size matters to us."""
+"""The tags of objects whose properties are not used, except the size of the film."""
 
 _KEYS = ("bsdf", "emitter", "sensor", "film", "sampler", "integrator", "rfilter", "medium", "texture", "shape")
+"""The tags that determine the tag of an object of unknown type if its key in the dict starts with them."""
 
 
 def tag_of(kind: str, key: str, parent: str) -> str:
-    """The XML tag of the object of type `kind` under `key` in an object with the tag `parent`; "unknown" if unclear."""
+    """Determine the XML tag of an object in a dict.
+
+    Parameters
+    ----------
+    kind : the type of the object.
+    key : the key of the object in the dict.
+    parent : the XML tag of the object that contains it.
+
+    Returns
+    -------
+    The tag, or "unknown" if it cannot be determined.
+    """
     for tag, names in PLUGINS.items():
         if kind in names:
             return tag
@@ -67,4 +79,5 @@ SILENT_PROPERTIES = _words(
     "main_specular_sampling_rate diffuse_reflectance_sampling_rate spec_trans_sampling_rate intensity_scale "
     "max_smooth_angle collapse strict cache mip_map filter_type max_anisotropy srgb format accel"
 )
-"""What changes no converged picture, or only how it is computed."""
+"""The properties that do not affect the converged image, or that are only read for some types. There is no warning if they
+are not used."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bsdfs of the tree to `Material`s: the table of types, and those that stand alone."""
+"""Convert BSDFs to instances of `Material`. `wrappers` converts the BSDFs that contain others."""
 
 from __future__ import annotations
 
@@ -20,13 +20,16 @@ from eclat.scene import Material, Value, grey, rgb
 
 @dataclass
 class Materials:
-    """The materials of a scene, each made once: the same node gives the same `Material`."""
+    """The materials of a scene. Each is converted once, so that the same node always gives the same `Material`."""
 
     textures: Textures = field(default_factory=Textures)
     made: dict[int, Material] = field(default_factory=dict)
 
     def of(self, node: Node) -> Material:
-        """The material of a bsdf. Raises EclatError for values that make no sense."""
+        """Convert a BSDF to a material.
+
+        A BSDF that is not supported is replaced, with a warning. Raises EclatError if a value is invalid.
+        """
         if id(node) not in self.made:
             material = self._make(node)
             if uses_vertex_colors(node):
@@ -41,21 +44,21 @@ class Materials:
             return _MAKERS[node.type](self, node)
         nested = wrappers.nested(node)
         if nested:
-            warn(f"{node.where}: not supported{_suggestion(node)}; the bsdf inside it is used alone")
+            warn(f"{node.where}: this BSDF is not supported{_suggestion(node)}; its first nested BSDF is used instead")
             return self.of(nested[0])
-        warn(f"{node.where}: not supported{_suggestion(node)}; a diffuse bsdf is used instead")
+        warn(f"{node.where}: this BSDF is not supported{_suggestion(node)}; a diffuse BSDF is used instead")
         return _diffuse(self, node)
 
     def reflectance(self, node: Node, *names: str, default: float = 0.5) -> Value:
-        """A colour between 0 and 1."""
+        """The colour in 0..1, or the texture, of the first property in `names` that `node` has."""
         return self.textures.value(node, *names, default=default, kind="reflectance")
 
     def scalar(self, node: Node, *names: str, default: float) -> Value:
-        """A number that a texture may vary."""
+        """The number, or the texture, of the first property in `names` that `node` has."""
         return self.textures.value(node, *names, default=default, kind="scalar")
 
     def roughness(self, node: Node, default: float) -> dict[str, Value]:
-        """alpha_u and, where it differs, alpha_v."""
+        """The roughness alpha_u and, if it differs, alpha_v."""
         alpha = self.scalar(node, "alpha", default=default)
         u = self.scalar(node, "alpha_u", default=0.0) if node.get("alpha_u") is not None else alpha
         v = self.scalar(node, "alpha_v", default=0.0) if node.get("alpha_v") is not None else alpha
@@ -64,13 +67,13 @@ class Materials:
 
 
 def known_kinds() -> list[str]:
-    """The types of bsdf that are read, as they are or as what comes nearest."""
+    """The types of BSDFs that can be converted, exactly or approximately."""
     return sorted({*_MAKERS, *wrappers.WRAPPERS})
 
 
-def default_material(*, shines: bool = False) -> Material:
-    """What a shape without a bsdf is made of, as in Mitsuba: grey, or black where it has an emitter."""
-    return Material("diffuse", {"reflectance": grey(0.0 if shines else 0.5)}, two_sided=False)
+def default_material(*, emissive: bool = False) -> Material:
+    """The material of a shape without a BSDF, as in Mitsuba: diffuse grey, or black if the shape has an emitter."""
+    return Material("diffuse", {"reflectance": grey(0.0 if emissive else 0.5)}, two_sided=False)
 
 
 def _suggestion(node: Node) -> str:
@@ -84,7 +87,7 @@ def _diffuse(materials: Materials, node: Node) -> Material:
 
 def _roughdiffuse(materials: Materials, node: Node) -> Material:
     node.get("alpha", "use_fast_approx")
-    warn(f"{node.where}: the roughness of roughdiffuse is not supported; diffuse is used")
+    warn(f"{node.where}: the roughness of roughdiffuse is not supported; a smooth diffuse BSDF is used instead")
     return _diffuse(materials, node)
 
 
@@ -94,7 +97,7 @@ def _difftrans(materials: Materials, node: Node) -> Material:
 
 
 def _hk(materials: Materials, node: Node) -> Material:
-    warn(f"{node.where}: scattering layers (hk) are not supported; diffuse of the albedo is used")
+    warn(f"{node.where}: scattering layers (hk) are not supported; a diffuse BSDF with their albedo is used instead")
     return Material("diffuse", {"reflectance": materials.reflectance(node, "albedo", "reflectance")}, two_sided=False)
 
 
@@ -150,18 +153,27 @@ def _ward(materials: Materials, node: Node) -> Material:
     roughness = materials.roughness(node, 0.1)
     roughness.setdefault("alpha_v", roughness["alpha_u"])
     if variant == "ward":
-        warn(f"{node.where}: Ward's first variant loses energy at grazing angles; Dür's bounded one is used")
+        warn(
+            f"{node.where}: the variant 'ward' is not supported, because it loses energy at grazing angles; "
+            "the variant 'balanced' is used instead"
+        )
     parameters = colors | roughness
     return Material("ward", parameters, two_sided=False, ward_variant="duer" if variant == "ward-duer" else "bounded")
 
 
 def _energy(materials: Materials, node: Node) -> dict[str, Value]:
-    """Diffuse and specular reflectance, scaled so that their sum stays within 1 even at a texture's brightest texel."""
+    """The diffuse and the specular reflectance.
+
+    Both are scaled down, with a warning, if their sum exceeds 1 at the brightest texels of their textures.
+    """
     diffuse = materials.reflectance(node, "diffuse_reflectance")
     specular = materials.reflectance(node, "specular_reflectance", default=0.2)
     total = float((peak(diffuse) + peak(specular)).max())
     if total > 1:
-        warn(f"{node.where}: diffuse_reflectance + specular_reflectance reach {total:.4g}; both are scaled to 1")
+        warn(
+            f"{node.where}: expected diffuse_reflectance + specular_reflectance of at most 1, got {total:.4g}; both are "
+            "divided by this sum"
+        )
         diffuse, specular = (_scaled(value, 1 / total) for value in (diffuse, specular))
     return {"diffuse_reflectance": diffuse, "specular_reflectance": specular}
 
@@ -186,7 +198,7 @@ _PRINCIPLED_IGNORED = (
 def _principled(materials: Materials, node: Node) -> Material:
     ignored = [name for name in _PRINCIPLED_IGNORED if node.get(name) not in (None, 0, 0.0)]
     if ignored:
-        warn(f"{node.where}: {', '.join(ignored)} of {node.type} not supported, ignored")
+        warn(f"{node.where}: these properties of {node.type} are not supported and are ignored: {', '.join(ignored)}")
     thin = node.type == "principledthin"
     transmission = materials.scalar(node, "spec_trans", default=0.0)
     transparent = transmission.texture is not None or max(transmission.constant) > 0
@@ -202,7 +214,10 @@ def _principled(materials: Materials, node: Node) -> Material:
 
 
 def _principled_ior(node: Node) -> float:
-    """From `eta`, or from `specular`, of which 0..1 means a reflectance of 0..8 % at normal incidence."""
+    """The refractive index of a principled BSDF.
+
+    It is `eta`, or it is computed from `specular`, whose range 0..1 means a reflectance of 0..8 % at normal incidence.
+    """
     if node.get("eta") is not None:
         return relative_ior(node, "bk7")
     root = math.sqrt(0.08 * min(max(node.number("specular", default=0.5), 0.0), 1.0))
@@ -210,7 +225,7 @@ def _principled_ior(node: Node) -> float:
 
 
 def _distribution(node: Node) -> Literal["ggx", "beckmann"]:
-    """The microfacet distribution, Beckmann's by default as in Mitsuba."""
+    """The microfacet distribution. The default is Beckmann, as in Mitsuba."""
     name = node.string("distribution", default="beckmann").lower()
     if name == "ggx":
         return "ggx"

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes from files: obj, ply, serialized and, as an extension of Éclat, gltf with its own materials.
+"""Load shapes from files: obj, ply, serialized and, as an extension of Éclat, gltf.
 
-A shape of type obj without a bsdf takes the materials of its MTL file; bsdfs in it that are named after materials of
-the file replace those.
+A shape of type obj or gltf without a BSDF has the materials of its file. A BSDF in such a shape that has the name of
+a material in the file replaces that material.
 """
 
 from __future__ import annotations
@@ -24,35 +24,40 @@ from eclat.scene import Material, Mesh
 MESH_FILES = ("obj", "ply", "serialized", "gltf")
 
 _OWN = ("bsdf", "ref")
-"""Names under which a bsdf is the shape's own, not one of the file's materials."""
+"""The names under which a BSDF applies to the whole shape and does not replace a material of the file."""
 
 
 def load_mesh_file(node: Node, materials: Materials) -> list[Mesh]:
-    """The meshes of a shape's file, in its own frame, with their materials. Raises EclatError as the loaders do."""
+    """Load the meshes of a shape's file, with materials, in the coordinates of the file.
+
+    Raises
+    ------
+    EclatError : the file does not exist or is invalid.
+    """
     own = [child for name, child in node.of_tag("bsdf") if name in _OWN or not (name or child.id)]
     named = {name or child.id: child for name, child in node.of_tag("bsdf") if child not in own}
     if node.type in ("ply", "serialized"):
         own, named = [*own, *named.values()], {}
     if len(own) > 1:
-        warn(f"{node.where}: expected one bsdf, got {len(own)}; the first is used")
+        warn(f"{node.where}: expected one BSDF, got {len(own)}; the first one is used")
     if named:
         return _with_replacements(node, materials, own, named)
     if own or node.type in ("ply", "serialized"):
         return _with_bsdf(node, materials, own)
     meshes = _with_file_materials(node)
-    if _shines(node):
-        # A lamp without a bsdf reflects nothing; what the mesh file itself says of its materials holds all the same.
-        black = default_material(shines=True)
+    if _is_emissive(node):
+        # An emissive shape without a BSDF is black, as in Mitsuba. Materials of the mesh file are kept.
+        black = default_material(emissive=True)
         meshes = [mesh if mesh.material.name else replace(mesh, material=black) for mesh in meshes]
     return meshes
 
 
 def _with_bsdf(node: Node, materials: Materials, own: list[Node]) -> list[Mesh]:
-    material = materials.of(own[0]) if own else default_material(shines=_shines(node))
+    material = materials.of(own[0]) if own else default_material(emissive=_is_emissive(node))
     return [replace(mesh, material=material) for mesh in _bare(node)]
 
 
-def _shines(node: Node) -> bool:
+def _is_emissive(node: Node) -> bool:
     return bool(list(node.of_tag("emitter")))
 
 
@@ -61,13 +66,19 @@ def _with_replacements(node: Node, materials: Materials, own: list[Node], named:
     known = {mesh.material.name for mesh in meshes if mesh.material.name}
     unknown = [name for name in named if name not in known]
     if len(unknown) == 1 and len(named) == 1 and not own:
-        # In Mitsuba names of bsdfs mean nothing: this one is the shape's own.
+        # In Mitsuba, the name of a BSDF has no meaning. A single BSDF therefore applies to the whole shape.
         if known and unknown[0] != named[unknown[0]].id:
             near = did_you_mean(unknown[0], known)
-            warn(f"{node.where}: the file has no material {unknown[0]!r}{near}; the bsdf is used for the whole shape")
+            warn(
+                f"{node.where}: the file has no material called {unknown[0]!r}{near}; the BSDF is used for the whole "
+                "shape"
+            )
         return _with_bsdf(node, materials, [named[unknown[0]]])
     for name in unknown:
-        warn(f"{node.where}: the file has no material {name!r} for a bsdf to replace{did_you_mean(name, known)}")
+        warn(
+            f"{node.where}: the BSDF {name!r} is ignored, because the file has no material of this name"
+            f"{did_you_mean(name, known)}"
+        )
     made: dict[str, Material] = {}
     result = []
     for mesh in meshes:
@@ -85,11 +96,11 @@ def _with_file_materials(node: Node) -> list[Mesh]:
     if node.type == "obj":
         flip = node.boolean("flip_tex_coords", default=True)
         return load_obj(_path(node), face_normals=face_normals, flip_v=flip)
-    from eclat.loaders.gltf import load_gltf  # the largest loader, seldom needed here
+    from eclat.loaders.gltf import load_gltf  # imported here because it is large and seldom needed
 
     scene = load_gltf(_path(node))
     if scene.lights or scene.environment:
-        warn(f"{node.where}: only the meshes of the glTF file are used, not its lights")
+        warn(f"{node.where}: the lights of the glTF file are ignored, and only its meshes are used")
     if face_normals:
         return [replace(mesh, normals=None) for mesh in scene.meshes]
     return list(scene.meshes)
@@ -98,12 +109,12 @@ def _with_file_materials(node: Node) -> list[Mesh]:
 def _path(node: Node) -> Path:
     path = node.file("filename")
     if not path.exists():
-        raise EclatError(f"{node.where}, filename: file not found: {path}")
+        raise EclatError(f"{node.where}, filename: expected a mesh file, but {path} does not exist")
     return path
 
 
 def _bare(node: Node) -> list[Mesh]:
-    """The meshes without materials. As in Mitsuba, normals are computed if the file has none."""
+    """Load the meshes without the materials of the file. As in Mitsuba, normals are computed if the file has none."""
     path = _path(node)
     face_normals = node.boolean("face_normals", default=False)
     if node.type == "obj":

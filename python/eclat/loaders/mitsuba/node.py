@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The neutral tree that both forms of a Mitsuba scene, XML and dict, are read into."""
+"""The tree of nodes that Mitsuba scenes in both forms, XML and dict, are read into."""
 
 from __future__ import annotations
 
@@ -17,10 +17,10 @@ from eclat.errors import EclatError, shown
 from eclat.loaders.files import resolve
 
 MAX_DEPTH = 50
-"""Nesting of elements, includes and references together; real scenes stay under 15."""
+"""The largest depth of nested elements, included files and references together. Real scenes stay below 15."""
 
 MAX_MAGNITUDE = 1e30
-"""Numbers beyond it (or not finite) are mistakes, and their products would overflow float32."""
+"""The largest absolute value of a number. Larger numbers are mistakes, and their products would overflow float32."""
 
 Vector = tuple[float, float, float]
 
@@ -34,14 +34,14 @@ class Rgb:
 
 @dataclass(frozen=True)
 class Uniform:
-    """A `spectrum` of one number, whose colour depends on its role."""
+    """A constant spectrum. Its colour depends on its role (see `spectra.to_rgb`)."""
 
     value: float
 
 
 @dataclass(frozen=True, eq=False)
 class Curve:
-    """Samples of a spectrum: wavelengths in nanometres, values."""
+    """A sampled spectrum: wavelengths in nanometres, and the value at each of them."""
 
     wavelengths: tuple[float, ...]
     values: tuple[float, ...]
@@ -49,7 +49,7 @@ class Curve:
 
 @dataclass(frozen=True)
 class Blackbody:
-    """A black body of `temperature` kelvin, times `scale`."""
+    """The emission of a black body with a `temperature` in kelvin, multiplied by `scale`."""
 
     temperature: float
     scale: float = 1.0
@@ -60,11 +60,12 @@ Color = Rgb | Uniform | Curve | Blackbody
 
 @dataclass(eq=False)
 class Node:
-    """An object of the scene: a shape, a bsdf, a film. `where` names it in messages, with file and line.
+    """An object of the scene, such as a shape, a BSDF or a film.
 
-    `properties` have snake_case names whatever the file wrote; `children` keep the name they were given (a property's
-    or, for a bsdf inside a shape of type obj, a material's) and their order. `used` holds the properties that were
-    read, and `asked` all that were looked up, whether they exist or not.
+    `where` names the object in messages, with its file and line. The names of `properties` are in snake case, even if
+    the file writes them differently. `children` are in the order of the file, and each has the name of the property or,
+    for a BSDF in a shape of type obj, of the material that it replaces. `used` contains the names of the properties
+    that have been read. `asked` contains all names that have been looked up, whether they exist or not.
     """
 
     tag: str
@@ -73,14 +74,14 @@ class Node:
     folders: tuple[Path, ...]
     id: str = ""
     legacy: bool = False
-    """From a file of version 0.x, whose defaults differ in places."""
+    """Whether the object is from a file of version 0.x, in which some defaults are different."""
     properties: dict[str, Any] = field(default_factory=dict)
     children: list[tuple[str, Node]] = field(default_factory=list)
     used: set[str] = field(default_factory=set)
     asked: set[str] = field(default_factory=set)
 
     def get(self, *names: str) -> Any:
-        """The property or child node of the first of `names` that exists; None if none does."""
+        """The property, or otherwise the child, of the first name in `names` that exists, or None if none exists."""
         self.asked.update(names)
         for name in names:
             if name in self.properties:
@@ -93,11 +94,11 @@ class Node:
         return None
 
     def of_tag(self, *tags: str) -> list[tuple[str, Node]]:
-        """The children with one of these tags, as (name, node)."""
+        """The names and nodes of the children that have one of these tags."""
         return [(name, child) for name, child in self.children if child.tag in tags]
 
     def number(self, *names: str, default: float) -> float:
-        """A finite number. Raises EclatError for anything else."""
+        """The finite number in the first property that exists. Raises EclatError if it is anything else."""
         value = self.get(*names)
         if value is None:
             return default
@@ -112,21 +113,24 @@ class Node:
         return float(value)
 
     def positive(self, *names: str, default: float) -> float:
-        """A number above 0. Raises EclatError for anything else."""
+        """The number above 0 in the first property that exists. Raises EclatError if it is anything else."""
         value = self.number(*names, default=default)
         if value <= 0:
             raise self.mismatch(names[0], "a number above 0", value)
         return value
 
     def integer(self, *names: str, default: int) -> int:
-        """A whole number. Raises EclatError for anything else."""
+        """The integer in the first property that exists. Raises EclatError if it is anything else."""
         value = self.number(*names, default=default)
         if value != int(value):
-            raise self.mismatch(names[0], "a whole number", value)
+            raise self.mismatch(names[0], "an integer", value)
         return int(value)
 
     def boolean(self, *names: str, default: bool) -> bool:
-        """true or false, also written as a number or a string; EclatError for anything else."""
+        """The truth value, also as a number or a string, in the first property that exists.
+
+        Raises EclatError if it is anything else.
+        """
         value = self.get(*names)
         if value is None:
             return default
@@ -137,7 +141,10 @@ class Node:
         raise self.mismatch(names[0], "true or false", value)
 
     def string(self, *names: str, default: str = "") -> str:
-        """A string; numbers are spelled out. EclatError for anything else."""
+        """The string in the first property that exists. Numbers become strings.
+
+        Raises EclatError if it is anything else.
+        """
         value = self.get(*names)
         if value is None:
             return default
@@ -146,7 +153,10 @@ class Node:
         raise self.mismatch(names[0], "a string", value)
 
     def vector(self, *names: str) -> Vector | None:
-        """Three numbers, or None. Raises EclatError for anything else."""
+        """The three numbers in the first property that exists, or None if none exists.
+
+        Raises EclatError if it is anything else.
+        """
         value = self.get(*names)
         if isinstance(value, Rgb):
             return value.values
@@ -155,7 +165,10 @@ class Node:
         raise self.mismatch(names[0], "three numbers", value)
 
     def transform(self, *names: str) -> NDArray[np.float64]:
-        """A 4×4 matrix, the identity where there is none; EclatError for anything else."""
+        """The 4×4 matrix in the first property that exists, or the identity if none exists.
+
+        Raises EclatError if it is anything else.
+        """
         value = self.get(*names)
         if value is None:
             return np.eye(4)
@@ -164,27 +177,30 @@ class Node:
         raise self.mismatch(names[0], "a transform", value)
 
     def file(self, *names: str, default: str = "") -> Path:
-        """The path of a file that the scene names; it need not exist. EclatError without a name."""
+        """The path of the file that the first existing property names. The file need not exist.
+
+        Relative names are searched in all `folders`. Raises EclatError if no property exists or the name is invalid.
+        """
         name = self.string(*names, default=default)
         if not name:
-            raise EclatError(f"{self.where}: expected a {names[0]}, got none")
+            raise EclatError(f"{self.where}: expected the property {names[0]!r} with the name of a file, got none")
         where = f"{self.where}, {names[0]}"
         for folder in self.folders:
             try:
                 if (folder / name.replace("\\", "/").strip()).exists():
                     return resolve(folder, name, where=where, allow_parent=True)
-            except (OSError, ValueError):  # names too long or with zeros: `resolve` says what is wrong with them
+            except (OSError, ValueError):  # `resolve` raises EclatError for names that are too long or contain zeros
                 break
         return resolve(self.folders[0], name, where=where, allow_parent=True)
 
     def mismatch(self, name: str, expected: str, got: object) -> EclatError:
-        """The error to raise for a property of the wrong kind."""
+        """Make the error for a property `name` with an invalid value."""
         what = f"a {got.tag} of type {got.type!r}" if isinstance(got, Node) else shown(got)
         return EclatError(f"{self.where}, {name}: expected {expected}, got {what}")
 
 
 def snake_case(name: str) -> str:
-    """The name in snake case: `toWorld` and `to_world` become `to_world`, and `intIOR` becomes `int_ior`."""
+    """Convert `name` to snake case: `toWorld` and `to_world` become `to_world`, and `intIOR` becomes `int_ior`."""
     return re.sub(r"(?<=[a-z0-9])(?=[A-Z])", "_", name).replace("-", "_").lower()
 
 
@@ -192,7 +208,7 @@ _NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?f?")
 
 
 def parse_number(text: str, where: str) -> float:
-    """A finite number: leading dots and a trailing `f` are fine. Raises EclatError."""
+    """Parse a finite number, which may start with a dot and end with `f`. Raises EclatError."""
     stripped = text.strip().rstrip(",")
     if len(stripped) <= 400 and _NUMBER.fullmatch(stripped):
         return check_number(float(stripped.rstrip("f")), where)
@@ -200,19 +216,21 @@ def parse_number(text: str, where: str) -> float:
 
 
 def check_number(value: float, where: str) -> float:
-    """Return `value`. Raises EclatError if it is not finite or larger than `MAX_MAGNITUDE`."""
+    """Return `value`. Raises EclatError if it is not finite or its absolute value exceeds `MAX_MAGNITUDE`."""
     if not math.isfinite(value) or abs(value) > MAX_MAGNITUDE:
-        raise EclatError(f"{where}: expected a finite number of at most {MAX_MAGNITUDE:g} in size, got {value:g}")
+        raise EclatError(
+            f"{where}: expected a finite number whose absolute value is at most {MAX_MAGNITUDE:g}, got {value:g}"
+        )
     return value
 
 
 def parse_numbers(text: str, where: str) -> list[float]:
-    """Numbers with commas or blanks between them, trailing ones too. Raises EclatError."""
+    """Parse numbers that are separated by commas, semicolons or white space. Raises EclatError."""
     return [parse_number(part, where) for part in re.split(r"[\s,;]+", text) if part]
 
 
 def parse_boolean(text: str, where: str) -> bool:
-    """true/false in any case, 1/0, yes/no. Raises EclatError."""
+    """Parse true or false, 1 or 0, yes or no, in upper or lower case. Raises EclatError."""
     word = text.strip().lower()
     if word in ("true", "1", "yes"):
         return True
@@ -222,7 +240,7 @@ def parse_boolean(text: str, where: str) -> bool:
 
 
 def parse_vector(text: str, where: str) -> Vector:
-    """Three numbers, or one for all three. Raises EclatError."""
+    """Parse three numbers, or one number that stands for all three. Raises EclatError."""
     numbers = parse_numbers(text, where)
     if len(numbers) == 1:
         numbers = numbers * 3

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Indices of refraction by name: transparent media, and metals as RGB."""
+"""Refractive indices by name: real ones of transparent media, and complex ones of metals in RGB."""
 
 from __future__ import annotations
 
@@ -9,7 +9,8 @@ from eclat.loaders.mitsuba.node import Color, Node, Vector
 from eclat.loaders.mitsuba.spectra import to_rgb
 
 IOR: dict[str, float] = {
-    # Gases at 0 °C and 1 atm, liquids at 20 °C, solids: at the sodium line, as in any table of optical constants.
+    # The indices are at the wavelength of the sodium line, for gases at 0 °C and 1 atm and for liquids at 20 °C. Any
+    # table of optical constants contains them.
     "vacuum": 1.0,
     "helium": 1.000036,
     "hydrogen": 1.000132,
@@ -36,8 +37,9 @@ IOR: dict[str, float] = {
 }
 
 CONDUCTORS: dict[str, tuple[Vector, Vector]] = {
-    # η and k from the tables of E. D. Palik, "Handbook of Optical Constants of Solids", 1998, and others (as collected
-    # at refractiveindex.info), integrated like a light's spectrum (`eclat.measure.spectrum.emission_to_rgb`).
+    # η and k are from E. D. Palik, "Handbook of Optical Constants of Solids", 1998, and from other tables that are
+    # collected at refractiveindex.info. They are converted to RGB like the spectrum of a light
+    # (`eclat.measure.spectrum.emission_to_rgb`).
     "a-C": ((2.944, 2.227, 1.968), (0.8875, 0.7993, 0.8153)),
     "Ag": ((0.1553, 0.1167, 0.1384), (4.828, 3.122, 2.147)),
     "Al": ((1.658, 0.8804, 0.5212), (9.224, 6.270, 4.837)),
@@ -70,11 +72,13 @@ CONDUCTORS: dict[str, tuple[Vector, Vector]] = {
 
 
 def relative_ior(node: Node, interior: str) -> float:
-    """The interior index of refraction of a bsdf divided by the exterior one. The default interior is `interior`.
+    """The interior refractive index of a BSDF, divided by the exterior one.
+
+    The default of the interior is the medium called `interior`, and the default of the exterior is air.
 
     Raises
     ------
-    EclatError : unknown media, indices that are not above 0.
+    EclatError : a medium is unknown, or an index is not above 0.
     """
     if node.get("eta") is not None and node.get("int_ior") is None:
         return node.positive("eta", default=1.0)
@@ -82,9 +86,10 @@ def relative_ior(node: Node, interior: str) -> float:
 
 
 def conductor_constants(node: Node) -> tuple[Vector, Vector]:
-    """The η and k of a conductor relative to its outside, from `eta` and `k` or else from `material`.
+    """The refractive index η and the extinction coefficient k of a conductor in RGB, relative to the exterior medium.
 
-    A `material` of "none" is a perfect mirror: η = 0, k = 1.
+    They are read from `eta` and `k` or, if these are absent, from the name of a `material`. The material "none" is a
+    perfect mirror: η = 0 and k = 1.
     """
     outside = _ior(node, "ext_eta", "air") if node.get("ext_eta") is not None else 1.0
     name = node.string("material", default="Cu" if node.legacy and node.get("eta", "k") is None else "none")
@@ -100,7 +105,7 @@ def _by_name(name: str, node: Node) -> tuple[Vector, Vector]:
     known = {key.lower(): key for key in CONDUCTORS}
     if symbol.lower() not in known:
         near = did_you_mean(name, CONDUCTORS)
-        warn(f"{node.where}: the conductor {name[:60]!r} is not known{near}; aluminium (Al) is used")
+        warn(f"{node.where}: the conductor {name[:60]!r} is unknown{near}; aluminium (Al) is used instead")
         symbol = "Al"
     return CONDUCTORS[known[symbol.lower()]]
 
@@ -110,7 +115,7 @@ def _constant(node: Node, name: str, default: Vector) -> Vector:
     if value is None:
         return default
     if isinstance(value, Node):
-        raise node.mismatch(name, "a colour (eta and k cannot be textured)", value)
+        raise node.mismatch(name, "a colour, because textures of eta and k are not supported", value)
     if not isinstance(value, Color):
         return (node.number(name, default=0.0),) * 3
     return to_rgb(value, "emission", node.where, legacy=node.legacy)
@@ -124,5 +129,5 @@ def _ior(node: Node, name: str, default: str) -> float:
         return IOR[value.strip().lower()]
     if isinstance(value, str) and not value.strip()[:1].isdigit() and not value.strip().startswith("."):
         near = did_you_mean(value, IOR)
-        raise EclatError(f"{node.where}, {name}: expected a number or a medium, got {value[:60]!r}{near}")
+        raise EclatError(f"{node.where}, {name}: expected a number or the name of a medium, got {value[:60]!r}{near}")
     return node.positive(name, default=1.0)

@@ -1,7 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Reads XML of all versions of Mitsuba into the neutral tree, with defaults, parameters, includes, aliases and
-references."""
+"""Read XML files of all versions of Mitsuba into a tree of nodes.
+
+This includes default values, parameters, included files, aliases and references.
+"""
 
 from __future__ import annotations
 
@@ -25,22 +27,29 @@ OBJECT_TAGS = {
     "background": "emitter",
     "camera": "sensor",
 }
+"""The XML tags of objects, and Mitsuba's current name of each. The last three tags are old names or come from other
+renderers."""
 
 _LIGHT_OF_DIALECTS = ("radiance", "intensity")
-"""Elements with a value: how the renderers lajolla and torrey write a light's colour, without naming its kind."""
+"""The tags that the renderers lajolla and torrey use for the colour of a light. The tag is the name of the property."""
 
 _MAX_INCLUDES = 1000
+"""The largest number of included files. Real scenes have fewer than a hundred."""
 _MAX_EXPANDED = 1 << 14
-"""Characters of an attribute after substitution: defaults that double each other must not fill the memory."""
+"""The largest number of characters in an attribute after the substitution of parameters. Without a limit, parameters
+that contain each other twice could fill the memory."""
 
 
 def parse_xml(path: Path, parameters: dict[str, str]) -> Node:
-    """The tree of an XML scene, references resolved. Raises EclatError with file and line."""
+    """Read an XML scene into a tree of nodes, and resolve its references.
+
+    `parameters` are the values of `$name`. Raises EclatError with the file and the line.
+    """
     parser = _Parser(path, parameters)
     scene = Node("scene", "scene", path.name, parser.folders)
     parser.file(path, scene, str(path), (), 0)
     for name in parameters.keys() - parser.read_parameters:
-        warn(f"{path.name}: no element uses the parameter {name!r}{did_you_mean(name, parser.read_parameters)}")
+        warn(f"{path.name}: the parameter {name!r} is not used{did_you_mean(name, parser.read_parameters)}")
     resolve_references(scene, parser.identifiers)
     return scene
 
@@ -55,19 +64,23 @@ class _Parser:
         self.legacy = False
 
     def file(self, path: Path, scene: Node, where: str, stack: tuple[Path, ...], depth: int) -> None:
-        """Read the file at `path` into `scene`; `stack` are the files that include it, with their folders searched."""
+        """Read the file at `path` and add its objects to `scene`.
+
+        `stack` are the files that include this one, `where` is the element that includes it, and `depth` is the
+        nesting depth. Files that it names are also searched in the folders of the including files.
+        """
         real = path.resolve()
         if real in stack:
-            raise EclatError(f"{where}: {path.name} includes itself")
+            raise EclatError(f"{where}: the file {path.name} includes itself")
         self.includes += 1
         if self.includes > _MAX_INCLUDES:
-            raise EclatError(f"{where}: more than {_MAX_INCLUDES} includes")
+            raise EclatError(f"{where}: expected at most {_MAX_INCLUDES} included files, got more")
         root = read_elements(path, where)
         if path.parent not in self.folders:
             self.folders = (*self.folders, path.parent)
         if OBJECT_TAGS.get(root.tag) != "scene":
             if not stack:
-                raise EclatError(f"{root.where}: expected the root element <scene>")
+                raise EclatError(f"{root.where}: expected the root element <scene>, got <{root.tag}>")
             self.child(root, scene, (*stack, real), depth + 1)
             return
         if not stack:
@@ -76,9 +89,11 @@ class _Parser:
             self.child(child, scene, (*stack, real), depth + 1)
 
     def child(self, element: Element, parent: Node, stack: tuple[Path, ...], depth: int) -> None:
-        """Add what `element` says to `parent`: a property, an object, or a directive."""
+        """Add the property or the object in `element` to the node `parent`, or execute the directive in it."""
         if depth > MAX_DEPTH:
-            raise EclatError(f"{element.where}: elements and includes are nested more than {MAX_DEPTH} deep")
+            raise EclatError(
+                f"{element.where}: expected at most {MAX_DEPTH} levels of nested elements and included files, got more"
+            )
         element.attributes = {key: self.expand(value, element) for key, value in element.attributes.items()}
         tag, attributes = element.tag, element.attributes
         if tag == "background":
@@ -95,7 +110,7 @@ class _Parser:
             self.folders = (*self.folders, self.folders[0] / _needed(element, "value", "filename"))
         elif tag == "ref":
             target = Node("ref", "", element.where, self.folders, id=_needed(element, "id"))
-            # The name tells references from bsdfs that are made inside a shape of type obj (mesh_files.py).
+            # The name distinguishes references from BSDFs that are defined in a shape of type obj (see mesh_files.py).
             parent.children.append((attributes.get("name", "ref"), target))
         elif tag in OBJECT_TAGS and ("type" in attributes or tag not in ("spectrum", "scene")):
             self.object(element, parent, stack, depth)
@@ -103,7 +118,7 @@ class _Parser:
             self.property(element, parent)
         else:
             known = [*OBJECT_TAGS, *_PROPERTIES, "transform", "include", "default", "alias", "ref", "path"]
-            warn(f"{element.where}: an unknown element, ignored{did_you_mean(tag, known)}")
+            warn(f"{element.where}: this element is unknown and is ignored{did_you_mean(tag, known)}")
 
     def include(self, element: Element, parent: Node, stack: tuple[Path, ...], depth: int) -> None:
         name = _needed(element, "filename")
@@ -120,21 +135,21 @@ class _Parser:
         parent.children.append((attributes.get("name", ""), node))
 
     def property(self, element: Element, parent: Node) -> None:
-        """Set the property that `element` gives to `parent`."""
+        """Set the property in `element` on the node `parent`."""
         name = element.attributes.get("name")
         if name is None and element.tag in ("transform", "animation"):
             name = "to_world"
         if name is None:
-            warn(f"{element.where}: a property without a name, ignored")
+            warn(f"{element.where}: this property has no name and is ignored")
             return
         if parent.tag == "scene":
-            return  # Mitsuba's scene has no property that we need
+            return  # no property of the scene itself affects the image
         parent.properties[snake_case(name)] = self.value(element)
 
     def value(self, element: Element) -> Any:
         if element.tag == "animation":
             frames = [child for child in element.children if child.tag == "transform"]
-            warn(f"{element.where}: motion is not supported; the first keyframe is used")
+            warn(f"{element.where}: animated transforms are not supported; the first keyframe is used")
             return self.value(frames[0]) if frames else np.eye(4)
         if element.tag == "transform":
             for step in element.children:
@@ -146,22 +161,29 @@ class _Parser:
         return _PROPERTIES[element.tag](element)
 
     def expand(self, text: str, element: Element) -> str:
-        """`text` with every `$name` replaced. Raises EclatError for a name that has no value."""
+        """Replace every `$name` in `text` by its value. Raises EclatError if a name has no value."""
         if "$" not in text:
             return text
         expanded = re.sub(r"\$\{?(\w+)\}?", lambda match: self.parameter(match[1], element), text)
         if len(expanded) > _MAX_EXPANDED:
-            raise EclatError(f"{element.where}: more than {_MAX_EXPANDED} characters after substitution of parameters")
+            raise EclatError(
+                f"{element.where}: expected at most {_MAX_EXPANDED} characters in an attribute after the substitution "
+                f"of parameters, got {len(expanded)}"
+            )
         return expanded
 
     def parameter(self, word: str, element: Element) -> str:
-        """The value of the parameter `word`, or of the longest one that `word` begins with, as Mitsuba does."""
+        """The value of the parameter `word`.
+
+        If there is no such parameter, the longest parameter name that `word` starts with is replaced and the rest of
+        `word` is kept, as in Mitsuba.
+        """
         for end in range(min(len(word), 200), 0, -1):
             if word[:end] in self.parameters:
                 self.read_parameters.add(word[:end])
                 return self.parameters[word[:end]] + word[end:]
         raise EclatError(
-            f"{element.where}: the parameter ${word[:60]} has no value and no <default>"
+            f"{element.where}: the parameter ${word[:60]} has neither a value nor a <default>; pass a value for it"
             f"{did_you_mean(word[:60], self.parameters)}"
         )
 
@@ -169,7 +191,7 @@ class _Parser:
 def _is_legacy(root: Element) -> bool:
     version = root.attributes.get("version")
     if version is None:
-        warn(f"{root.where}: expected the attribute version; 3.0.0 is assumed")
+        warn(f"{root.where}: the attribute version is missing; version 3.0.0 is assumed")
         return False
     match = re.match(r"\s*(\d+)\.", version + ".")
     if not match:
@@ -178,11 +200,11 @@ def _is_legacy(root: Element) -> bool:
 
 
 def _needed(element: Element, *names: str) -> str:
-    """The first of these attributes that exists. Raises EclatError if there is none."""
+    """The value of the first attribute in `names` that `element` has. Raises EclatError if it has none of them."""
     for name in names:
         if name in element.attributes:
             return element.attributes[name]
-    raise EclatError(f"{element.where}: expected the attribute {' or '.join(names)}")
+    raise EclatError(f"{element.where}: expected the attribute {' or '.join(names)}, got none")
 
 
 def _number(element: Element) -> float:

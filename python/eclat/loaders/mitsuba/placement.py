@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Moves meshes by a matrix and makes their winding agree with their normals."""
+"""Transform meshes, and make the orientation of their triangles agree with their normals."""
 
 from __future__ import annotations
 
@@ -20,11 +20,12 @@ from eclat.loaders.mitsuba.transforms import (
 from eclat.scene import FloatArray, Mesh
 
 
-def placed(mesh: Mesh, matrix: Matrix) -> Mesh:
-    """`mesh` moved by the 4×4 `matrix`.
+def transform_mesh(mesh: Mesh, matrix: Matrix) -> Mesh:
+    """Transform `mesh` by the 4×4 `matrix`.
 
-    With normals the winding follows them, also where the file's does not or `matrix` mirrors: Mitsuba lets shading
-    normals decide which side shines. Without normals a mirrored mesh is turned inside out, as in Mitsuba.
+    If the mesh has normals, triangles are reversed where necessary so that their front side is that of the normals. In
+    Mitsuba, the shading normals determine the side that emits light. If the mesh has no normals, a reflection turns it
+    inside out, as in Mitsuba.
     """
     positions = transform_points(matrix, mesh.positions)
     tangents = mesh.tangents
@@ -35,12 +36,15 @@ def placed(mesh: Mesh, matrix: Matrix) -> Mesh:
     if mesh.normals is None:
         return replace(mesh, positions=positions, tangents=tangents)
     normals = transform_normals(matrix, mesh.normals)
-    triangles = facing(positions, mesh.triangles, normals)
+    triangles = orient_triangles(positions, mesh.triangles, normals)
     return replace(mesh, positions=positions, triangles=triangles, normals=normals, tangents=tangents)
 
 
-def facing(positions: FloatArray, triangles: NDArray[np.integer], normals: FloatArray) -> NDArray[np.integer]:
-    """The `triangles`; those whose winding opposes the sum of their vertex normals are reversed."""
+def orient_triangles(positions: FloatArray, triangles: NDArray[np.integer], normals: FloatArray) -> NDArray[np.integer]:
+    """Reverse each triangle whose geometric normal points away from the sum of its vertex normals.
+
+    `positions` and `normals` have the shape (V, 3), and `triangles` (T, 3) are vertex indices.
+    """
     corners = np.asarray(positions, dtype=np.float64)[triangles]
     with np.errstate(over="ignore", invalid="ignore"):
         geometric = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])

@@ -1,13 +1,14 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Mitsuba's primitives as triangles with normals, texture coordinates and tangents, in their own frame.
+"""Tessellate Mitsuba's primitives to triangles with normals, texture coordinates and tangents, in local coordinates.
 
-Curved ones get `SEGMENTS` divisions of a turn, fewer where there are very many of them (`tessellation`). At `SEGMENTS` a
-chord departs from its arc by at most 1 − cos(π / 128) = 3.0e-4 of the radius, the middle of a sphere's cell by about twice
-that. The vertices stand outside the true surface by half of it or so, such that the area, and with it the power of an
-emitter of given radiance, is exactly that of the true shape.
+The circumference of a round shape is divided into `SEGMENTS` segments, or fewer if a scene has very many round shapes
+(see `tessellation`). With `SEGMENTS` segments, the distance of a chord from its arc is at most 1 − cos(π / 128) = 3.0e-4
+of the radius. The distance of the centre of a sphere's cell is about twice as large. The vertices are about half this
+distance outside the true surface, so that the area is exactly that of the true shape. Therefore, an emitter of a given
+radiance also has the exact power.
 
-Texture coordinates are Mitsuba's, with v = 0 the first row of the image.
+Texture coordinates are those of Mitsuba. v = 0 is the first row of the image.
 """
 
 from __future__ import annotations
@@ -22,13 +23,17 @@ from numpy.typing import NDArray
 from eclat.scene import triangle_areas
 
 SEGMENTS = 128
+"""The default number of segments around a round shape (see the module docstring for the error)."""
 
 Floats = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """positions, normals, tangents (V, 3), uvs (V, 2), triangles (T, 3) counter-clockwise seen from outside."""
+    """A tessellated shape: positions, normals and tangents (V, 3), uvs (V, 2), and triangles (T, 3).
+
+    The corners of triangles are counter-clockwise as seen from outside.
+    """
 
     positions: Floats
     normals: Floats
@@ -38,7 +43,7 @@ class Surface:
 
 
 def rectangle() -> Surface:
-    """The square [−1, 1]² at z = 0, which faces +z."""
+    """The square [−1, 1]² at z = 0 with the normal +z."""
     positions = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], dtype=np.float64)
     uvs = (positions[:, :2] + 1) / 2
     triangles = np.array([[0, 1, 2], [0, 2, 3]])
@@ -46,7 +51,7 @@ def rectangle() -> Surface:
 
 
 def cube() -> Surface:
-    """The cube [−1, 1]³. The texture covers each side completely."""
+    """The cube [−1, 1]³. The texture covers each of its faces."""
     corners = np.array([[0, 0], [0, 1], [1, 1], [1, 0]], dtype=np.float64)
     positions, normals, tangents, triangles = [], [], [], []
     for index, (normal, across, down) in enumerate(_CUBE_SIDES):
@@ -62,9 +67,9 @@ def cube() -> Surface:
 
 @lru_cache(maxsize=64)
 def disk(segments: int = SEGMENTS) -> Surface:
-    """The unit disk at z = 0 that faces +z; u is the radius, v the angle."""
+    """The unit disk at z = 0 with the normal +z. u is the radius, and v is the angle as a fraction of a turn."""
     angle = np.arange(segments + 1) * (2 * math.pi / segments)
-    # n triangles of two sides R have the area n / 2 · R² sin(2π / n).
+    # n isosceles triangles with two sides of length R have the area n / 2 · R² sin(2π / n) together.
     radius = math.sqrt(2 * math.pi / segments / math.sin(2 * math.pi / segments))
     middle = angle[:-1] + math.pi / segments
     outward = np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1)
@@ -78,9 +83,9 @@ def disk(segments: int = SEGMENTS) -> Surface:
 
 @lru_cache(maxsize=64)
 def cylinder(segments: int = SEGMENTS) -> Surface:
-    """The side of the unit cylinder from z = 0 to 1, without caps; u goes around, v along z."""
+    """The lateral surface of the unit cylinder from z = 0 to 1, without caps. u runs around the axis, and v along it."""
     angle = np.arange(segments + 1) * (2 * math.pi / segments)
-    radius = math.pi / segments / math.sin(math.pi / segments)  # the perimeter 2 n R sin(π / n) is that of the circle
+    radius = math.pi / segments / math.sin(math.pi / segments)  # so that the perimeter 2 n R sin(π / n) equals 2π
     normals = np.tile(np.stack([np.cos(angle), np.sin(angle), 0 * angle], axis=1), (2, 1))
     tangents = np.tile(np.stack([-np.sin(angle), np.cos(angle), 0 * angle], axis=1), (2, 1))
     height = np.repeat([0.0, 1.0], segments + 1)
@@ -92,7 +97,7 @@ def cylinder(segments: int = SEGMENTS) -> Surface:
 
 @lru_cache(maxsize=64)
 def sphere(segments: int = SEGMENTS) -> Surface:
-    """The unit sphere; u goes around z, v from +z down to −z."""
+    """The unit sphere. u runs around the z axis, and v from +z to −z."""
     angle = np.arange(segments + 1) * (2 * math.pi / segments)
     polar = np.arange(segments // 2 + 1) * (2 * math.pi / segments)
     theta, phi = (part.ravel() for part in np.meshgrid(polar, angle, indexing="ij"))
@@ -101,15 +106,15 @@ def sphere(segments: int = SEGMENTS) -> Surface:
     uvs = np.stack([phi / (2 * math.pi), theta / math.pi], axis=1)
     triangles = _grid(len(polar), len(angle))
     area = triangle_areas(normals[triangles])
-    triangles = triangles[area > 1e-9]  # at the poles one of a cell's two triangles has no area
+    triangles = triangles[area > 1e-9]  # at the poles, one of the two triangles of each cell has no area
     radius = math.sqrt(4 * math.pi / area.sum())
-    # At a pole each triangle has its own vertex, with the u of the cell's middle.
+    # At a pole, each triangle has its own vertex. Its u is that of the centre of the cell.
     polar_rows = (theta == polar[0]) | (theta == polar[-1])
     uvs[polar_rows, 0] += np.where(theta[polar_rows] == polar[0], 0.5, -0.5) / segments
     return Surface(normals * radius, normals, tangents, uvs, triangles)
 
 
-# normal, direction of growing u, direction of growing v
+# The normal, the direction of increasing u and the direction of increasing v of each face
 _CUBE_SIDES = (
     ((0, -1, 0), (0, 0, 1), (1, 0, 0)),
     ((0, 1, 0), (-1, 0, 0), (0, 0, -1)),
@@ -129,7 +134,10 @@ def _columns(u: float, v: NDArray[np.floating]) -> Floats:
 
 
 def _grid(rows: int, columns: int) -> NDArray[np.int64]:
-    """Two triangles for each cell of a grid of vertices: rows go down, columns to the right, seen from outside."""
+    """Two triangles for each cell of a grid of vertices.
+
+    Seen from outside, rows run downwards and columns to the right, so that the triangles are counter-clockwise.
+    """
     first = (np.arange(rows - 1)[:, None] * columns + np.arange(columns - 1)).ravel()
     a, b, c, d = first, first + columns, first + columns + 1, first + 1
     return np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""References: each `ref` in the tree is replaced by the object with that id, which may come before or after it."""
+"""Resolve references: replace each `ref` node by the object with its id, which may precede or follow it in the file."""
 
 from __future__ import annotations
 
@@ -9,45 +9,63 @@ from eclat.loaders.mitsuba.node import MAX_DEPTH, Node
 
 
 class Identifiers:
-    """The objects of a scene by their ids."""
+    """The objects of a scene by id, and the aliases of ids."""
 
     def __init__(self) -> None:
         self.nodes: dict[str, Node] = {}
         self.aliases: dict[str, tuple[str, str]] = {}
 
     def add(self, name: str, node: Node) -> None:
-        """Remember `node`; of two with the same id the first stays, with a warning."""
+        """Register `node` under the id `name`, unless the name is empty.
+
+        If the id exists already, references still refer to the first object, and a warning says so.
+        """
         if not name:
             return
         if name in self.nodes:
-            warn(f"{node.where}: the id {name!r} is taken by {self.nodes[name].where}, to which references go")
+            warn(
+                f"{node.where}: the id {name!r} is also the id of {self.nodes[name].where}; references use that object"
+            )
             return
         self.nodes[name] = node
 
     def alias(self, name: str, other: str, where: str) -> None:
-        """Add the alias `other` for the object `name`."""
+        """Register `other` as an alias of the id `name`."""
         self.aliases[other] = (name, where)
 
     def find(self, name: str, where: str) -> Node:
-        """The object called `name`. Raises EclatError for unknown names and circles of aliases."""
+        """Find the object with the id or alias `name`.
+
+        Raises EclatError if there is no such object or if aliases refer to each other in a circle.
+        """
         start = name
         for _ in range(len(self.aliases) + 1):
             if name in self.nodes:
                 return self.nodes[name]
             if name not in self.aliases:
                 known = [*self.nodes, *self.aliases]
-                raise EclatError(f"{where}: no object has the id {name[:80]!r}{did_you_mean(name[:80], known)}")
+                raise EclatError(
+                    f"{where}: expected the id of an object, got {name[:80]!r}, which no object has"
+                    f"{did_you_mean(name[:80], known)}"
+                )
             name, where = self.aliases[name]
-        raise EclatError(f"{where}: the alias {start[:80]!r} leads in a circle")
+        raise EclatError(f"{where}: the alias {start[:80]!r} refers to itself")
 
 
 def resolve_references(scene: Node, identifiers: Identifiers) -> None:
-    """Replace every `ref` below `scene`. Raises EclatError for unknown ids, circles and chains that are too long."""
+    """Replace every `ref` in the tree below `scene` by the object that it refers to.
+
+    Raises EclatError if an id is unknown, an object refers to itself, or the tree becomes too deep.
+    """
     _resolve(scene, identifiers, {}, 0)
 
 
 def _resolve(node: Node, identifiers: Identifiers, heights: dict[int, int], depth: int) -> int:
-    """Resolve below `node` and return its height; `heights` has −1 for nodes that are being visited."""
+    """Replace the references below `node`, and return the height of its tree.
+
+    `heights` contains the height of each visited node by the `id` of the Python object, or −1 while a node is visited.
+    `depth` is the depth of `node`.
+    """
     known = heights.get(id(node))
     if known == -1:
         raise EclatError(f"{node.where}: an object refers to itself")
@@ -67,4 +85,6 @@ def _resolve(node: Node, identifiers: Identifiers, heights: dict[int, int], dept
 
 def _check_depth(node: Node, depth: int) -> None:
     if depth > MAX_DEPTH:
-        raise EclatError(f"{node.where}: objects and references are nested more than {MAX_DEPTH} deep")
+        raise EclatError(
+            f"{node.where}: expected at most {MAX_DEPTH} levels of nested objects and references, got more"
+        )

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Warnings about settings of a Mitsuba file that would change the converged picture but are not supported."""
+"""Warn about settings of a Mitsuba file that would change the converged image but are not supported."""
 
 from __future__ import annotations
 
@@ -9,54 +9,60 @@ from eclat.loaders.mitsuba.kinds import PLUGINS
 from eclat.loaders.mitsuba.node import Node
 
 _PATHS = ("path", "volpath", "volpathmis", "volpath_simple", "bdpt", "mlt", "pssmlt", "erpt", "ptracer", "vpl", "prb")
-"""Integrators whose converged picture is that of all light."""
+"""The integrators that compute all light, if they are not limited by `max_depth`."""
 
 _WRAPPERS = ("adaptive", "irrcache", "aov", "moment", "multichannel")
-"""Integrators that hold another one."""
+"""The integrators that contain another integrator."""
 
 
-def tell_of_settings(tree: Node) -> None:
-    """Warn once about each setting of integrators and films that would change a converged picture but is not used.
+def warn_about_settings(tree: Node) -> None:
+    """Warn about each setting of an integrator or a film that would change the converged image but is not used.
 
-    No converged picture depends on how samples are drawn, on their number, or on where roulette begins (`rr_depth`).
+    There is no warning about the sampler, the number of samples and the start of Russian roulette (`rr_depth`),
+    because the converged image does not depend on them.
     """
     for _, node in tree.children:
         if node.tag == "integrator":
-            _tell_of_integrator(node)
+            _warn_about_integrator(node)
         elif node.tag == "sensor":
             for _, film in node.of_tag("film"):
-                _tell_of_filter(film)
+                _warn_about_filter(film)
 
 
-def _tell_of_integrator(node: Node) -> None:
+def _warn_about_integrator(node: Node) -> None:
     if node.type in _WRAPPERS:
         for _, inner in node.of_tag("integrator"):
-            _tell_of_integrator(inner)
+            _warn_about_integrator(inner)
         return
     if node.type not in PLUGINS["integrator"]:
-        return  # it was named as unknown
+        return  # there is a warning already that its type is unknown
     if node.boolean("hide_emitters", default=False):
-        warn(f"{node.where}: hide_emitters is not supported; the camera sees lamps and sky")
+        warn(f"{node.where}: hide_emitters is not supported; light sources and the sky are visible to the camera")
     if node.type == "direct":
         warn(
-            f"{node.where}: this integrator is not read from files; pictures have indirect light as well, "
-            "unless you ask for max_depth 2 or the method direct"
+            f"{node.where}: the integrator is not read from scene files; images include indirect light, "
+            "unless you choose the method direct or set max_depth to 2"
         )
     elif node.type in _PATHS:
         depth = node.integer("max_depth", default=-1)
         if depth >= 0:
-            warn(f"{node.where}: max_depth {depth} is not read from files; all light is computed unless you ask for it")
+            warn(
+                f"{node.where}: max_depth is not read from scene files; paths of all lengths are computed, unless you "
+                f"set max_depth to {depth} when you render"
+            )
     else:
-        warn(f"{node.where}: this integrator is not read from files; pictures show all light")
+        warn(f"{node.where}: the integrator is not read from scene files; images include all light")
 
 
-def _tell_of_filter(film: Node) -> None:
+def _warn_about_filter(film: Node) -> None:
     for _, node in film.of_tag("rfilter"):
         if node.type not in ("box", "tent"):
             warn(
-                f"{node.where}: a filter of this type is not supported; pixels are squares (`--filter tent` is smoother)"
+                f"{node.where}: the reconstruction filter {node.type!r} is not supported; a box filter is used "
+                "(choose `--filter tent` for smoother edges)"
             )
         elif node.type == "tent":
             warn(
-                f"{node.where}: the filter is not read from files; pixels are squares unless you ask for `--filter tent`"
+                f"{node.where}: the reconstruction filter is not read from scene files; a box filter is used, unless "
+                "you choose `--filter tent`"
             )

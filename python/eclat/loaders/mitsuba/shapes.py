@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Shapes of the tree to meshes in world space, with their materials and area lights."""
+"""Convert shapes to meshes in world space, with materials and area lights."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from eclat.loaders.mitsuba.kinds import PLUGINS
 from eclat.loaders.mitsuba.materials import Materials, default_material
 from eclat.loaders.mitsuba.mesh_files import MESH_FILES, load_mesh_file
 from eclat.loaders.mitsuba.node import Node
-from eclat.loaders.mitsuba.placement import placed
+from eclat.loaders.mitsuba.placement import transform_mesh
 from eclat.loaders.mitsuba.primitives import SEGMENTS
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.mitsuba.transforms import Matrix, is_singular, normalize
@@ -22,28 +22,37 @@ from eclat.loaders.parts import LimitError
 from eclat.scene import Material, Mesh, grey
 
 _MAX_TRIANGLES = 10**8
-"""In all; instances are copied, and a few lines can ask for more than any memory holds."""
+"""The largest number of triangles in a scene. Instances are copied, so that without a limit a small file could fill the
+memory."""
 
 _MAX_COORDINATE = 1e18
-"""The square of a distance must fit into float32."""
+"""The largest absolute value of a coordinate. The square of a distance must not overflow float32."""
 
 
 @dataclass
 class Shapes:
-    """Makes the meshes of a scene; counts triangles so that instances of instances cannot fill the memory."""
+    """The converter of the shapes of a scene. It keeps converted materials and groups, and counts the triangles."""
 
     materials: Materials = field(default_factory=Materials)
     groups: dict[int, list[Mesh]] = field(default_factory=dict)
     lit: dict[tuple[int, int], tuple[Material, Material]] = field(default_factory=dict)
-    """By material and emitter: the material that shines, and the dark one (kept, so that its id stays its own)."""
+    """The emissive copies of materials, by the `id` of the material and of the emitter. The second material is the
+    original one. It is kept alive here, so that no other object gets its `id`."""
     triangles: int = 0
+    """The number of triangles so far."""
     tessellation: Tessellation | None = None
-    """How finely round shapes are cut; None: as finely as single ones."""
+    """The number of segments of each round shape. If it is None, all have the default number."""
 
     def of(self, node: Node) -> list[Mesh]:
-        """The meshes of a shape, none (with a warning) for types that we do not have. Raises EclatError."""
+        """Convert a shape to meshes. A shape whose type is not supported gives none, with a warning.
+
+        Raises
+        ------
+        EclatError : a file or a value is invalid.
+        LimitError : the scene has too many triangles.
+        """
         if node.type == "shapegroup":
-            return []  # it is seen through its instances only
+            return []  # only its instances are visible
         if node.type == "instance":
             return self._instance(node)
         if node.type == "merge":
@@ -54,7 +63,7 @@ class Shapes:
             meshes = self._primitive(node)
         else:
             near = "" if node.type in PLUGINS["shape"] else did_you_mean(node.type, PLUGINS["shape"])
-            warn(f"{node.where}: a shape of a type that is not supported{near}; left out")
+            warn(f"{node.where}: the shape type {node.type!r} is not supported{near}; the shape is left out")
             return []
         self._check(meshes, node)
         return [replace(mesh, material=self._lit(mesh.material, node)) for mesh in meshes]
@@ -62,24 +71,28 @@ class Shapes:
     def _instance(self, node: Node) -> list[Mesh]:
         groups = [child for _, child in node.of_tag("shape")]
         if len(groups) != 1 or groups[0].type != "shapegroup":
-            raise EclatError(f"{node.where}: expected one shapegroup inside, got {[group.type for group in groups]}")
+            raise EclatError(f"{node.where}: expected one nested shapegroup, got {[group.type for group in groups]}")
         group = groups[0]
         if id(group) not in self.groups:
             self.groups[id(group)] = [mesh for _, child in group.of_tag("shape") for mesh in self.of(child)]
         meshes = self.groups[id(group)]
         matrix = self._to_world(node)
-        copies = [placed(mesh, matrix) for mesh in meshes]
+        copies = [transform_mesh(mesh, matrix) for mesh in meshes]
         self._check(copies, node)
         return copies
 
     def _check(self, meshes: list[Mesh], node: Node) -> None:
-        """Count the triangles; EclatError where they are too many or lie too far out."""
+        """Count the triangles. Raises EclatError if there are too many or if a coordinate is too large."""
         for mesh in meshes:
             if np.abs(mesh.positions).max(initial=0.0) > _MAX_COORDINATE:
-                raise EclatError(f"{node.where}: expected coordinates up to {_MAX_COORDINATE:g}, got larger ones")
+                raise EclatError(
+                    f"{node.where}: expected coordinates whose absolute value is at most {_MAX_COORDINATE:g}, got larger ones"
+                )
         self.triangles += sum(len(mesh.triangles) for mesh in meshes)
         if self.triangles > _MAX_TRIANGLES:
-            raise LimitError(f"{node.where}: the scene has more than {_MAX_TRIANGLES:.0e} triangles with its instances")
+            raise LimitError(
+                f"{node.where}: expected at most {_MAX_TRIANGLES:.0e} triangles in the scene, including instances, got more"
+            )
 
     def _primitive(self, node: Node) -> list[Mesh]:
         segments = SEGMENTS if self.tessellation is None else self.tessellation.segments(node)
@@ -90,7 +103,7 @@ class Shapes:
         material = self._bsdf(node)
         tangents = None
         if material.normal_map is not None and material.normal_map.kind == "normal":
-            # Mitsuba's bitangent is normal × tangent, whichever way v goes.
+            # In Mitsuba, the bitangent is always normal × tangent, and does not depend on the direction of v.
             tangents = np.concatenate([surface.tangents, np.ones((len(surface.tangents), 1))], axis=1)
         mesh = Mesh(
             surface.positions,
@@ -101,14 +114,14 @@ class Shapes:
             tangents=tangents,
             name=node.id or node.type,
         )
-        mesh = placed(mesh, self._to_world(node) @ matrix)
+        mesh = transform_mesh(mesh, self._to_world(node) @ matrix)
         if node.boolean("face_normals", default=False):
             mesh = replace(mesh, normals=None)
         return [self._flipped(mesh, node)]
 
     def _in_world(self, mesh: Mesh, node: Node) -> Mesh:
         name = node.id or mesh.name
-        return self._flipped(replace(placed(mesh, self._to_world(node)), name=name), node)
+        return self._flipped(replace(transform_mesh(mesh, self._to_world(node)), name=name), node)
 
     def _flipped(self, mesh: Mesh, node: Node) -> Mesh:
         if not node.boolean("flip_normals", default=False):
@@ -119,29 +132,33 @@ class Shapes:
     def _to_world(self, node: Node) -> Matrix:
         matrix = node.transform("to_world")
         if is_singular(matrix) and node.type not in ("rectangle", "disk"):
-            warn(f"{node.where}, to_world: the transform flattens the shape")
+            warn(f"{node.where}, to_world: the matrix is singular, so the shape becomes flat")
         return matrix
 
     def _bsdf(self, node: Node) -> Material:
         bsdfs = [child for _, child in node.of_tag("bsdf")]
         if len(bsdfs) > 1:
-            warn(f"{node.where}: expected one bsdf, got {len(bsdfs)}; the first is used")
-        return self.materials.of(bsdfs[0]) if bsdfs else default_material(shines=bool(list(node.of_tag("emitter"))))
+            warn(f"{node.where}: expected one BSDF, got {len(bsdfs)}; the first one is used")
+        return self.materials.of(bsdfs[0]) if bsdfs else default_material(emissive=bool(list(node.of_tag("emitter"))))
 
     def _lit(self, material: Material, node: Node) -> Material:
-        """`material` with the emission of the shape's area light."""
+        """Add the emission of the shape's area light, if it has one, to `material`."""
         emitters = [child for _, child in node.of_tag("emitter")]
         if not emitters:
             return material
         emitter = emitters[0]
         if len(emitters) > 1 or emitter.type != "area":
             types = [child.type for child in emitters]
-            warn(f"{node.where}: expected one emitter of type area, got {types}; the first is taken as one")
+            warn(
+                f"{node.where}: expected one emitter of type area, got {types}; the first one is used as an area light"
+            )
         original, key = material, (id(material), id(emitter))
         if key not in self.lit:
             radiance = self.materials.textures.value(emitter, "radiance", default=1.0, kind="emission")
             if material.opacity.texture is None and max(material.opacity.constant) == 0:
-                warn(f"{node.where}: a light on a null bsdf becomes an opaque black surface that shines")
+                warn(
+                    f"{node.where}: an emitter with a null BSDF is not supported; the surface becomes opaque and black"
+                )
                 material = replace(material, opacity=grey(1.0), two_sided=False)
             self.lit[key] = replace(material, emission=radiance), original
         return self.lit[key][0]
@@ -162,7 +179,7 @@ def _cylinder(node: Node, segments: int) -> tuple[primitives.Surface, Matrix] | 
     radius = node.positive("radius", default=1.0)
     axis = end - start
     if not np.any(axis):
-        warn(f"{node.where}: p0 and p1 are the same point; left out")
+        warn(f"{node.where}: the cylinder is left out, because p0 and p1 are the same point")
         return None
     side = np.cross(axis, np.eye(3)[int(np.argmin(np.abs(axis)))])
     across = normalize(side)
@@ -170,7 +187,7 @@ def _cylinder(node: Node, segments: int) -> tuple[primitives.Surface, Matrix] | 
     matrix[:3, 0], matrix[:3, 1] = across * radius, np.cross(normalize(axis), across) * radius
     matrix[:3, 2], matrix[:3, 3] = axis, start
     if np.allclose(axis / np.linalg.norm(axis), (0, 0, 1)):
-        matrix[:3, :2] = np.array([[radius, 0], [0, radius], [0, 0]])  # where u begins, as in Mitsuba
+        matrix[:3, :2] = np.array([[radius, 0], [0, radius], [0, 0]])  # so that u starts at +x, as in Mitsuba
     return primitives.cylinder(segments), matrix
 
 

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Colours as scene files write them, and their conversion to linear sRGB, which depends on their role."""
+"""Parse colours and spectra, and convert them to linear sRGB.
+
+The conversion depends on the role of the colour: a reflectance or an emission.
+"""
 
 from __future__ import annotations
 
@@ -26,14 +29,20 @@ from eclat.measure.spectrum import blackbody_to_rgb, emission_to_rgb, reflectanc
 Role = Literal["reflectance", "emission"]
 
 _MAX_SPD_BYTES = 1 << 24
+"""The largest size of a file with a spectrum, in bytes. Real ones have a few kilobytes."""
 _HEX = re.compile(r"#([0-9a-fA-F]{6}|[0-9a-fA-F]{3})")
 
 
 def to_rgb(color: Color, role: Role, where: str, legacy: bool = False) -> Vector:
-    """Linear sRGB of `color`.
+    """Convert `color` to linear sRGB.
 
-    Reflectances are seen under D65. Emission, and the eta and k of metals, are taken as they are: as in Mitsuba 3's RGB
-    mode, a spectrum of one number is then the reddish equal-energy white. In files of version 0.x it is grey.
+    A reflectance is converted under the illuminant D65, so that a constant spectrum is grey. An emission, and the eta
+    and k of a metal, are converted without an illuminant: a constant spectrum is then equal-energy white, which is
+    reddish in sRGB, as in the RGB mode of Mitsuba 3. In `legacy` files of version 0.x it is grey.
+
+    Raises
+    ------
+    EclatError : the spectrum cannot be converted. The message starts with `where`.
     """
     try:
         if isinstance(color, Rgb):
@@ -52,8 +61,10 @@ def to_rgb(color: Color, role: Role, where: str, legacy: bool = False) -> Vector
 
 
 def parse_rgb(text: str, where: str, encoded: bool = False) -> Rgb:
-    """A colour from three numbers, one number for grey, or `#rrggbb`. Hexadecimal colours, and numbers if `encoded`,
-    are sRGB and become linear."""
+    """Parse a colour from three numbers, one number for grey, or `#rrggbb`.
+
+    Hexadecimal colours are sRGB and are converted to linear. So are numbers if `encoded`. Raises EclatError.
+    """
     match = _HEX.fullmatch(text.strip())
     if match:
         digits = match[1] if len(match[1]) == 6 else "".join(digit * 2 for digit in match[1])
@@ -64,14 +75,17 @@ def parse_rgb(text: str, where: str, encoded: bool = False) -> Rgb:
     if len(numbers) == 1:
         numbers = numbers * 3
     if len(numbers) != 3:
-        raise EclatError(f"{where}: expected three numbers, one, or #rrggbb, got {text[:60]!r}")
+        raise EclatError(f"{where}: expected three numbers, one number, or #rrggbb, got {text[:60]!r}")
     if encoded:
         numbers = srgb_to_linear(numbers).tolist()
     return Rgb((numbers[0], numbers[1], numbers[2]))
 
 
 def parse_spectrum(text: str, where: str) -> Color:
-    """A spectrum from one number, three numbers (linear sRGB), hexadecimal sRGB, or `wavelength:value` pairs."""
+    """Parse a spectrum from one number, three numbers (linear sRGB), hexadecimal sRGB, or `wavelength:value` pairs.
+
+    Wavelengths are in nanometres. Raises EclatError.
+    """
     if ":" not in text:
         if text.strip().startswith("#"):
             return parse_rgb(text, where)
@@ -80,7 +94,9 @@ def parse_spectrum(text: str, where: str) -> Color:
             return Uniform(numbers[0])
         if len(numbers) == 3:
             return Rgb((numbers[0], numbers[1], numbers[2]))
-        raise EclatError(f"{where}: expected one number, three, or wavelength:value pairs, got {len(numbers)} numbers")
+        raise EclatError(
+            f"{where}: expected one number, three numbers, or wavelength:value pairs, got {len(numbers)} numbers"
+        )
     pairs = []
     for part in re.split(r"[\s,;]+", re.sub(r"\s*:\s*", ":", text)):
         if part:
@@ -90,25 +106,35 @@ def parse_spectrum(text: str, where: str) -> Color:
 
 
 def parse_blackbody(temperature: str, scale: float, where: str) -> Blackbody:
-    """A temperature in kelvin, written with or without a K."""
+    """Parse a temperature in kelvin, with or without the unit K. `scale` multiplies the radiance. Raises EclatError."""
     return Blackbody(parse_number(temperature.strip().rstrip("kK"), where), scale)
 
 
 def curve(pairs: list[tuple[float, float]], where: str) -> Curve:
-    """A curve through (wavelength, value) pairs, sorted; of equal wavelengths the first stays, with a warning."""
+    """Build a spectrum from pairs of a wavelength in nanometres and a value.
+
+    Pairs that are not sorted are sorted, with a warning. If a wavelength occurs several times, its first value is used,
+    with a warning. Raises EclatError if there are no pairs.
+    """
     ordered = sorted(pairs, key=lambda pair: pair[0])
     if ordered != pairs:
-        warn(f"{where}: the wavelengths are not in increasing order; they are sorted")
+        warn(f"{where}: expected wavelengths in increasing order; they are sorted")
     unique = [pair for i, pair in enumerate(ordered) if i == 0 or pair[0] > ordered[i - 1][0]]
     if len(unique) != len(ordered):
-        warn(f"{where}: {len(ordered) - len(unique)} wavelengths appear twice; the first value counts")
+        warn(
+            f"{where}: expected different wavelengths, got {len(ordered) - len(unique)} repeated ones; the first value "
+            "of each is used"
+        )
     if not unique:
         raise EclatError(f"{where}: expected wavelength:value pairs, got none")
     return Curve(tuple(pair[0] for pair in unique), tuple(pair[1] for pair in unique))
 
 
 def read_spd(path: Path, where: str) -> Curve:
-    """Read a file of lines `wavelength value`, in which # begins a comment. Raises EclatError with file and line."""
+    """Read a spectrum from a text file whose lines contain a wavelength in nanometres and a value.
+
+    The character # starts a comment. Raises EclatError with the file and the line.
+    """
     text = read_bytes(path, where=where, limit=_MAX_SPD_BYTES).decode("utf-8", "replace")
     pairs = []
     for number, line in enumerate(text.splitlines(), start=1):
@@ -123,7 +149,10 @@ def read_spd(path: Path, where: str) -> Curve:
 
 
 def check_curve(wavelengths: list[float], values: list[float], where: str) -> Curve:
-    """A curve from two lists of the same length. Raises EclatError."""
+    """Build a spectrum from a list of wavelengths in nanometres and a list of values.
+
+    Raises EclatError if the lists have different lengths or are empty, or if a number is not finite.
+    """
     if len(wavelengths) != len(values):
         raise EclatError(f"{where}: expected as many wavelengths as values, got {len(wavelengths)} and {len(values)}")
     pairs = zip(wavelengths, values, strict=True)

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""How finely round shapes are cut into triangles: finely where they are few, by their size where they are many.
+"""Choose the number of segments of round shapes: the largest if there are few shapes, otherwise depending on their size.
 
-A chord over 1/s of a turn departs from a circle of radius r by about r / s². With s proportional to √r all shapes of a
-scene depart by the same length, so that none is finer than it needs to be beside the others.
+With s segments, the distance of a chord from a circle of radius r is about 5 r / s². If s is proportional to √r, this
+distance is the same for all shapes of a scene, so that the triangles are distributed well among them.
 """
 
 from __future__ import annotations
@@ -18,21 +18,24 @@ from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.primitives import SEGMENTS
 
 MOST_TRIANGLES = 2_000_000
-"""For all round shapes of a scene together: 124 spheres of the finest cut, or a hundred thousand of the coarsest."""
+"""The largest number of triangles of all round shapes of a scene together. This is enough for 124 spheres with the largest
+number of segments, or for about 83,000 spheres with the smallest."""
 
 FEWEST_SEGMENTS = 6
-"""Divisions of a turn; a sphere is then 24 triangles. Its area, and so its power as a lamp, is exact all the same."""
+"""The smallest number of segments around a shape. A sphere then has 24 triangles. Even so, its area is exact, and with it
+its power as an emitter."""
 
 ROUND = ("sphere", "cylinder", "disk")
+"""The types of round shapes."""
 
 
-def triangles_of(kind: str, segments: int) -> int:
-    """Triangles of a round shape of that many divisions of a turn."""
+def triangle_count(kind: str, segments: int) -> int:
+    """The number of triangles of a round shape of type `kind` with `segments` segments."""
     return {"sphere": segments * (segments - 2), "cylinder": 2 * segments, "disk": segments}[kind]
 
 
 class Tessellation:
-    """The divisions of a turn of each round shape in a tree."""
+    """The number of segments of each round shape in a tree."""
 
     def __init__(self, tree: Node) -> None:
         found = [(node, copies, _radius(node)) for node, copies in _round_shapes(tree, 1)]
@@ -43,12 +46,12 @@ class Tessellation:
         least = float(roots[roots > 0].min()) if (roots > 0).any() else 1.0
 
         def cut(scale: float) -> list[int]:
-            # An even number, so that a sphere has an equator.
+            # The number is even, so that a sphere has an equator.
             rounded = 2 * np.round(np.minimum(scale * roots, SEGMENTS) / 2)
             return [int(s) for s in np.clip(rounded, FEWEST_SEGMENTS, SEGMENTS)]
 
         def total(segments: list[int]) -> int:
-            return sum(c * triangles_of(n.type, s) for (n, c, _), s in zip(found, segments, strict=True))
+            return sum(c * triangle_count(n.type, s) for (n, c, _), s in zip(found, segments, strict=True))
 
         low, high = 0.0, SEGMENTS / least
         best = cut(high)
@@ -60,12 +63,15 @@ class Tessellation:
         self._segments = {id(node): segments for (node, _, _), segments in zip(found, best, strict=True)}
 
     def segments(self, node: Node) -> int:
-        """Divisions of a turn of the round shape `node`."""
+        """The number of segments around the round shape `node`."""
         return self._segments.get(id(node), SEGMENTS)
 
 
 def _round_shapes(tree: Node, copies: int) -> Iterator[tuple[Node, int]]:
-    """Round shapes with how often they stand in the scene: those of a group once for each of its instances."""
+    """Yield each round shape below `tree`, and how often it occurs in the scene.
+
+    A shape in a group occurs once for each instance of the group. `copies` is how often `tree` itself occurs.
+    """
     instances: dict[int, tuple[Node, int]] = {}
     for _, node in tree.of_tag("shape"):
         if node.type in ROUND:
@@ -80,7 +86,10 @@ def _round_shapes(tree: Node, copies: int) -> Iterator[tuple[Node, int]]:
 
 
 def _radius(node: Node) -> float:
-    """About the radius in the world; 0 where the numbers make no sense, which is said when the shape is made."""
+    """The approximate radius of a round shape in world space.
+
+    It is 0 if a number is invalid, which raises an error later, when the shape is converted.
+    """
     try:
         scale = abs(float(np.linalg.det(node.transform("to_world")[:3, :3]))) ** (1 / 3)
         radius = scale * (1.0 if node.type == "disk" else node.number("radius", default=1.0))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Makes `Value`s of the textures and colours in the tree."""
+"""Convert textures and colours to instances of `Value`."""
 
 from __future__ import annotations
 
@@ -19,42 +19,43 @@ from eclat.measure.spectrum import srgb_to_linear
 from eclat.scene import Texture, Value, grey, rgb
 
 Kind = Literal["reflectance", "emission", "scalar", "normal"]
-"""What a value is for. Scalars read one channel, normals are never decoded."""
+"""The use of a value. A scalar reads one channel of a texture, and a normal is never decoded from sRGB."""
 
 Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 Wrap = Literal["repeat", "mirror", "clamp"]
 
 _WRAPS: dict[str, Wrap] = {"repeat": "repeat", "mirror": "mirror", "clamp": "clamp"}
 _MAX_IMAGE = 1 << 28
+"""The largest number of values in an image that a dict contains."""
 
 
 @dataclass
 class Textures:
-    """The textures of a scene, each made once: the same node gives the same `Texture`."""
+    """The textures of a scene. Each is converted once, so that the same node always gives the same `Texture`."""
 
     made: dict[tuple[int, str], Value] = field(default_factory=dict)
 
     def value(self, node: Node, *names: str, default: float | Vector, kind: Kind) -> Value:
-        """The property of the first of `names` that `node` has.
+        """Convert the first property in `names` that `node` has, or return `default` if it has none of them.
 
         Raises
         ------
-        EclatError : numbers below 0 (there is no negative light), values of another kind.
+        EclatError : the value is negative, or it is neither a number nor a colour nor a texture.
         """
         given = node.get(*names)
         if given is None:
             return grey(default) if isinstance(default, (int, float)) else rgb(*default)
         value = self.of(given, node, names[0], kind)
         if min(value.constant) < 0:
-            raise node.mismatch(names[0], "no number below 0", value.constant)
+            raise node.mismatch(names[0], "non-negative numbers", value.constant)
         if kind == "reflectance" and value.texture is None and max(value.constant) > 1:
-            warn(f"{node.where}, {names[0]}: {value.constant} reflects more light than arrives; clamped to 1")
+            warn(f"{node.where}, {names[0]}: expected reflectances of at most 1, got {value.constant}; clipped to 1")
             r, g, b = (min(x, 1.0) for x in value.constant)
             return rgb(r, g, b)
         return value
 
     def of(self, given: Any, node: Node, name: str, kind: Kind) -> Value:
-        """The `Value` for whatever the property `name` of `node` holds."""
+        """Convert `given`, the value of the property `name` of `node`: a number, a colour or a texture."""
         if isinstance(given, Node):
             if (id(given), kind) not in self.made:
                 self.made[id(given), kind] = self._texture(given, kind)
@@ -80,9 +81,9 @@ class Textures:
         if node.type in ("mesh_attribute", "vertexcolors"):
             name = node.string("name", default="vertex_color")
             if name != "vertex_color":
-                warn(f"{node.where}: the attribute {name[:60]!r} is not supported; the colours of vertices are used")
+                warn(f"{node.where}: the mesh attribute {name[:60]!r} is not supported; the vertex colours are used")
             return grey(node.number("scale", default=1.0))
-        warn(f"{node.where}: a texture of a type that is not supported; the constant 0.5 stands in")
+        warn(f"{node.where}: the texture type {node.type!r} is not supported; the constant 0.5 is used instead")
         return grey(0.5)
 
     def _checkerboard(self, node: Node, kind: Kind) -> Value:
@@ -94,7 +95,7 @@ class Textures:
     def _flat(self, node: Node, name: str, default: float, kind: Kind) -> Vector:
         value = self.value(node, name, default=default, kind=kind)
         if value.texture is not None:
-            warn(f"{node.where}, {name}: a textured field of a checkerboard is not supported; its mean is used")
+            warn(f"{node.where}, {name}: textures in a checkerboard are not supported; the mean of the texture is used")
             mean = _linear(value.texture).reshape(-1, value.texture.image.shape[2]).mean(axis=0)
             mean = np.resize(mean[:3], 3) * value.constant
             return float(mean[0]), float(mean[1]), float(mean[2])
@@ -112,7 +113,10 @@ class Textures:
 
 
 def uv_transform(node: Node) -> Affine:
-    """The affine map on (u, v) of a texture: `to_uv`, or 0.x's uscale, vscale, uvscale, uoffset, voffset."""
+    """The affine map of a texture's coordinates (u, v), as 2 rows of 3 numbers.
+
+    It is read from `to_uv` or, in version 0.x, from uscale, vscale, uvscale, uoffset and voffset.
+    """
     matrix = node.get("to_uv")
     if matrix is not None:
         m = node.transform("to_uv")
@@ -124,12 +128,12 @@ def uv_transform(node: Node) -> Affine:
 
 
 def uses_vertex_colors(node: Node) -> bool:
-    """Whether a bsdf's own textures read the mesh's colours."""
+    """Whether a texture of the BSDF `node` reads the vertex colours of the mesh."""
     return any(child.type in ("mesh_attribute", "vertexcolors") for _, child in node.of_tag("texture"))
 
 
 def peak(value: Value) -> NDArray[Any]:
-    """The largest value that each of the three channels takes."""
+    """The largest value of each of the three channels, shape (3,)."""
     if value.texture is None:
         return np.array(value.constant)
     texels = _linear(value.texture)[..., :3]
@@ -137,11 +141,15 @@ def peak(value: Value) -> NDArray[Any]:
 
 
 def image_data(node: Node) -> tuple[NDArray[Any], bool] | None:
-    """The image that a dict gives in `bitmap` or `data`, (H, W, C), and whether it is linear; None without one.
+    """The image in the property `bitmap` or `data` of a dict.
+
+    Returns
+    -------
+    The image (H, W, C) and whether it is linear, or None if there is no such property.
 
     Raises
     ------
-    EclatError : the image is not an array of that shape with 1 to 4 channels, or is not finite.
+    EclatError : the image is not an array with 1 to 4 channels, or a value is not finite.
     """
     given = node.get("bitmap", "data")
     if given is None or isinstance(given, (str, Node)):
@@ -149,15 +157,18 @@ def image_data(node: Node) -> tuple[NDArray[Any], bool] | None:
     try:
         image = np.asarray(given)
     except Exception as error:  # any object with __array__ may raise anything
-        raise EclatError(f"{node.where}, bitmap: expected an image, got {error}") from None
+        raise EclatError(f"{node.where}, bitmap: expected an image, got an object that raises {error!r}") from None
     if image.ndim == 2:
         image = image[..., None]
     if image.ndim != 3 or image.shape[2] not in (1, 2, 3, 4) or not 0 < image.size <= _MAX_IMAGE:
-        raise EclatError(f"{node.where}, bitmap: expected an array (H, W, C) with C in 1..4, got {image.shape}")
+        raise EclatError(
+            f"{node.where}, bitmap: expected an array of shape (H, W, C) with C in 1..4 and at most {_MAX_IMAGE} values, "
+            f"got the shape {image.shape}"
+        )
     if image.dtype == np.uint8:
         return image, False
     if not np.issubdtype(image.dtype, np.number) or not np.isfinite(image).all():
-        raise EclatError(f"{node.where}, bitmap: expected an array of finite numbers")
+        raise EclatError(f"{node.where}, bitmap: expected finite numbers, got an array with other values")
     return image.astype(np.float32), True
 
 
@@ -165,7 +176,7 @@ def _bitmap(node: Node, kind: Kind) -> Value:
     raw = node.boolean("raw", default=False)
     gamma = node.number("gamma", default=-1.0)
     if kind == "normal" and not raw and gamma != 1:
-        warn(f"{node.where}: a normal map is read as it is (raw), not as sRGB")
+        warn(f"{node.where}: the normal map is read as linear data (raw), although raw is not true")
     linear = raw or kind == "normal" or gamma == 1
     name = node.id or node.string("filename", default="bitmap").replace("\\", "/").rsplit("/", 1)[-1]
     options: dict[str, Any] = {"wrap_u": _wrap(node, "u"), "wrap_v": _wrap(node, "v"), "filter": _filter(node)}
@@ -182,7 +193,7 @@ def _bitmap(node: Node, kind: Kind) -> Value:
 
 
 def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
-    """A white value multiplied by `texture`. Scalars take the luminance of coloured images."""
+    """The value of `texture` with the constant factor 1. A scalar is the luminance of a coloured image."""
     if kind != "scalar":
         return Value((1.0, 1.0, 1.0), texture, uv_transform=transform)
     image = texture.image[..., :3]
@@ -193,7 +204,7 @@ def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
 
 
 def _linear(texture: Texture) -> NDArray[Any]:
-    """The texels in 0..1, decoded."""
+    """The texels of a texture as linear float32, decoded from sRGB if necessary."""
     image = _unit(texture.image)
     if texture.srgb:
         image = np.concatenate([srgb_to_linear(image[..., :3]).astype(np.float32), image[..., 3:]], axis=2)
@@ -201,7 +212,7 @@ def _linear(texture: Texture) -> NDArray[Any]:
 
 
 def _unit(image: NDArray[Any]) -> NDArray[Any]:
-    """The texels as float32; a byte of 255 becomes 1."""
+    """The texels of an image as float32. Bytes are divided by 255."""
     scale = np.float32(1 / 255 if image.dtype == np.uint8 else 1)
     return image.astype(np.float32) * scale
 
@@ -222,7 +233,7 @@ _SPECTRA = ("rgb", "srgb", "spectrum", "uniform", "d65", "blackbody", "regular",
 
 
 def _spectrum(node: Node) -> Color:
-    """The colour that a spectrum plugin stands for."""
+    """The colour of a spectrum plugin."""
     scale = node.number("scale", default=1.0)
     if node.type == "blackbody":
         return Blackbody(node.number("temperature", default=6500.0), scale)

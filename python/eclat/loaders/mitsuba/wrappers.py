@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Bsdfs that contain other bsdfs: two-sided ones, masks, bumps, blends and coatings."""
+"""Convert BSDFs that contain other BSDFs: two-sided ones, masks, bump and normal maps, blends and coatings."""
 
 from __future__ import annotations
 
@@ -15,59 +15,64 @@ from eclat.loaders.mitsuba.textures import Textures
 from eclat.scene import Material, NormalMap, Value, grey
 
 _MAX_MIXTURE = 32
+"""The largest number of BSDFs in a mixture. Real scenes have two or three."""
 _TRANSPARENT = ("dielectric", "thin_dielectric", "translucent")
+"""The kinds of materials that transmit light and are therefore two-sided in any case."""
 
 
 class MaterialReader(Protocol):
-    """The functions by which wrappers read the bsdfs that they contain and their own values."""
+    """The interface through which this module converts the nested BSDFs and the properties of a BSDF.
+
+    `Materials` implements it. All methods raise EclatError for values that are invalid.
+    """
 
     textures: Textures
 
     def of(self, node: Node) -> Material:
-        """The material of a bsdf."""
+        """Convert the BSDF `node` to a material."""
 
     def reflectance(self, node: Node, *names: str, default: float = 0.5) -> Value:
-        """A colour between 0 and 1."""
+        """The colour in 0..1, or the texture, of the first property in `names` that `node` has."""
 
     def scalar(self, node: Node, *names: str, default: float) -> Value:
-        """A number that a texture may vary."""
+        """The number, or the texture, of the first property in `names` that `node` has."""
 
     def roughness(self, node: Node, default: float) -> dict[str, Value]:
-        """The roughness alpha_u, and alpha_v if it differs."""
+        """The roughness alpha_u and, if it differs, alpha_v."""
 
 
 def nested(node: Node) -> list[Node]:
-    """The bsdfs inside a bsdf."""
+    """The BSDFs inside a BSDF."""
     return [child for _, child in node.of_tag("bsdf")]
 
 
 def _one(node: Node) -> Node:
     inside = nested(node)
     if not inside:
-        raise EclatError(f"{node.where}: expected a bsdf inside, got none")
+        raise EclatError(f"{node.where}: expected one nested BSDF, got none")
     if len(inside) > 1:
-        warn(f"{node.where}: expected one bsdf inside, got {len(inside)}; the first is used")
+        warn(f"{node.where}: expected one nested BSDF, got {len(inside)}; the first one is used")
     return inside[0]
 
 
 def _texture(node: Node, name: str) -> Node:
-    """The texture of a bump or normal map, under any property name."""
+    """The texture of a bump or normal map: the property `name`, or the first nested texture of any name."""
     given = node.get(name)
     if isinstance(given, Node):
         return given
     textures = [child for _, child in node.of_tag("texture")]
     if not textures:
-        raise EclatError(f"{node.where}: expected a texture inside, got none")
+        raise EclatError(f"{node.where}: expected a nested texture, got none")
     return textures[0]
 
 
 def _twosided(materials: MaterialReader, node: Node) -> Material:
     inside = nested(node)
     if len(inside) not in (1, 2):
-        raise EclatError(f"{node.where}: expected one or two bsdfs inside, got {len(inside)}")
+        raise EclatError(f"{node.where}: expected one or two nested BSDFs, got {len(inside)}")
     front = materials.of(inside[0])
     if front.kind in _TRANSPARENT:
-        warn(f"{node.where}: a {inside[0].type} acts on both sides anyway; twosided is ignored")
+        warn(f"{node.where}: twosided is ignored, because the BSDF {inside[0].type!r} is always two-sided")
         return front
     back = _on_both_sides(materials.of(inside[1])) if len(inside) == 2 else None
     return replace(_on_both_sides(front), back=back)
@@ -86,7 +91,7 @@ def _mask(materials: MaterialReader, node: Node) -> Material:
         r, g, b = (x * y for x, y in zip(opacity.constant, other.constant, strict=True))
         return replace(inner, opacity=replace(opacity, constant=(r, g, b)))
     if opacity.texture is not None:
-        warn(f"{node.where}: a textured mask in a textured mask; the inner one is ignored")
+        warn(f"{node.where}: textured masks inside each other are not supported; the inner one is ignored")
         return replace(inner, opacity=opacity)
     r, g, b = (x * y for x, y in zip(opacity.constant, other.constant, strict=True))
     return replace(inner, opacity=replace(other, constant=(r, g, b)))
@@ -97,7 +102,7 @@ def _bump(materials: MaterialReader, node: Node) -> Material:
     height = node.number("scale", default=1.0) * value.constant[0]
     inner = materials.of(_one(node))
     if value.texture is None:
-        return inner  # a constant height bends no normal
+        return inner  # a constant height does not change normals
     return _with_normals(inner, NormalMap(replace(value, constant=(1.0, 1.0, 1.0)), "bump", height), node)
 
 
@@ -108,36 +113,39 @@ def _normalmap(materials: MaterialReader, node: Node) -> Material:
 
 def _with_normals(inner: Material, normals: NormalMap, node: Node) -> Material:
     if inner.normal_map is not None:
-        warn(f"{node.where}: a bump or normal map inside another; the outer one is used")
+        warn(f"{node.where}: bump or normal maps inside each other are not supported; the inner one is ignored")
     return replace(inner, normal_map=normals)
 
 
 def _blend(materials: MaterialReader, node: Node) -> Material:
     inside = nested(node)
     if len(inside) != 2:
-        raise EclatError(f"{node.where}: expected two bsdfs inside, got {len(inside)}")
+        raise EclatError(f"{node.where}: expected two nested BSDFs, got {len(inside)}")
     weight = materials.scalar(node, "weight", default=0.5)
     return _blended(materials.of(inside[0]), materials.of(inside[1]), weight)
 
 
 def _blended(first: Material, second: Material, weight: Value) -> Material:
-    """The children keep their own sides. The blend acts on the back if one of its children does."""
+    """Blend two materials: `weight` is the share of `second`.
+
+    Each of them keeps its own sides, and the blend is two-sided if one of them is.
+    """
     both = first.two_sided or second.two_sided
     return Material("blend", {"weight": weight}, two_sided=both, children=(first, second))
 
 
 def _mixture(materials: MaterialReader, node: Node) -> Material:
-    """A mixture of any number of bsdfs, as nested blends. If the weights sum to less than 1, the rest absorbs light."""
+    """Convert a mixture of several BSDFs to nested blends. If the weights add up to less than 1, the rest absorbs."""
     weights = parse_numbers(node.string("weights"), f"{node.where}, weights")
     parts = [materials.of(child) for child in nested(node)]
     if not parts or len(weights) != len(parts) or len(parts) > _MAX_MIXTURE or min(weights) < 0:
         raise EclatError(
-            f"{node.where}: expected 1 to {_MAX_MIXTURE} bsdfs and as many weights above 0, "
-            f"got {len(parts)} and {weights[:_MAX_MIXTURE]}"
+            f"{node.where}: expected 1 to {_MAX_MIXTURE} nested BSDFs and the same number of non-negative weights, "
+            f"got {len(parts)} BSDFs and the weights {weights[:_MAX_MIXTURE]}"
         )
     total = sum(weights)
     if total > 1.001:
-        warn(f"{node.where}: the weights sum to {total:.4g}; they are scaled to 1")
+        warn(f"{node.where}: expected weights whose sum is at most 1, got {total:.4g}; they are scaled to a sum of 1")
     elif total < 0.999:
         parts.append(Material("diffuse", {"reflectance": grey(0.0)}, two_sided=False))
         weights.append(1 - total)
@@ -149,19 +157,22 @@ def _mixture(materials: MaterialReader, node: Node) -> Material:
 
 
 def _coating(materials: MaterialReader, node: Node) -> Material:
-    """A coat over a diffuse bsdf becomes plastic. Over any other bsdf it is left out."""
+    """Convert a coating: over a diffuse BSDF it becomes plastic, and over any other BSDF it is left out."""
     inner = materials.of(_one(node))
     ior = relative_ior(node, "bk7")
     for name in ("thickness", "sigma_a"):
         if node.get(name) not in (None, 0.0):
-            warn(f"{node.where}: {name} is not supported, ignored")
+            warn(f"{node.where}: the property {name} is not supported and is ignored")
     specular = materials.reflectance(node, "specular_reflectance", default=1.0)
     rough = node.type == "roughcoating"
     alpha = materials.roughness(node, 0.1)["alpha_u"] if rough else grey(0.0)
     if inner.kind != "diffuse":
-        warn(f"{node.where}: {node.type} is supported over diffuse only; the {inner.kind} inside it is used alone")
+        warn(
+            f"{node.where}: {node.type} is only supported over a diffuse BSDF, got {inner.kind}, which is used without "
+            "the coating"
+        )
         return inner
-    warn(f"{node.where}: {node.type} over diffuse becomes plastic of the same index of refraction")
+    warn(f"{node.where}: {node.type} over a diffuse BSDF is replaced by plastic with the same refractive index")
     base = inner.parameters.get("reflectance", grey(0.5))
     parameters = {"diffuse_reflectance": base, "specular_reflectance": specular, "ior": grey(ior), "alpha_u": alpha}
     beckmann = rough and node.string("distribution", default="beckmann").lower() != "ggx"

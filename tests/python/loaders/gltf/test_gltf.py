@@ -236,7 +236,7 @@ def test_only_the_default_scene_is_loaded(tmp_path: Path) -> None:
     file.mesh_node(file.primitive(), name="first")
     file.mesh_node(file.primitive(), name="second")
     file.json |= {"scenes": [{"nodes": [0]}, {"nodes": [1]}], "scene": 1}
-    with pytest.warns(EclatWarning, match=r"has 2 scenes, of which scenes\[1\] is loaded"):
+    with pytest.warns(EclatWarning, match=r"the file has 2 scenes; only scenes\[1\] is loaded"):
         assert only(load(file, tmp_path)).name == "second"
 
 
@@ -299,7 +299,7 @@ def test_the_range_of_a_light_is_ignored_with_a_warning(tmp_path: Path) -> None:
     file = GltfFile()
     file.mesh_node()
     lit(file, {"type": "point", "range": 3})
-    with pytest.warns(EclatWarning, match="cutting a light off at a distance is not supported"):
+    with pytest.warns(EclatWarning, match="the range of a light is not supported"):
         load(file, tmp_path)
 
 
@@ -329,9 +329,9 @@ def test_what_is_unsupported_is_named(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning) as caught:
         load(file, tmp_path)
     text = "\n".join(str(entry.message) for entry in caught)
-    assert "requires extensions that are not supported; expect differences: ACME_x" in text
-    assert "not supported are ignored: KHR_materials_clearcoat, KHR_materials_sheen" in text
-    for words in ("animations are not supported", "points cannot be rendered", "a line strip cannot", "skins are not"):
+    assert "the file requires extensions that are not supported, so the image may be wrong: ACME_x" in text
+    assert "not supported and are ignored: KHR_materials_clearcoat, KHR_materials_sheen" in text
+    for words in ("animations are not supported", "consists of points, which have no area", "a line strip cannot", "skins are not"):
         assert words in text
 
 
@@ -372,5 +372,5 @@ def test_colors_beyond_white_are_clamped(tmp_path: Path) -> None:
     primitive = file.primitive()
     primitive["attributes"]["COLOR_0"] = file.accessor([[3, 2, 0.5]] * 3)
     file.mesh_node(primitive)
-    with pytest.warns(EclatWarning, match="COLOR_0 reaches 3"):
+    with pytest.warns(EclatWarning, match="expected COLOR_0 in 0..1, got up to 3"):
         np.testing.assert_array_equal(only(load(file, tmp_path)).colors, [[1, 1, 0.5, 1]] * 3)

@@ -72,7 +72,9 @@ def test_a_wider_sun_shines_as_much(tmp_path: Path) -> None:
         assert isinstance(light, DirectionalLight)
         assert light.angular_radius == pytest.approx(radius)
         assert isinstance(sun, DirectionalLight) and light.irradiance == sun.irradiance
-    with pytest.raises(eclat.EclatError, match="expected a sun with a radius from 0 to below 90 degrees, got 100"):
+    with pytest.raises(
+        eclat.EclatError, match="expected an angular radius of the sun of at least 0 and below 90 degrees, got 100"
+    ):
         daylight(tmp_path, sun_aperture=200.0)
 
 

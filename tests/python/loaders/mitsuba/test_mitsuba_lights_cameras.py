@@ -129,11 +129,11 @@ def test_skies_of_version_0_are_y_up_and_those_of_3_z_up(tmp_path: Path) -> None
 
 
 def test_emitters_that_we_do_not_have_are_named_and_left_out() -> None:
-    with pytest.warns(EclatWarning, match=r"dict\['e'\].*projector.*not supported; left out"):
+    with pytest.warns(EclatWarning, match=r"dict\['e'\].*projector.*not supported; it is left out"):
         assert scene_of(e={"type": "projector"}).lights == ()
     with pytest.warns(EclatWarning, match="second environment"):
         scene_of(a={"type": "constant"}, b={"type": "constant"})
-    with pytest.raises(EclatError, match=r"beam_width ≤ cutoff_angle.*got 2 and -3"):
+    with pytest.raises(EclatError, match=r"beam_width ≤ cutoff_angle.*got beam_width 2 and cutoff_angle -3"):
         scene_of(e={"type": "spot", "cutoff_angle": -3.0, "beam_width": 2.0})
     with pytest.raises(EclatError, match="expected a direction, got the zero vector"):
         scene_of(e={"type": "directional", "direction": [0, 0, 0]})
@@ -223,12 +223,12 @@ def test_several_sensors_are_several_cameras_and_others_are_named() -> None:
 @pytest.mark.parametrize(
     ("sensor", "message"),
     [
-        ({"fov": 180.0}, "fov: expected degrees between 0 and 180, got 180"),
+        ({"fov": 180.0}, "fov: expected an angle between 0 and 180 degrees, got 180"),
         ({"fov": 40.0, "fov_axis": "z"}, "fov_axis: expected one of x, y"),
         ({"focal_length": "0mm"}, "focal_length: expected a length above 0"),
-        ({"to_world": np.diag([1.0, 0, 1, 1])}, "expected a camera's frame"),
-        ({"film": {"type": "hdrfilm", "width": 0}}, "expected a size of 1 to"),
-        ({"film": {"type": "hdrfilm", "width": 2.5}}, "width: expected a whole number, got 2.5"),
+        ({"to_world": np.diag([1.0, 0, 1, 1])}, "expected an invertible matrix"),
+        ({"film": {"type": "hdrfilm", "width": 0}}, "expected a width and a height of 1 to"),
+        ({"film": {"type": "hdrfilm", "width": 2.5}}, "width: expected an integer, got 2.5"),
     ],
 )
 def test_cameras_that_cannot_be_are_refused(sensor: dict, message: str) -> None:

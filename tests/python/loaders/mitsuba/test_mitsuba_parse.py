@@ -42,21 +42,21 @@ def test_parameters_beat_defaults_and_the_longest_name_wins(tmp_path: Path) -> N
     path.write_text(WHOLE)
     assert load_xml(path, {"angles": "60"}).cameras[0].fov == 60
     assert load_xml(path, {"angle": "60"}).cameras[0].fov == 50
-    with pytest.warns(EclatWarning, match="no element uses the parameter 'angels'; did you mean 'angles'"):
+    with pytest.warns(EclatWarning, match="the parameter 'angels' is not used; did you mean 'angles'"):
         load_xml(path, {"angels": "60"})
 
 
 def test_parameters_without_a_value_are_refused(tmp_path: Path) -> None:
     body = '<default name="size" value="1"/>\n<shape type="sphere"><float name="radius" value="$sise"/></shape>'
     with pytest.raises(
-        EclatError, match=r"scene\.xml:3 <float name=\"radius\">.*\$sise has no value.*did you mean 'size'"
+        EclatError, match=r"scene\.xml:3 <float name=\"radius\">.*\$sise has neither a value.*did you mean 'size'"
     ):
         load(tmp_path, body)
 
 
 def test_parameters_that_double_each_other_do_not_fill_the_memory(tmp_path: Path) -> None:
     defaults = "".join(f'<default name="p{i}_" value="$p{i - 1}_$p{i - 1}_"/>' for i in range(1, 60))
-    with pytest.raises(EclatError, match="more than 16384 characters after substitution"):
+    with pytest.raises(EclatError, match=r"at most 16384 characters .* after the substitution"):
         load(tmp_path, f'<default name="p0_" value="lol"/>{defaults}')
 
 
@@ -72,13 +72,13 @@ def test_included_files_share_ids_parameters_and_folders(tmp_path: Path) -> None
 
 
 def test_includes_that_go_in_circles_or_lead_nowhere_are_refused(tmp_path: Path) -> None:
-    with pytest.raises(EclatError, match=r"scene\.xml:2 <include>: scene\.xml includes itself"):
+    with pytest.raises(EclatError, match=r"scene\.xml:2 <include>: the file scene\.xml includes itself"):
         load(tmp_path, '<include filename="scene.xml"/>')
     with pytest.raises(EclatError, match=r"scene\.xml:2 <include>.*none\.xml"):
         load(tmp_path, '<include filename="none.xml"/>')
     (tmp_path / "many.xml").write_text('<scene version="3.0.0">' + '<include filename="leaf.xml"/>' * 600 + "</scene>")
     (tmp_path / "leaf.xml").write_text('<scene version="3.0.0"/>')
-    with pytest.raises(EclatError, match="more than 1000 includes"):
+    with pytest.raises(EclatError, match="expected at most 1000 included files"):
         load(tmp_path, '<include filename="many.xml"/>' * 2)
 
 
@@ -86,7 +86,7 @@ def test_includes_in_the_depth_of_includes_do_not_exhaust_the_stack(tmp_path: Pa
     for i in range(40):
         inner = f'<include filename="f{i + 1}.xml"/>'
         (tmp_path / f"f{i}.xml").write_text("<bsdf type='twosided'>" * 30 + inner + "</bsdf>" * 30)
-    with pytest.raises(EclatError, match="nested more than 50 deep"):
+    with pytest.raises(EclatError, match="at most 50 levels of nested"):
         load(tmp_path, '<include filename="f0.xml"/>')
 
 
@@ -99,20 +99,22 @@ def test_references_go_forwards_and_backwards(tmp_path: Path) -> None:
 
 def test_references_to_nothing_and_to_themselves_are_refused(tmp_path: Path) -> None:
     shape = '<bsdf type="diffuse" id="Marble"/><shape type="rectangle">\n<ref id="Marbel"/></shape>'
-    with pytest.raises(EclatError, match=r"scene\.xml:3 <ref id=\"Marbel\">: no object has.*did you mean 'Marble'"):
+    with pytest.raises(
+        EclatError, match=r"scene\.xml:3 <ref id=\"Marbel\">: expected the id .*; did you mean 'Marble'"
+    ):
         load(tmp_path, shape)
     with pytest.raises(EclatError, match="refers to itself"):
         load(tmp_path, '<bsdf type="twosided" id="a"><ref id="b"/></bsdf><bsdf type="mask" id="b"><ref id="a"/></bsdf>')
-    with pytest.raises(EclatError, match="leads in a circle"):
+    with pytest.raises(EclatError, match="refers to itself"):
         load(tmp_path, '<alias id="a" as="b"/><alias id="b" as="a"/><shape type="cube"><ref id="a"/></shape>')
     chain = "".join(f'<bsdf type="mask" id="m{i}"><ref id="m{i + 1}"/></bsdf>' for i in range(200))
-    with pytest.raises(EclatError, match="nested more than 50 deep"):
+    with pytest.raises(EclatError, match="at most 50 levels of nested"):
         load(tmp_path, f'{chain}<bsdf type="diffuse" id="m200"/><shape type="cube"><ref id="m0"/></shape>')
 
 
 def test_of_two_objects_with_one_id_the_first_stays(tmp_path: Path) -> None:
     body = '<bsdf type="ward" id="m"/><bsdf type="phong" id="m"/><shape type="cube"><ref id="m"/></shape>'
-    with pytest.warns(EclatWarning, match="the id 'm' is taken"):
+    with pytest.warns(EclatWarning, match="the id 'm' is also the id of"):
         assert load(tmp_path, body).meshes[0].material.kind == "ward"
 
 
@@ -204,7 +206,7 @@ def test_a_light_of_one_number_is_grey_before_version_3(
         ('<shape type="sphere"><float name="radius" value="nan"/></shape>', "expected a number, got 'nan'"),
         (
             '<shape type="sphere"><float name="radius" value="1e999"/></shape>',
-            "expected a finite number of at most 1e+30 in size, got inf",
+            "whose absolute value is at most 1e+30, got inf",
         ),
         ('<shape type="sphere"><float name="radius"/></shape>', "expected the attribute value"),
         (
@@ -217,7 +219,10 @@ def test_a_light_of_one_number_is_grey_before_version_3(
             '<shape type="cube"><transform name="to_world"><matrix value="1 2 3"/></transform></shape>',
             "16 or 9 numbers",
         ),
-        ('<shape type="cube"><transform name="to_world"><rotate angle="3"/></transform></shape>', "expected an axis"),
+        (
+            '<shape type="cube"><transform name="to_world"><rotate angle="3"/></transform></shape>',
+            "expected a rotation axis",
+        ),
         ('<shape type="cube"><transform name="to_world"><skew x="3"/></transform></shape>', "expected one of lookat"),
         (
             '<shape type="cube"><transform name="to_world"><lookat origin="0 0 0"/></transform></shape>',
@@ -226,9 +231,12 @@ def test_a_light_of_one_number_is_grey_before_version_3(
         (
             '<sensor type="perspective"><transform name="to_world">'
             '<lookat origin="0 1 0" target="0 1 0" up="0 0 1"/></transform></sensor>',
-            "differ, got [0.0, 1.0, 0.0] twice",
+            "got [0.0, 1.0, 0.0] for both",
         ),
-        ('<emitter type="point"><rgb name="intensity" value="1 2"/></emitter>', "expected three numbers, one, or"),
+        (
+            '<emitter type="point"><rgb name="intensity" value="1 2"/></emitter>',
+            "expected three numbers, one number, or",
+        ),
         ('<emitter type="point"><spectrum name="intensity" value="400:a"/></emitter>', "expected a number, got 'a'"),
     ],
 )
@@ -246,8 +254,12 @@ def test_what_has_no_meaning_is_ignored_aloud_and_what_mitsuba_knows_in_silence(
         )
     text = "\n".join(str(warning.message) for warning in record)
     assert len(record) == 4
-    assert "unknown integrator" in text and "phase" in text and "<fancy>: an unknown element" in text
-    assert "a property without a name" in text
+    assert (
+        "the integrator type 'mine' is unknown" in text
+        and "phase" in text
+        and "<fancy>: this element is unknown" in text
+    )
+    assert "this property has no name" in text
 
 
 @pytest.mark.parametrize(
@@ -255,14 +267,14 @@ def test_what_has_no_meaning_is_ignored_aloud_and_what_mitsuba_knows_in_silence(
     [
         ('<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>', "hide_emitters"),
         ('<integrator type="path"><boolean name="hideEmitters" value="true"/></integrator>', "hide_emitters"),
-        ('<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>', "max_depth 8"),
+        ('<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>', "max_depth to 8"),
         (
             '<integrator type="irrcache"><integrator type="path"><integer name="maxDepth" value="3"/></integrator>'
             "</integrator>",
-            "max_depth 3",
+            "max_depth to 3",
         ),
-        ('<integrator type="direct"/>', "indirect light as well"),
-        ('<integrator type="depth"/>', "show all light"),
+        ('<integrator type="direct"/>', "include indirect light"),
+        ('<integrator type="depth"/>', "include all light"),
         ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="gaussian"/></film></sensor>', "filter"),
         ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="tent"/></film></sensor>', "--filter tent"),
     ],

@@ -28,8 +28,8 @@ SCENES = {
     "sponza-dabrovic/sun.xml": (None, 60_000, (1280, 720), None),
     "sponza-dabrovic/sponza.xml": (38, 60_000, (768, 575), ()),
     "cornell-box-mitsuba/cbox.xml": (8, 32, (512, 512), ()),
-    "bitterli-veach-bidir/scene.xml": (14, 1000, (1024, 1024), ("path_guiding_integrator|unknown integrator",)),
-    "veach-door/scene.xml": (22, 20_000, (1280, 720), ("coating over diffuse becomes plastic", "")),
+    "bitterli-veach-bidir/scene.xml": (14, 1000, (1024, 1024), ("path_guiding_integrator|the integrator type",)),
+    "veach-door/scene.xml": (22, 20_000, (1280, 720), ("coating over a diffuse BSDF is replaced by plastic", "")),
 }
 
 

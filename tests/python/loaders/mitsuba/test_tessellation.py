@@ -12,7 +12,7 @@ import pytest
 
 import eclat
 from eclat.loaders.mitsuba.primitives import SEGMENTS
-from eclat.loaders.mitsuba.tessellation import MOST_TRIANGLES, triangles_of
+from eclat.loaders.mitsuba.tessellation import MOST_TRIANGLES, triangle_count
 from eclat.scene import Mesh
 
 
@@ -31,7 +31,7 @@ def area(mesh: Mesh) -> float:
 def test_few_are_as_fine_as_one() -> None:
     scene = eclat.load_dict({"type": "scene", **balls(20), "tube": {"type": "cylinder"}, "plate": {"type": "disk"}})
     counts = [len(mesh.triangles) for mesh in scene.meshes]
-    assert counts == [triangles_of("sphere", SEGMENTS)] * 20 + [2 * SEGMENTS, SEGMENTS]
+    assert counts == [triangle_count("sphere", SEGMENTS)] * 20 + [2 * SEGMENTS, SEGMENTS]
 
 
 @pytest.mark.parametrize("count", [300, 2000])
@@ -45,7 +45,7 @@ def test_many_share_the_triangles_and_keep_their_area(count: int) -> None:
 def test_a_large_one_among_many_small_ones_stays_fine() -> None:
     scene = eclat.load_dict({"type": "scene", **balls(2000), "globe": {"type": "sphere", "radius": 2.0}})
     large, small = len(scene.meshes[-1].triangles), len(scene.meshes[0].triangles)
-    assert large == triangles_of("sphere", SEGMENTS) and small < large / 8
+    assert large == triangle_count("sphere", SEGMENTS) and small < large / 8
 
 
 def test_instances_count_as_often_as_they_stand_there() -> None:
