@@ -229,7 +229,7 @@ def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
         ("render cornell-box --sampels 3", "unknown option --sampels for eclat render; did you mean '--samples'?"),
         ("render", "missing argument 'SCENE'"),
         ("render cornell-bx", None),
-        ("info none.obj", "none.obj: expected a scene file, got no such file"),
+        ("info none.obj", "none.obj: expected a scene file, but no such file exists"),
         ("solve cornell-box -o a.npy", "a.npy: expected a name that ends in .npz"),
         (
             "solve cornell-box --method path -o a.npz",

@@ -217,10 +217,12 @@ def test_shapes_that_cannot_be_are_refused() -> None:
         load_dict({"type": "scene", "s": {"type": "cylinder", "p1": [0, 0, 0]}})
     with pytest.warns(EclatWarning, match="the shape becomes flat"):
         load_dict({"type": "scene", "s": {"type": "cube", "to_world": np.diag([1.0, 1, 0, 1])}})
-    with pytest.raises(EclatError, match=r"dict\['s'\].*filename: expected a mesh file, but .*missing\.obj does not exist"):
+    with pytest.raises(
+        EclatError, match=r"dict\['s'\].*filename: expected a mesh file, but .*missing\.obj does not exist"
+    ):
         load_dict({"type": "scene", "s": {"type": "obj", "filename": "missing.obj", "bsdf": {"type": "diffuse"}}})
     far = np.diag([1e25, 1e25, 1e25, 1.0])
-    with pytest.raises(EclatError, match=r"dict\['s'\].*expected coordinates up to 1e\+18"):
+    with pytest.raises(EclatError, match=r"dict\['s'\].*expected coordinates whose absolute value is at most 1e\+18"):
         load_dict({"type": "scene", "s": {"type": "cube", "to_world": far}})
 
 
