@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Tables of the harmonic coefficients of BRDF lobes: for each view direction, f · cosθ_i as a function of the incident
 direction. Tables are kept on disk.
+
 If the incident light is given by coefficients too, the reflected radiance is the dot product of the two.
 docs/algorithms/radiance_cache.md describes the accuracy of the tables.
 """
@@ -80,6 +81,7 @@ class BrdfTable:
 
     def lookup(self, directions: ArrayLike, alpha: ArrayLike | None = None) -> Lookup:
         """Look up the coefficients for view directions (N, 3), unit vectors with z > 0 in the frame of the surface.
+
         `alpha` is the GGX roughness, a number or an array (N,); it is required for "metallic-roughness" and not allowed
         otherwise. Raises EclatError for wrong shapes or numbers that are not finite.
         """
@@ -117,8 +119,8 @@ def brdf_table(
     ----------
     kind : the lobe: "lambert"; "phong" with `exponent`; "ward", "ggx" or "beckmann" with `alpha`; or
         "metallic-roughness", the GGX lobe of glTF with all roughnesses in one table. Only reflection is tabulated.
-        alpha : roughness, one number or a pair along u and v, 0.001..1.
-        exponent : exponent of Phong's lobe, at least 0.
+    alpha : roughness, one number or a pair along u and v, 0.001..1.
+    exponent : exponent of Phong's lobe, at least 0.
     masking : for "ggx": "correlated" if shadowing and masking are correlated by height, as in "metallic-roughness";
         otherwise "separable".
     basis : "hemispherical", or "spherical" for least-squares fits. With fits, the light is given by inner products over
@@ -181,6 +183,7 @@ def split_dielectric(ior: float) -> Floats:
 
 def cache_folder() -> Path:
     """Return the folder of the tables according to the XDG base directory specification.
+
     Raises EclatError if neither HOME nor XDG_CACHE_HOME is set.
     """
     given = os.environ.get("XDG_CACHE_HOME", "")
@@ -200,7 +203,8 @@ def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: floa
     takes = {"phong": "exponent", "ward": "alpha", "ggx": "alpha", "beckmann": "alpha"}.get(kind)
     for name, value in (("alpha", alpha), ("exponent", exponent)):
         if (value is not None) != (name == takes):
-            raise EclatError(f"{kind!r} {'needs' if name == takes else 'takes no'} {name}")
+            got = "but it is missing" if name == takes else f"got {value!r}"
+            raise EclatError(f"{name}: the kind {kind!r} {'needs' if name == takes else 'takes no'} {name}, {got}")
     if kind == "phong" and exponent is not None:
         if not 0 <= exponent < np.inf:
             raise EclatError(f"exponent must be finite and at least 0, got {exponent}")

@@ -51,6 +51,7 @@ def heard_warnings() -> Iterator[list[str]]:
 
 def printable(text: str, *, lines: bool = False) -> str:
     """Escape the control characters of `text` (as in `\\x1b`), so that a name from a file cannot control a terminal.
+
     With `lines`, ends of lines are not escaped.
     """
     return _UNPRINTABLE.sub(lambda c: c[0] if lines and c[0] == "\n" else ascii(c[0])[1:-1], text)

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Functions of direction as coefficients of real spherical or hemispherical harmonics, in double precision.
+
 `basis` is "spherical" (orthonormal on the sphere) or "hemispherical" (orthonormal on the hemisphere z ≥ 0 and 0 below
 it; Gautron et al. 2004). Order n means n bands and n² coefficients. The coefficient of (l, m) has the index l² + l + m;
 the azimuthal factor is √2 cos mφ for m > 0 and √2 sin |m|φ for m < 0, without the Condon–Shortley phase. Directions are
@@ -47,6 +48,7 @@ def evaluate(basis: Basis, order: int, directions: ArrayLike) -> Doubles:
 def quadrature(count: int, domain: Domain = "hemisphere") -> tuple[Doubles, Doubles]:
     """Make N = 2 count² directions (N, 3) and weights (N,) in sr for integrals over the sphere or over the hemisphere z
     ≥ 0.
+
     There are 2 `count` azimuths and `count` polar angles. These are Gauss–Legendre nodes of cosθ on the sphere, and of
     √cosθ on the hemisphere, as functions of which grazing lobes and hemispherical harmonics are smooth. On the sphere,
     harmonics up to order `count` are orthonormal up to rounding errors; on the hemisphere, `count` must be twice the
@@ -104,6 +106,7 @@ def project(
 def fit(inner_products: ArrayLike, tikhonov: float = 1e-6) -> Doubles:
     """Compute the spherical coefficients of the least-squares fit on the hemisphere from inner products over the
     hemisphere.
+
     The result has the shape of `inner_products`. `project("spherical", …)` over the hemisphere gives the coefficients
     of a function that is 0 below the horizon, and its discontinuity there reduces the accuracy. The least-squares fit
     does not constrain the function below the horizon; `tikhonov` times the squared norm of the coefficients is added to
@@ -140,6 +143,7 @@ def reconstruct(basis: Basis, coefficients: ArrayLike, directions: ArrayLike) ->
 def window(kind: Window, coefficients: ArrayLike) -> Doubles:
     """Multiply the coefficients of each band by a factor that reduces ringing. The factor of band 0 is 1, which keeps
     the mean.
+
     The factor of band l of n is (1 + cos πl/n) / 2 for "hanning" and sin(πl/n) / (πl/n) for "lanczos". Windows are for
     light in an orthonormal basis, and not for BRDFs or for the inputs and outputs of `fit`.
 

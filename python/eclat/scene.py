@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """A scene as plain data: frozen dataclasses that hold NumPy arrays. Loaders create them, and the core reads them.
+
 The conventions, which the core shares, are:
 
 - the world is right-handed, with lengths in metres; colours are scene-linear RGB with Rec. 709 primaries; radiance is in
@@ -76,6 +77,7 @@ def rgb(r: float, g: float, b: float) -> Value:
 @dataclass(frozen=True, eq=False)
 class NormalMap:
     """A perturbation of the shading normal.
+
     The kind "normal" is a normal map in tangent space (texel · 2 − 1), whose x and y are multiplied by `scale`. They
     are along the tangents and bitangents of the mesh, or, if it has none, along increasing u and decreasing v (up in
     the image, as in glTF). The kind "bump" is a height map; `scale` is the height of a white texel in metres, and
@@ -138,6 +140,7 @@ DEFAULTS: dict[str, Value] = {
 @dataclass(frozen=True, eq=False)
 class Material:
     """The reflection, transmission and emission of a surface.
+
     `kind` is a key of `MATERIAL_KINDS`; `parameters` are its values, and those that are missing come from `DEFAULTS`.
     An `alpha_u` of 0 is a perfectly smooth interface (a mirror, glass or polish); without `alpha_v` the material is
     isotropic. A conductor with eta = 0 and k = 1 reflects all light, times `specular_reflectance`. `ior` is the index
@@ -219,6 +222,7 @@ class PointLight:
 @dataclass(frozen=True)
 class SpotLight:
     """A point that emits within a cone. `intensity` on the axis is in W·sr⁻¹; angles are in degrees from the axis.
+
     With the `falloff` "linear", the intensity is constant up to `inner_angle` and decreases linearly with the angle to
     0 at `outer_angle`, as in Mitsuba. With "smooth", it is the square of a clamped linear ramp of the cosine, as in
     glTF.
@@ -236,6 +240,7 @@ class SpotLight:
 class DirectionalLight:
     """Light from infinity that travels along `direction`; `irradiance` in W·m⁻² is that on a surface that faces the
     light.
+
     `angular_radius` is in degrees: 0 is a delta light; 0.2665 is the sun as seen from Earth, which is visible as a
     disc.
     """
@@ -248,6 +253,7 @@ class DirectionalLight:
 @dataclass(frozen=True, eq=False)
 class Environment:
     """Radiance from infinity, as an equirectangular image (H, W, 3), float32; 1 × 1 for a constant radiance.
+
     Row 0 is at the direction +y of the environment's frame; the centre column is at −z, and u increases towards +x: u =
     0.5 + atan2(x, −z) / 2π. `to_world` is a 3×3 rotation that maps the environment's frame to the world.
     """
@@ -262,6 +268,7 @@ class Environment:
 @dataclass(frozen=True, eq=False)
 class Camera:
     """A pinhole or thin-lens camera in glTF's convention: it looks along its −z axis, with +y up and +x to the right.
+
     `to_world` is a 4×4 matrix; if it mirrors, the picture is mirrored. `fov` is in degrees along `fov_axis`; with the
     `projection` "orthographic", it is the full extent in metres along that axis. An `aperture_radius` above 0, in
     metres, blurs surfaces that are not at `focus_distance`. `size` is the preferred (width, height) of pictures.
@@ -280,6 +287,7 @@ class Camera:
 
     def half_extent(self, aspect: float) -> tuple[float, float]:
         """Compute half the width and half the height of the image plane at distance 1, or in metres if orthographic.
+
         `aspect` is width / height. Raises EclatError if the field of view is not between 0 and 180 degrees.
         """
         if self.projection == "orthographic":

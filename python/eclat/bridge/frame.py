@@ -28,6 +28,7 @@ _COARSE_STEP = 0.1
 
 def center_of(scene: Scene) -> FloatArray:
     """Choose the origin of the core's coordinates: a world position (3,) in double precision.
+
     If the scene lies far from the origin of the world, it is the middle of the scene's bounds. If parts of the scene
     lie far from each other, such as a room in the coordinates of a national grid and one stray triangle at the origin,
     it is the median of the corners of all triangles, since most of them belong to the part of interest. Otherwise it is

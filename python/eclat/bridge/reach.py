@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The limits of coordinates, which are checked for every position that enters the core.
+
 The core and Embree compute in float32, so squares of lengths must be below 3.4e38. A ray from a position beyond the
 limit is invalid: a build of Embree with checks stops the process, and one without checks returns wrong hits.
 """

@@ -21,6 +21,7 @@ T = TypeVar("T")
 
 def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None, progress: _core.Progress) -> T:
     """Run `call(progress)` in another thread and return its result.
+
     An exception in `report`, or Ctrl-C, cancels the call and is raised. The call has always ended when this function
     returns or raises.
     """

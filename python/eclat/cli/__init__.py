@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The command line: the table of commands, and the handling of errors.
+
 The exit codes are 0 for success, 1 if standard output was closed early, 2 for a mistake of the user (reported on
 standard error), 130 for Ctrl-C, 143 for SIGTERM and 129 for SIGHUP. Ctrl-C and these two signals stop a command in the
 same way, without leaving a half-written file.
@@ -79,6 +80,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 @contextmanager
 def _stopped_by_signals() -> Iterator[list[int]]:
     """Let SIGTERM and SIGHUP stop the command as Ctrl-C does; yield the list of the signals received so far.
+
     Signals that the calling process ignores (as nohup does) or handles itself are left as they are.
     """
     received: list[int] = []

@@ -56,8 +56,8 @@ EXAMPLES = {
 
     Three files are written. The .glb file holds the scene with a light map of 8 bits per channel on a second set of
     texture coordinates (MOZ_lightmap). The .exr file holds the same irradiance unclipped, in W/m² (lux in a photometric
-    scene). The .json file describes the units and the layout of both. The .glb contains no light sources, because the
-    light map holds their light; emissive surfaces stay emissive.""",
+    scene). The .json file describes the units and the layout of both. Unless --component is indirect, the .glb contains
+    no light sources, because the light map holds their light; emissive surfaces stay emissive.""",
 )
 @scene_argument
 @output_option("The .glb file to write [SCENE_lit.glb].")

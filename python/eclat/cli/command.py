@@ -41,6 +41,7 @@ def together(*decorators: Callable[[F], F]) -> Callable[[F], F]:
 
 class Command(click.Command):
     """A command with examples and further sections in its help.
+
     `examples` maps command lines to descriptions; `notes` returns the entries of further sections by heading.
     """
 

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The progress of long calls, shown to people as a bar and to programs as lines of JSON.
+
 Instances of both classes are passed as the argument `progress` of `solve`, `render` and `irradiance`, which call it as
 `progress(phase, fraction, statistics)` about ten times a second. `fraction` is the finished share (0..1) of the phase.
 A fraction that falls means that more work is left than was expected (the error of a picture falls slowly), or that the
@@ -77,6 +78,7 @@ class Meter:
 
 class ProgressBar:
     """A line with the phase, a bar, the rays per second and the time left.
+
     It is shown only on a terminal and only after `SHOW_AFTER` seconds, and removed when the `with` block ends.
     """
 
@@ -136,6 +138,7 @@ class ProgressBar:
 
 class JsonEvents:
     """Writes events as JSON objects, one per line, and flushes each line at once.
+
     Every object has the fields `event` and `time` (seconds since the start). The event `progress` has phase, fraction,
     seconds_left and rays_per_second (null while unknown), and statistics. The command line adds the events `warning`
     and `error`, with a message, and `result`, with what the command computed or wrote. Numbers that are not finite are

@@ -95,6 +95,7 @@ def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
 
 def _checked(path: str, parameter: click.Parameter, value: Any, context: click.Context) -> Any:
     """Check a stored value as if it were given on the command line, because files can be edited.
+
     Raises EclatError if the value is not valid.
     """
     where = f"{path}, setting {parameter.name!r}"

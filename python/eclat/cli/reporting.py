@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The output of a command: a progress bar and text for people, or lines of JSON for programs.
+
 Results go to standard output; the bar, warnings and errors go to standard error. With `--json`, standard output holds
 only events (`eclat.cli.progress.JsonEvents`), one per line, and errors are also printed on standard error.
 """
@@ -40,6 +41,7 @@ reporting_options = together(
 
 class Reporter:
     """Prints the progress, warnings, results and errors of a command.
+
     All that a command does is enclosed in `with Reporter(quiet, as_json) as reporter:`.
     """
 

@@ -98,6 +98,7 @@ def scene_stem(name: str) -> str:
 
 def load_scene(flags: Mapping[str, Any]) -> Scene:
     """Load the scene with the changes that the flags ask for; if it has no camera or no light, add one.
+
     Raises EclatError if the scene cannot be loaded or a flag does not fit it.
     """
     return load_scene_to_show(flags)[0]
@@ -105,6 +106,7 @@ def load_scene(flags: Mapping[str, Any]) -> Scene:
 
 def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal["auto"]]:
     """Load the scene as `load_scene` does, and choose the exposure of its pictures.
+
     The exposure is that of the flags if given; otherwise "auto" if all light comes from `--sun` or a default, and 0 if
     not.
     """
@@ -138,6 +140,7 @@ def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
 
 def camera_index(scene: Scene, wanted: str | None) -> int:
     """Return the index of the camera that `wanted` names by its index or its name; None means 0.
+
     Raises EclatError if the scene has no such camera.
     """
     if wanted is None:

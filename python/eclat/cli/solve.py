@@ -52,7 +52,7 @@ EXAMPLES = {
     help="""Compute the records that a view of SCENE needs, and keep them in a file.
 
     With --points or --view-independent, records are computed for points or for all surfaces instead. With --method
-    photon-map or radiosity, the file holds the photons or patches of the whole scene. It is a NumPy .npz archive, which
+    photon-map or radiosity, the file holds the photons or patches of the whole scene. The file is a NumPy .npz archive, which
     `eclat render`, `eclat irradiance` and `eclat bake` read with --cache, and Python reads with `eclat.load_solved`. It
     can be used only with the scene that it was computed for, unchanged.""",
 )

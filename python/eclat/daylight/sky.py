@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """The sun and a clear sky [Preetham99]: A. Preetham, P. Shirley, B. Smits, "A practical analytic model for daylight",
 1999.
+
 The scale is absolute. The model gives luminance in cd/m²; radiance here is RGB in W·sr⁻¹·m⁻², with luminance = 179 lm/W
 × Y. The irradiance of a high sun is about 600 W·m⁻² (105 klx), that of the sky 50 to 150 W·m⁻². These are watts of
 *visible* light; the 1000 W·m⁻² of meteorology include the infrared.
@@ -180,6 +181,7 @@ def zenith_luminance(sun_zenith: float, turbidity: float) -> float:
 
 def sky_radiance(directions: FloatArray, to_sun: FloatArray, turbidity: float) -> FloatArray:
     """Compute the linear RGB radiance (N, 3) in W·sr⁻¹·m⁻² of the sky in the unit `directions` (N, 3).
+
     `directions` and `to_sun` are in a frame with +y up. Directions below the horizon give the radiance of the horizon.
     Colours outside of the Rec. 709 gamut are clamped to 0.
     """
@@ -201,6 +203,7 @@ def sky_radiance(directions: FloatArray, to_sun: FloatArray, turbidity: float) -
 def sun_irradiance(sun_zenith: float, turbidity: float) -> FloatArray:
     """Compute the linear RGB irradiance in W·m⁻² of the sun, through the atmosphere, on a surface that faces it
     [Preetham99 A.1].
+
     The sun is a black body of 5772 K. Absorption by water vapour and mixed gases, which begins at 690 nm, is neglected.
     """
     wavelength = np.arange(380.0, 781.0, 5.0)

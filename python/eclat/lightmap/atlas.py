@@ -109,7 +109,7 @@ def unwrap(
     ----------
     gutter : number of texels between those that bilinear filtering reads for two charts.
     max_size : largest width and height in texels.
-        timeout : seconds after which xatlas is stopped; 0 skips it.
+    timeout : seconds after which xatlas is stopped; 0 does not use xatlas.
 
     Raises
     ------

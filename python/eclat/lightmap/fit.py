@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """A least-squares fit of the texel values, after which bilinear lookups come close to the gathered irradiance.
+
 Viewers read the map by bilinear lookups: B(x; p) is the lookup at position p in a map of texel values x. The fit finds
 the values that minimise
 
@@ -62,6 +63,7 @@ class Rows:
 
 def bilinear(numbers: Ints, places: FloatArray) -> Rows:
     """Make the matrix of bilinear lookups at `places` (N, 2), in texels.
+
     `numbers` (H, W) is the index of each texel among the unknowns, or −1 for a texel without a value, whose weight the
     other texels of the lookup share. If more than half of the weight is lost, the row is 0.
     """
@@ -88,6 +90,7 @@ def differences(a: Rows, b: Rows) -> Rows:
 
 def fit(gathered: FloatArray, lookups: Rows, seams: Rows) -> FloatArray:
     """Fit texel values (N, C), none of them negative, to the irradiance `gathered` (N, C).
+
     `lookups` has one row for each gathered value; the rows of `seams` are the differences of lookups across seams.
     """
     count = len(gathered)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """A lit scene for viewers that do not support light maps: one texture, used by unlit materials, holds the light that
 all surfaces reflect and emit.
+
 A texel holds the radiance ρ/π · E + Lₑ, for the albedo ρ, the irradiance E and the emitted radiance Lₑ, scaled to the
 range of a screen. Viewers show unlit materials [KHR_materials_unlit] in exactly their colour. The textures of the scene
 are reduced to the resolution of the map, and glossy surfaces are treated as diffuse.
@@ -57,6 +58,7 @@ class LitParts(Protocol):
 
 def encode_flat(lightmap: LitParts, exposure: float | None, tone_mapping: str, generator: str) -> bytes:
     """Encode a binary glTF file with unlit materials.
+
     `exposure` is in stops; None chooses it so that few texels are clipped at white. `tone_mapping` is a key of
     `TONE_MAPPINGS`. Raises EclatError if either is out of range.
     """
@@ -137,6 +139,7 @@ def _surface(
     part: Part, found: Texels, mine: np.ndarray, first: int, irradiance: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Compute the radiance (N, 3) and the opacity (N,) of the texels `mine` of one part.
+
     `first` is the number of the part's first triangle; `irradiance` is (N, 3).
     """
     mesh, material = part.mesh, as_metallic_roughness(part.mesh.material)

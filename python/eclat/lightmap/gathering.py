@@ -58,6 +58,7 @@ class Settings:
 @dataclass(frozen=True, eq=False)
 class TexelPoints:
     """The n sample points of each of N texels: the first is at the centre, the others form a grid.
+
     `positions`, the unit shading `normals` and the unit `face_normals` are (N, n, 3); the positions `uvs` in the map,
     in texels, are (N, n, 2).
     """
@@ -71,6 +72,7 @@ class TexelPoints:
 @dataclass(frozen=True, eq=False)
 class GatheredTexels:
     """The irradiance of N texels.
+
     `values` (N, 3) is the irradiance at the positions `places` (N, 2) in the map, in texels. `seen` (N,) is False for
     texels that no viewer can see, whose values are 0. `counts` holds the number of `rays`, and the errors
     `direct_error` and `estimated_error` that `eclat.irradiance` states.
@@ -99,6 +101,7 @@ def sample_points(corners: Corners, texels: Texels, supersampling: int) -> Texel
 
 def visible_points(scene: Scene, solid: Sequence[Mask], points: TexelPoints, settings: Settings) -> Mask:
     """Compute a mask (N, n) of the points that a viewer may see.
+
     It excludes points inside solids, and dark points behind one-sided surfaces, such as those at the foot of a wall
     that passes through the floor. `solid` marks the triangles of each mesh that bound solids.
     """
@@ -120,6 +123,7 @@ def visible_points(scene: Scene, solid: Sequence[Mask], points: TexelPoints, set
 
 def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settings: Settings) -> GatheredTexels:
     """Compute the mean irradiance over the points of each texel that are `free`, a mask (N, n).
+
     Light from records varies slowly, so it is read at one point per texel. Light from sources has shadows with sharp
     edges, so it is averaged over all points.
     """

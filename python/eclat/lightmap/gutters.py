@@ -15,6 +15,7 @@ Mask = NDArray[np.bool_]
 def dilate(values: FloatArray, known: Mask, rings: int, wanted: Mask | None = None) -> tuple[FloatArray, Mask]:
     """Fill up to `rings` rings of texels around the known ones; return the values (H, W, C) and the mask of known
     texels.
+
     A texel takes the mean of those of its eight neighbours that were known before its ring was filled. If the mask
     `wanted` is given, only its texels are filled.
     """

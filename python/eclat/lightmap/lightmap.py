@@ -36,6 +36,7 @@ finely."""
 @dataclass(frozen=True, eq=False)
 class Lightmap:
     """The irradiance on all surfaces of a scene.
+
     `irradiance` (H, W, 3) is float32 in W·m⁻², or in lux if the scene is photometric; row 0 is at v = 0, and the whole
     image spans the texture coordinates (0, 0) to (1, 1). `parts` are the meshes of the scene, with their vertices split
     at the borders of charts and with `lightmap_uvs`. `texel_size` is in metres, `gutter` in texels. `statistics` holds
@@ -67,6 +68,7 @@ class Lightmap:
 
     def intensity(self) -> float:
         """Return the irradiance that the value 1 of the embedded 8-bit image represents.
+
         It is the largest irradiance, or less if a few texels are far brighter than the rest; these are clipped.
         """
         largest = np.max(self.irradiance, axis=2)
@@ -85,6 +87,7 @@ class Lightmap:
 
     def save(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the files `room_lit.glb`, `room_lit.lightmap.exr` and `room_lit.lightmap.json`, and return their paths.
+
         The .glb holds the scene and its light map as MOZ_lightmap with 8 bits per channel; the .exr holds the same map
         in single precision; the .json describes both. Either all three files are written or none.
 

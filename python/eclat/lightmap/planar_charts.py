@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Charts that are made without xatlas: flat pieces of surfaces, packed in rows without distortion.
+
 Triangles that share an edge and a plane form one chart, so a chart overlaps itself only if the surface does. Each
 triangle of a curved surface becomes a chart, which is correct but makes many seams. `bake` uses these charts if xatlas
 fails.

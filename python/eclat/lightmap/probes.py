@@ -42,6 +42,7 @@ def inside_or_behind(
     scene: Scene, solid: Sequence[Mask], points: FloatArray, normals: FloatArray, threads: int | None = None
 ) -> tuple[Mask, Mask]:
     """Find the points that lie inside a solid, and those that may lie behind a surface; return two masks (N,).
+
     Most rays of a point of the first mask hit the insides of solids. Many rays of a point of the second mask hit
     insides of solids or backs of one-sided surfaces, which are not visible from there. `solid` marks the triangles of
     each mesh that bound solids. `normals` (N, 3) are the unit normals of the triangles.
@@ -98,6 +99,7 @@ def _hemisphere_hits(
     scene: Scene, points: FloatArray, normals: FloatArray, count: int, threads: int | None
 ) -> Iterator[tuple[np.ndarray, FloatArray]]:
     """Trace `count` rays from each point, for n points at a time.
+
     Yields the triangles that they hit, (n, count), −1 for none, and their directions, (n, count, 3).
     """
     prepared = compiled(scene)

@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Seams, the edges at which two charts meet on one smooth surface: pairs of positions in the map that represent the
 same point of the surface.
+
 An edge is a seam if the shading normals of its two triangles agree at both ends, but their positions in the map differ.
 The two sides of a real corner have different light, so it is not a seam.
 """

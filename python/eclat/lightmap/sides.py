@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The choice of the triangles, and of their sides, that get texels in the light map.
+
 The two sides of a thin wall have different light. Where a viewer can see both sides, the back becomes a separate sheet,
 and both materials become one-sided. The inside of a solid needs no texels, and neither do surfaces that are certainly
 dark, such as the outside of a room in empty space. All of these share one black texel.
@@ -43,6 +44,7 @@ def lit_sides(
 ) -> list[Side]:
     """List the sides of all meshes of `scene` that get texels; `solid` marks the triangles of each mesh that bound
     solids.
+
     With the `choice` "auto", the front and the back of a two-sided sheet get separate texels. With "front", both sides
     show the light of the front. With "both", the two sides of every two-sided triangle get separate texels.
     """

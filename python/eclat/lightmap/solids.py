@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Finding the triangles that bound solids, whose backs no viewer sees.
+
 A connected piece of a mesh is a solid if it is closed and its normals point outwards: each edge belongs to two
 triangles that traverse it in opposite directions, and the signed volume is positive. A two-sided piece might be a room
 with people in it, so it counts as a solid only if no camera, no light and no other vertex lies within its bounds. A

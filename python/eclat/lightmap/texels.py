@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The surface point that each texel represents, found by conservative rasterisation of the triangles into the atlas.
+
 Bilinear filtering at a point reads up to four texels, whose centres are less than one texel away in u and in v. All
 texels that are read anywhere on a triangle are drawn. A texel whose centre lies outside its triangle represents the
 nearest point of the triangle.
@@ -35,6 +36,7 @@ PAIRS_AT_ONCE = 1 << 20
 @dataclass(frozen=True, eq=False)
 class Texels:
     """The N texels that surfaces use, row by row.
+
     `rows` and `columns` (N,) are their positions in the map; `triangles` (N,) are the indices of their triangles,
     counted over all meshes; `weights` (N, 3) are the barycentric coordinates of the sample points; `positions` (N, 3)
     are in metres; `normals` (N, 3) are unit shading normals and `face_normals` (N, 3) those of the triangles; `uvs` (N,
@@ -59,6 +61,7 @@ class Texels:
 @dataclass(frozen=True, eq=False)
 class Corners:
     """The corners of the T triangles of an atlas.
+
     `uvs` (T, 3, 2) are in texels, world `positions` (T, 3, 3) in metres; `normals` (T, 3, 3) are unit shading normals
     and `face_normals` (T, 3) unit normals of the triangles. `charts` (T,) are the indices of their charts, −1 for none.
     """
@@ -211,6 +214,7 @@ def _candidates(uvs: FloatArray, drawn: Ints, width: int, height: int) -> Iterat
 
 def _reaches(uvs: FloatArray, centers: FloatArray) -> NDArray[np.bool_]:
     """Test whether the square of half width `REACH` about each centre overlaps its triangle, by separating axes.
+
     The bounding boxes overlap already, so only the normals of the triangle's edges are tested.
     """
     turn = np.sign(_cross(uvs[:, 1] - uvs[:, 0], uvs[:, 2] - uvs[:, 0]))

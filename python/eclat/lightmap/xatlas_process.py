@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """A program that unwraps meshes with xatlas: it reads arrays from standard input and writes charts to standard output.
+
 It runs as a separate process, because xatlas can crash or run forever on broken meshes and cannot be stopped. It
 imports nothing from this package, so that it starts quickly.
 """
@@ -16,6 +17,7 @@ import xatlas
 
 def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     """Make charts of the meshes `positions0`, `normals0`, `triangles0`, `positions1`, …, and pack them into one image.
+
     Returns `size` (width, height in texels), and for each mesh `vertices`, the index of the vertex that each vertex
     copies; `triangles`; `uvs`, in 0..1 of the image; and `charts`, the chart of each vertex, −1 for vertices that
     xatlas left out.

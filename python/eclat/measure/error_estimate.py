@@ -23,6 +23,7 @@ end is quoted as a bound."""
 class ErrorEstimate:
     """An estimate of a relative error as in `metrics.relative_rmse`, which is between `low` and `high` with 95 %
     confidence.
+
     `unserved` is the share of the tested points at which no record is used: either the light is traced there, with
     noise instead of an error, or no diffuse surface is visible.
     """
@@ -69,6 +70,7 @@ LEAST_BY_CHANCE = 0.005
 
 def with_light_by_chance(statistics: Mapping[str, float], share: float) -> dict[str, float]:
     """Return the entries of the statistics that account for light that is found only by chance.
+
     `share` is its share of the light of the lamps. Error probes do not measure it, so the estimated error and the upper
     end of its interval are increased by it. A negligible share gives no entries.
     """
@@ -88,6 +90,7 @@ def without_light_by_chance(statistics: Mapping[str, float]) -> dict[str, float]
 
 def error_text(statistics: Mapping[str, float]) -> str:
     """Format the estimated error as in `estimated error 0.9 % ± 0.1 (95 %)`; the text is empty if there is no estimate.
+
     The text also states whether light is found only by chance, or whether gloss is not included.
     """
     if "estimated_error" not in statistics:

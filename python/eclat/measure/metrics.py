@@ -55,7 +55,7 @@ def relative_rmse(
     ----------
     x, a, b : (H, W, 3) linear radiance. If there is only one reference, give it as a and b; its noise then counts as
         error of x.
-        c : the constant c; None means `RELATIVE_C` · mean(R²) over all pixels, even if there is a mask.
+    c : the constant c; None means `RELATIVE_C` · mean(R²) over all pixels, even if there is a mask.
     mask : (H, W), True for the pixels to include, for instance those of `away_from_edges`; None includes all.
 
     Returns
@@ -96,6 +96,7 @@ def signed_error(x: ArrayLike, reference: ArrayLike, c: float | None = None) -> 
 
 def away_from_edges(depth: ArrayLike, normal: ArrayLike) -> NDArray[np.bool_]:
     """Make a mask (H, W) that is True for pixels with no edge within `EDGE_PIXELS` pixels horizontally and vertically.
+
     An edge lies between two neighbouring pixels, including diagonal ones, if their normals differ by more than
     `EDGE_DEGREES`, if their depths differ by more than `EDGE_DEPTH` of the nearer depth, or if only one of them shows a
     surface.
@@ -131,6 +132,7 @@ def away_from_edges(depth: ArrayLike, normal: ArrayLike) -> NDArray[np.bool_]:
 
 def flip(x: ArrayLike, reference: ArrayLike, exposure: float = 0.0) -> tuple[Float64, float]:
     """Compute the LDR-FLIP map (H, W) in 0..1 of two pictures that are displayed at `exposure` stops, and its mean.
+
     FLIP is that of Andersson et al. 2020, *FLIP: A Difference Evaluator for Alternating Images*, at
     `PIXELS_PER_DEGREE`.
 

@@ -21,6 +21,7 @@ def luminance(rgb: ArrayLike) -> NDArray[np.float64]:
 
 def illuminance(irradiance: ArrayLike, photometric: bool) -> NDArray[np.float64]:
     """Convert RGB irradiance (N, 3) to illuminance (N,) in lux.
+
     A photometric scene (`Scene.photometric`) keeps the candela, lux and cd·m⁻² of its file, so the illuminance is the
     luminance Y of the RGB values. In a radiometric scene, RGB is in W·m⁻² of visible light, and the illuminance is Y
     times `LUMENS_PER_WATT`.

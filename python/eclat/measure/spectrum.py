@@ -70,7 +70,10 @@ def reflectance_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float
     ----------
     wavelengths, values : (N,) samples of the spectrum and their wavelengths in nanometres. The spectrum is linear
         between samples, and 0 outside of their range.
-        Raises     ------     EclatError : the same as for `resample`.
+
+    Raises
+    ------
+    EclatError : the same as for `resample`.
     """
     red, green, blue = np.clip(_REFLECTANCE_WEIGHTS @ resample(wavelengths, values), 0.0, 1.0).tolist()
     return red, green, blue
@@ -79,6 +82,7 @@ def reflectance_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float
 def emission_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float, float, float]:
     """Convert the spectrum of a light, or of any unbounded quantity, to linear sRGB; negative channels are clamped to
     0.
+
     Parameters and errors are those of `reflectance_to_rgb`; the result has the unit of `values`.
     """
     red, green, blue = np.maximum(_EMISSION_WEIGHTS @ resample(wavelengths, values), 0.0).tolist()

@@ -20,6 +20,7 @@ from eclat.scene import Scene
 @dataclass(frozen=True)
 class IrradianceCache(RecordOptions):
     """Irradiance caching: diffuse indirect light is interpolated between records, and all other light is traced.
+
     `max_error` determines how close the near and far records are to each other, and how many rays they take. A field
     that is None is computed from `max_error`.
     """

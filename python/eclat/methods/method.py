@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The interface of all methods, through which alone the verbs use a method.
+
 A method is an object that holds its options. It *prepares* a scene for a purpose; the result, a `Prepared`, makes
 estimators of radiance along camera rays and of irradiance at points. A result that can also be kept in a file is a
 `Solved`. A new method needs a class of its own, a subclass of `Solved` if its results can be kept, and a call of
@@ -33,6 +34,7 @@ PassEstimator = Callable[[int, _core.Progress], _core.Estimator]
 
 class Prepared(ABC):
     """The result of preparing one scene by a method, which makes the estimators that the verbs use.
+
     Subclasses are frozen dataclasses that have at least these fields.
     """
 
@@ -86,6 +88,7 @@ class Prepared(ABC):
 
 class Solved(Prepared):
     """The solution of a scene by a method, which can be saved, loaded, merged, described and used again.
+
     Subclasses are frozen dataclasses, made with `repr=False` and `eq=False`, that have at least these fields.
     """
 
@@ -172,6 +175,7 @@ class Solved(Prepared):
     @classmethod
     def load(cls, path: str | os.PathLike[str], scene: Scene | None = None) -> Self:
         """Read a saved solution.
+
         Raises EclatError if the file cannot be read, holds another kind of solution, or was solved for another scene
         than `scene`, if that is given.
         """
@@ -314,7 +318,7 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
     ----------
     what : a method, its class, its name, a solution, or None. For a class or a name, the `settings` that are options of
         the method are applied.
-        default : the method that is returned for None.
+    default : the method that is returned for None.
 
     Raises
     ------
@@ -334,6 +338,7 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
 
 def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Solved:
     """Read a solution of any method, which `eclat solve` or `Solved.save` wrote.
+
     Raises EclatError if the file cannot be read, or if it was solved for another scene than `scene`, if that is given.
     """
     return _load(path, scene)
@@ -342,8 +347,10 @@ def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Sol
 def merge(first: S, second: S) -> S:
     """Merge two solutions of one scene. The result has the records of both, sorted and without duplicates, or the
     photons of both.
+
     The order of the two does not matter. Merged photons are statistically equivalent to photons that are traced
     together; merged records differ from records that are solved together.
+
     Raises EclatError if the methods, scenes or options differ, if both hold the photons of the same seed, or if they
     are solutions of radiosity.
     """

@@ -141,6 +141,7 @@ class Photons(Solved):
     ) -> np.ndarray:
         """Estimate the irradiance (N, 3) in W·m⁻² at points of surfaces from the density of one map, with its blur and
         noise.
+
         The global map gives the light that was scattered diffusely before it arrived; with `caustic`, the caustic map
         gives the light that met only mirrors, glass and glossy surfaces. `eclat.irradiance` gives a better estimate of
         all light, at any points.
@@ -180,6 +181,7 @@ class Photons(Solved):
 
     def merged(self, other: Photons) -> Photons:
         """Merge the photons of both maps as if they had been emitted together; the order of the two does not matter.
+
         Raises EclatError if both hold the same photons, those of the same seed.
         """
         shared = {e.seed for e in self.emissions} & {e.seed for e in other.emissions}

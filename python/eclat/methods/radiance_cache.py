@@ -16,6 +16,7 @@ from eclat.methods.records.options import RadianceOptions
 class RadianceCache(RadianceOptions, IrradianceCache):
     """Radiance caching: irradiance caching for diffuse surfaces, and records of radiance from all directions for glossy
     surfaces. Sharp reflections are traced.
+
     Records of radiance are made for views and for all surfaces. For points, which have no glossy lobes, only records of
     irradiance are made.
     """

@@ -29,8 +29,9 @@ class RadiositySolution(Solved):
     `patches` is (N, 4) uint32. Its columns are the index of the triangle; a set of bits (1: the patch is on the back,
     2: its light is unknown); and, in two halves, the sequence of halvings that leads from the triangle to the patch.
     `values` is (N, 15) float32: irradiance straight from lights, total irradiance, albedo, and emitted and transmitted
-    radiosity, with three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`. The properties
-    give these values by name. `max_depth` is the greatest number of edges of a path in the solution; −1 means no limit.
+    radiosity, with three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`.
+    The properties give these values by name. `max_depth` is the greatest number of edges of a path in the solution; −1
+    means no limit.
     """
 
     called: ClassVar[str] = "radiosity solution"
@@ -64,6 +65,7 @@ class RadiositySolution(Solved):
     @property
     def is_unknown(self) -> np.ndarray:
         """(N,) True for patches whose light is unknown, which take the light of their surroundings in pictures.
+
         These patches lie inside a solid, where no light arrives, or a wall stands across them, so that only the light
         of the largest part is known.
         """
@@ -122,6 +124,7 @@ class RadiositySolution(Solved):
 
     def field(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
         """Make the compiled core's form of the solution.
+
         Raises EclatError if the patches do not belong to the scene.
         """
         patches, values = np.ascontiguousarray(self.patches), np.ascontiguousarray(self.values)
@@ -165,7 +168,9 @@ class RadiositySolution(Solved):
 
 def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySolution:
     """Compute the radiosity of the whole scene.
+
     Warns which materials are not diffuse and how radiosity treats them.
+
     Raises EclatError if the options ask for more than five million patches.
     """
     started, counted, prepared = clock.perf_counter(), _core.Progress(), compiled(scene)
@@ -238,8 +243,8 @@ class Radiosity(Method):
     solved: ClassVar[type[Solved] | None] = RadiositySolution
 
     patches: int = 20_000
-    """Approximate number of patches that are added by subdivision. It does not count the first patch on each side of
-    each triangle."""
+    """Approximate number of patches that subdivision adds to the initial patches, of which each side of a triangle has
+    one."""
     patch_size: float | None = None
     """Longest edge of a patch in metres, instead of a number of patches. Where the light changes quickly, patches are
     smaller."""

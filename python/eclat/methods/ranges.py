@@ -21,6 +21,7 @@ _KINDS: dict[type, tuple[type, str]] = {
 
 def check_types(method: object) -> None:
     """Raise EclatError for the first field whose value does not have its type: bool, a whole number or a number.
+
     Numbers of other types, such as those of NumPy, are converted to Python numbers, which can be saved. `check_names`
     checks fields that hold one of several names.
     """

@@ -69,6 +69,7 @@ def compare_page(comparison: Comparison) -> str:
 def error_scale(comparison: Comparison) -> float:
     """Choose the error at the ends of the colour scale: 1, 2 or 5 times a power of ten, at least three times the
     smallest error.
+
     All maps share this scale, which is three standard deviations of the best method: its map is neither blank nor
     saturated.
     """

@@ -2,10 +2,12 @@
 # SPDX-License-Identifier: Apache-2.0
 """Decides how many samples each pixel takes, so that the error of the picture is smallest for a given total number of
 samples.
+
 The squared error is the mean over pixels of v / n, where v is the variance of one sample, relative to the radiance of
 the pixel as in `metrics.relative_rmse`, and n the number of samples of the pixel. For a given sum of n it is smallest
 if n is proportional to √v [Neyman34]. v is estimated from the samples taken so far, in passes that each double the
 samples of the picture; each pass distributes its samples according to the estimates of the passes before.
+
 If an edge cuts off a small part of a pixel, a few samples may all miss this part and agree about the wrong colour. If a
 lamp is on the other side of the edge, such pixels cause most of the error of a picture. The colour on the other side is
 known from the neighbouring pixels, though. After n samples that all missed it, the probability that the next sample
@@ -42,6 +44,7 @@ class AdaptiveSamples:
     ----------
     size : (width, height) of the picture.
     region : rectangle (x0, y0, x1, y1) of the pixels that are sampled, x1 and y1 exclusive.
+
         `counts`, (height, width), are the numbers of samples that the pixels have taken.
     """
 
@@ -63,6 +66,7 @@ class AdaptiveSamples:
     def unevenly(self, samples: int) -> Counts:
         """Return the counts after a pass that brings the mean over pixels to about the given number and reduces the
         error most.
+
         Until two passes have been observed, all pixels get the same number of samples.
         """
         if self._variance is None or self._contrast is None:

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Decides how many samples a picture takes: a given number, or until an error is reached, or until the time is over.
+
 The error of a picture is estimated from two halves, the first and the last n/2 samples of each pixel. The even and the
 odd samples would not do: consecutive Sobol' points are stratified against each other, with one in each half of every
 dimension, so the even and odd means differ by up to three times their true error. The first and the last 2^k points are
@@ -46,6 +47,7 @@ for each pixel, or with one number for all pixels."""
 @dataclass(frozen=True)
 class Goal:
     """The condition at which sampling stops.
+
     It is the number of `samples` per pixel (the mean over pixels with adaptive sampling) if given, or else the
     `deadline`, a value of `time.perf_counter`, if given, or else the relative error `max_error`.
     """
@@ -57,6 +59,7 @@ class Goal:
 
 class Sampling:
     """Takes the samples of one picture.
+
     `taken` is the number of samples per pixel so far, `rays` the number of rays, and `noise` the relative error
     estimated after the last complete pass (NaN before the first estimate). With `keep_partial`, `partial` is a copy of
     the film after `partial_taken` samples per pixel. The values of the picture depend only on the number of samples,
@@ -181,6 +184,7 @@ def _everywhere(samples: int) -> Counts:
 def estimated_error(half: NDArray[np.floating], mean: NDArray[np.floating]) -> float:
     """Estimate the relative error of a picture that is due to noise, as in `metrics.relative_rmse`, from half of its
     samples.
+
     The estimate is sqrt(mean((x₁ − x₂)² / 4 / (R² + c))), where x₁ and x₂ are the means of the first and of the last
     half of the samples. The picture is the mean of both, so its error is half their difference. The unknown R² is
     replaced by the mean of x₁ x₂ over 3 × 3 pixels, which is unbiased. The square of the picture itself would contain

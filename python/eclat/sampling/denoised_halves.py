@@ -107,6 +107,7 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
 
 def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float) -> Float64:
     """Estimate R² + c, (H, W, 3).
+
     Where the denoised halves are shown, R² is the square of the darker half: most of the error is at edges, where
     denoisers spread light to the dark side. Where the samples are shown, R² is the product of the halves averaged over
     3 × 3 pixels, which their noise does not make too large. For a picture of a furnished room, the error computed with

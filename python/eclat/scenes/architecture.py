@@ -22,6 +22,7 @@ def bead(radius: float, bottom: float, top: float, bulge: float, points: int = 4
 
 def column(height: float, radius: float, segments: int, fine: int = 4) -> Solid:
     """Make a Tuscan column: plinth, Attic base, shaft with entasis, necking, echinus, and an abacus 2.82 radii wide.
+
     `fine` is the number of points of each curve in its profile.
     """
     r = radius
@@ -124,6 +125,7 @@ def tondo() -> tuple[Solid, Solid]:
 
 def door(width: float, height: float) -> tuple[Solid, Solid]:
     """Make a door for a wall at z = 0 that faces +z: its frame with a cornice, and its panelled leaves.
+
     `width` and `height` are those of the opening. The leaves are 6 cm in front of the wall, so that they cover the dado
     and its rail.
     """

@@ -245,6 +245,7 @@ def _tiled(name: str, image: FloatArray) -> Material:
 
 def pavement_image() -> FloatArray:
     """Draw the pavement of the whole court, an sRGB-encoded image (1232, 1232, 3).
+
     It consists of diagonal travertine slabs, bands of grey stone from column to column, and a ring of red marble around
     the fountain.
     """

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """A study that is lit only through a door left ajar, after a scene by Veach.
+
 The room is at 0 < x < 6 and 0 < z < 4.5, the lit corridor at 6.15 < x < 8; lengths are in metres.
 """
 

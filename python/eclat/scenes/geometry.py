@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Builders of closed solids: every solid is watertight, and its triangles face outwards.
+
 Scenes join solids by letting them overlap by about a centimetre. Two faces never share a plane, because such faces
 would flicker, and edges never merely touch, because light would leak between them.
 """
@@ -103,6 +104,7 @@ def mesh(
 
 def loft(stations: ArrayLike, closed: bool = False) -> Solid:
     """Make a solid by connecting S consecutive loops of P points each, given as (S, P, 3).
+
     With `closed`, the last loop is connected to the first. Otherwise the first and the last loop, which must be flat
     polygons, are closed with caps.
     """
@@ -180,6 +182,7 @@ def half_circle(center: float, radius: float, segments: int) -> list[Point2]:
 def groin_vault(radius: float, flange: float, top: float, segments: int) -> Solid:
     """Make the intersection of two barrel vaults over a square bay: a block that is vaulted below and flat at height
     `top`.
+
     The barrels have the given `radius` and begin at height 0. The block extends `flange` beyond them, into the walls.
     Each barrel has `segments` facets, an even number.
     """

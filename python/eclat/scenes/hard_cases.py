@@ -2,6 +2,7 @@
 # SPDX-License-Identifier: Apache-2.0
 """Small rooms in which irradiance caches are known to fail, each with one kind of error; docs/defects.md describes
 them.
+
 Unless stated otherwise, a room is at 0 < x < 3, 0 < y < 2.5 and 0 < z < 3, in metres, and all surfaces are diffuse.
 """
 
@@ -37,6 +38,7 @@ SIZE = (480, 360)
 def thin_wall(thickness: float = 0.01) -> Scene:
     """Make two rooms, of which the one at x > 1.5 has a tenth of the light of the other, with a closed wall at x = 1.5
     between them.
+
     `thickness` is that of the wall in metres; with 0, the wall is a sheet.
     """
     meshes = [_shell(), _lamp((0.5, 2.3, 1.2), (0.9, 2.36, 1.8), (12, 11, 9))]
@@ -55,6 +57,7 @@ def thin_wall(thickness: float = 0.01) -> Scene:
 
 def gap(width: float = 0.001) -> Scene:
     """Make a dim and a bright room whose dividing wall at x = 1.5 consists of two sheets with a slit between them.
+
     The slit is at z = 1.5, and `width` metres wide.
     """
     meshes = [_shell(), _lamp((0.5, 2.3, 1.2), (0.9, 2.36, 1.8), (12, 11, 9))]

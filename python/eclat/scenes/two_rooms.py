@@ -11,6 +11,7 @@ from eclat.scenes.geometry import box, mesh
 
 def build(wall_thickness: float = 0.01) -> Scene:
     """Build the scene. The first camera looks at the lit side of the wall, the second at its dark side.
+
     Each room is 2 m wide, 2.5 m high and 3 m deep. The middle of the wall is at x = 0, the light at x < 0.
 
     Parameters

@@ -69,7 +69,8 @@ def complete(
         An EXR, HDR, PFM or other image file, or a constant radiance, that replaces the scene's environment.
     size
         Width and height of the pictures in pixels.
-        Returns
+
+    Returns
     -------
     Scene
         The changed scene. A missing camera or light is added with a warning: a camera that shows the scene; a sun and a
@@ -94,6 +95,7 @@ def wants_exposure(
     scene: Scene, *, sun: tuple[float, float] | None = None, environment: Path | Point | None = None
 ) -> bool:
     """Return whether `complete`, with these overrides, lights the scene by real daylight or by a default lamp.
+
     The brightness of such pictures was not chosen by an author, so they are displayed with `auto_exposure`.
     """
     return sun is not None or (environment is None and not has_light(scene))
@@ -267,6 +269,7 @@ def _rays_escape(scene: Scene, camera: Camera) -> bool:
 
 def _distances(corners: FloatArray, origins: FloatArray, directions: FloatArray) -> FloatArray:
     """Compute the distances (N,) to triangles (T, 3, 3) along unit directions (N, 3) from one origin or N origins.
+
     The distance is infinite for rays that hit nothing. The test is that of [MollerTrumbore97], for some thousand
     triangles at a time. Rays that hit an edge count as hits, so that a crack between triangles does not look like a
     window.

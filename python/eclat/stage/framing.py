@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The choice of a view for a scene without a camera: from outside for an object, from inside for a room.
+
 The choice is made on a coarse grid of occupied cells, so that it takes only a second for a million triangles. Lengths
 are in cells, and +y is up: the scene is first rotated upright, and the choice does not depend on its size or position.
 """
@@ -37,6 +38,7 @@ class Grid:
     def march(self, origins: FloatArray, directions: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Find the first occupied cell along rays (N, 3); return its distance (N,) in cells and the facing (N,) of its
         surface.
+
         The distance is infinite for rays that leave the grid. The facing is the cosine between the mean normal of the
         cell and the reversed ray; it is positive if the ray hits the front.
         """
@@ -88,6 +90,7 @@ def framed_camera(scene: Scene) -> tuple[Camera, str]:
 
 def _without_strays(corners: FloatArray) -> FloatArray:
     """Remove the triangles (T, 3, 3) that lie more than a thousand median distances from the median of all corners.
+
     Otherwise a stray triangle, such as one at the origin of a national grid, would make the room a point in the
     picture.
     """

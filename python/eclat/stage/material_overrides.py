@@ -80,6 +80,7 @@ def override_materials(
 
 def parsed_override(text: str) -> tuple[str, dict[str, Any]]:
     """Parse `NAME=KIND,property=value,…` into the name and the bsdf; the numbers of a colour are separated by blanks.
+
     Raises EclatError if the text has another form.
     """
     name, equals, rest = text.partition("=")

@@ -20,6 +20,7 @@ about only once."""
 def staged(scene: Scene | str | os.PathLike[str]) -> Scene:
     """Return the scene with a camera and a light, as the command line does; if either is missing, it is added with a
     warning.
+
     A scene that has both is returned unchanged. The additions depend only on the scene, so a solution fits the scene
     when it is rendered later.
 

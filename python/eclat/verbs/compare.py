@@ -38,6 +38,7 @@ REFERENCE_SEEDS = (0x5EED_0A0A, 0x5EED_B0B0)
 @dataclass(frozen=True)
 class Effort:
     """The effort of the methods at several levels.
+
     The last level uses the full effort. Each earlier level takes a quarter of the samples (or seconds), photons and
     patches of the next level and asks for twice its error, so noise and bias should halve from level to level.
     """

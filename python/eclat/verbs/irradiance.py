@@ -45,6 +45,7 @@ this number."""
 
 def paths_for_few(count: int, max_error: float) -> int | None:
     """Return the number of paths per point if tracing paths takes fewer rays than records do, and None otherwise.
+
     The rule counts rays instead of seconds, so that the choice is the same on every machine. Records first need far
     records, which cost the same for one point as for thousands.
     """
@@ -161,6 +162,7 @@ def stated_errors(
     found: NDArray[np.floating], direct_errors: NDArray[np.floating], solved: dict[str, float]
 ) -> dict[str, float]:
     """Compute the known errors of irradiance `found` (N, 3), which are relative as in `metrics.relative_rmse`.
+
     `direct_error` is the error of light straight from lights, from the standard errors `direct_errors` (N,) of its
     luminance at each point. If `solved`, the statistics of the solution, hold the error of the records,
     `estimated_error` is the error of all light.

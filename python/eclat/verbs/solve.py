@@ -108,6 +108,7 @@ def solve(
     progress: ProgressReport | None = None,
 ) -> Solved:
     """Solve a scene by a method. `render`, `irradiance` and `bake` can read the solution.
+
     The records of irradiance caching and radiance caching are made for a view (the default), for points, or for all
     surfaces. Photon maps and radiosity are solved for the whole scene; only the arguments `max_depth`, `seed`,
     `threads` and `progress` apply to them.
@@ -189,6 +190,7 @@ def refine(
 ) -> Solved:
     """Solve again with finer settings than those of a Solution. The results of repeated calls converge to the exact
     light.
+
     All settings that the error depends on become finer (`laws.finer`), also those of the far records in which gather
     rays end. All records are gathered anew with more rays, so none of the old noise remains.
 

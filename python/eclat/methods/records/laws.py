@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The scaling laws that relate the error of records to their options and to the number of rays.
+
 `core_options` computes options from `max_error`, `finer` scales all options for a smaller error, `first_options`
 returns the options of a cheap first solve, and `rays_after` predicts the number of rays of a finer solve.
 """
@@ -51,6 +52,7 @@ def core_options(
     options: RecordOptions, *, max_depth: int = -1, seed: int = 0, threads: int = 0
 ) -> _core.IrradianceCacheOptions:
     """Make the options of the core. Fields that are None are computed from `max_error`.
+
     The error of first-order extrapolation is proportional to the square of the radius of a record, and the noise of a
     gather is inversely proportional to its number of rows. The spacing is never more than √2 times that for an error of
     1 %, because records that are larger than the objects near them need many small records between them. The errors of
@@ -94,6 +96,7 @@ def core_radiance_options(
 
 def finer(options: Settings, ratio: float) -> Settings:
     """Return options that scale all parts of the error by `ratio` (below 1), in which no field is None.
+
     The error of extrapolation is proportional to the square of the radius of a record. Details that are smaller than
     the lower bound of the radii, in pixels, are lost, so this bound is scaled by `ratio`. The noise of a gather of M
     rows, which is stratified in two dimensions, is proportional to M^(-3/2). The same laws hold for far records, whose

@@ -15,6 +15,7 @@ from eclat.methods.ranges import check_names, check_range, check_types
 @dataclass(frozen=True)
 class RecordOptions(Method):
     """Options of records of irradiance.
+
     `max_error` determines how close the near and far records are to each other, and how many rays they take. A field
     that is None is computed from `max_error` (`laws.core_options`).
     """

@@ -29,6 +29,7 @@ def radiance_tables(
 ) -> _core.RadianceTables:
     """Return the tables for all metallic-roughness lobes, and for the other lobes whose parameters do not vary over
     surfaces.
+
     Lobes without a table are traced. The tables are kept as long as the scene exists.
     """
     known = _cache.setdefault(scene, {})

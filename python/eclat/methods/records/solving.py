@@ -148,6 +148,7 @@ class Job:
         self, solution: Solution, share: float, caches: _core.SolvedCaches | None = None, max_error: float | None = None
     ) -> Solution:
         """Add an estimate of the error to the statistics of a solution.
+
         The gathers for it take at most the given share of the rays of the solve, and fewer if it is clear sooner
         whether the error is above `max_error`, by default that of the options.
         """

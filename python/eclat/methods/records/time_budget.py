@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """Division of a given time between records and samples of pixels.
+
 A cheap first solve, which places records at every fourth pixel only, measures the rays per second for this scene and
 machine. A second solve places records at all pixels, or at as many as there is time for. The scaling laws (`laws`) then
 give the options of the finest third solve that fits into the time. The error of records is proportional to time^(−3/7),
@@ -45,6 +46,7 @@ def solve_within(
     scene: Scene, options: RecordOptions, deadline: float, purpose: Purpose, work: Work, care: Care
 ) -> Solution:
     """Solve records that leave enough of the time until `deadline`, a value of `time.perf_counter`, for the pixels.
+
     The options of the Solution hold the numbers that were chosen; `solve` makes the same records with them.
     """
     begun = clock.perf_counter()
