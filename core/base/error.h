@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The core throws; it never prints and never exits. std::invalid_argument for the user's mistakes (Python sees a
-// ValueError), Cancelled when the caller asked to stop.
+// The errors that the core throws; it never prints and never exits. Mistakes of the user are std::invalid_argument (ValueError
+// in Python), and Cancelled means that the caller asked to stop.
 
 #pragma once
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A balanced kd-tree of points [Bentley75]: a range of points is split at the median along the longest side of its bounds,
-// which stands in the middle of the range, with the two halves to its left and right. So it needs no pointers. Ties of
-// coordinates are broken by the order in which points were given: the tree is the same on any number of threads.
+// A balanced kd-tree of points [Bentley75]: a range of points is split at the median along the longest side of its bounds. The
+// median is stored in the middle of the range and the halves on its left and right, so no pointers are needed. Ties of
+// coordinates are broken by the order of the points, so the tree is the same on any number of threads.
 
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Work over index ranges. Ranges are cut by index only, so results never depend on how many threads there are.
-// The only file with oneTBB.
+// Parallel work over index ranges. Ranges are split by index only, so results never depend on the number of threads. This is the
+// only file that uses oneTBB.
 
 #pragma once
 

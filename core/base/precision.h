@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How exactly single-precision coordinates and distances are known: what rays must keep away from.
+// The errors of single-precision coordinates and distances, and the offsets that rays need because of them.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How far a long call is, and a flag to stop it; written by workers, read by whoever waits.
+// The progress of a long call, which workers write and the waiting thread reads, and a flag that cancels the call.
 
 #pragma once
 

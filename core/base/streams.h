@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Who draws random numbers: each use has an identifier of its own, which keys its numbers, so that no two uses share them.
+// The streams of random numbers: each use has its own identifier, which is part of the key, so that no two uses share numbers.
 
 #pragma once
 

@@ -2,8 +2,8 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Directional albedo of a GGX surface with Schlick's reflectance, as a table.
-// Schlick is linear in F0 and F90, so E(cosθ, α) = F0 · A(cosθ, α) + F90 · B(cosθ, α): two numbers an entry serve all
-// colours. Height-correlated masking, single scattering (A + B < 1 is the light that scatters between facets).
+// Schlick's reflectance is linear in F0 and F90, so E(cosθ, α) = F0 · A(cosθ, α) + F90 · B(cosθ, α), and two numbers per entry
+// serve all colours. Masking is height-correlated; only single scattering counts, so 1 − A − B is lost between facets.
 //
 // References   [Karis13] the split, [Schlick94], [Heitz14]
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What a lobe or a BSDF answers. All directions are unit vectors in the local shading frame.
+// The results of sampling and evaluating a lobe or a BSDF. All directions are unit vectors in the local shading frame.
 
 #pragma once
 

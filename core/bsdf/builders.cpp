@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// From the parameters of a material to its lobes.
+// Construction of the lobes of a BSDF from the parameters of a material.
 
 #include "bsdf/bsdf.h"
 

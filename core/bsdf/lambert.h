@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Lambert: reflected radiance is the same in all directions; so is what comes through paper, cloth or leaves.
+// Lambert's lobe: the reflected radiance, or that transmitted by paper, cloth or leaves, is the same in all directions.
 
 #pragma once
 

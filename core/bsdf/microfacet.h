@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Rough surfaces as facets: distribution of their normals, masking, sampling of the visible ones.
+// Microfacet models of rough surfaces: the distribution of normals, masking, and sampling of the visible normals.
 //
 // References   [Walter07], [Heitz14]; ggx.h and beckmann.h hold the two distributions
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Phong's lobe around the mirror direction, normalised so that it never reflects more than arrives.
+// Phong's lobe around the mirror direction, normalised so that it never reflects more light than arrives.
 //
 // References   [LafortuneWillems94] normalisation and sampling
 //

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A pane of glass as one surface: what its two parallel faces reflect and let through, all bounces between them added;
-// light that passes keeps its direction.
+// A pane of glass as one surface: the reflection and transmission of its two parallel faces, summed over all bounces between
+// them. Transmitted light keeps its direction.
 //
 // References   [Stokes62] the sum over bounces
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The measure of a picture, √mean((x − A)(x − B) / (R² + c)), estimated from few places: A and B are independent gathers by
-// paths that are traced to their ends, x is what the cache says, R what is shown.
+// The relative error √mean((x − A)(x − B) / (R² + c)), estimated from a few points: A and B are independent gathers by paths
+// that are traced to their ends, x is the light from the cache, and R the light that is shown.
 //
 // Symbol       name here      meaning                                                          unit
 //   q_i        guess          relative squared error at a place by one gather, its noise included   1

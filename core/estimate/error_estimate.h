@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How far a cache's light lies from the truth, measured where it is read, by path-traced gathers that never end in it.
+// The error of the light of a cache at the points where it is read, measured by path-traced gathers that never end in it.
 
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Where a cache's error can be probed: pixels, or points. Each answers two questions at a place: what is shown there, and by
-// how much that is wrong.
+// The points at which the error of a cache can be measured, of pixels or given by the user. A probe computes the light that is
+// shown at a point, and its error.
 
 #pragma once
 

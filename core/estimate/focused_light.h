@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Light of small lamps by mirrors, metals and glass. Rays from the surfaces that it falls on find it by chance, or never, and
-// so do error probes, which are such rays. Photons find it wherever it is.
+// Light from small lamps that arrives by way of mirrors, metals or glass. Rays from the lit surfaces find it only by chance or
+// never, and so do error probes, which are such rays. Photons always find it.
 
 #pragma once
 

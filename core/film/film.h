@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Sums of samples per pixel and layer. A pixel's samples arrive in order of their index, so that any division of the
-// work gives the same bits. Samples that are not finite are counted and remembered, never added.
+// Sums of samples per pixel and layer. The samples of a pixel are added in the order of their index, so that any division of the
+// work gives the same bits. Samples that are not finite are counted and recorded instead of added.
 
 #pragma once
 

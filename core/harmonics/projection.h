@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// From functions to coefficients and back.
+// Conversion of functions to coefficients and back.
 //
 // Three representations of a function on the hemisphere:
 //   hemispherical   inner products with H_l^m, which are its best approximation as well

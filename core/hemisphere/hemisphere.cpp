@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What a stratified gather tells beyond irradiance: how it changes when the point turns, and when it moves [WardHeckbert92].
-// Turning changes only the cosines. Moving changes how large the cells look: the wall between two cells belongs to the
-// nearer of both hits, and sweeps over the hemisphere the faster the nearer that is. Where radiance jumps across it, light
+// The gradients of irradiance that follow from a stratified gather, for rotation and translation of the point [WardHeckbert92].
+// Rotation changes only the cosines. Translation changes the size of the cells: the wall between two cells belongs to the nearer
+// of the two hits, and moves over the hemisphere faster the nearer that hit is. Where radiance jumps across the wall, irradiance
 // is gained or lost.
 //
 // Symbol          name here         meaning                                                        unit

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The hits of a gather are joined to a mesh; each triangle takes the radiance of its farthest vertex, so that the steep
-// triangles across a jump in depth move as the rim of what stands before does [Schwarzhaupt12]. Irradiance then changes
-// only because edges between triangles of different radiance move over the hemisphere.
+// The hits of a gather are connected to a mesh; each triangle has the radiance of its farthest vertex, so that the steep
+// triangles at a discontinuity of depth move with the silhouette in front [Schwarzhaupt12]. Irradiance then changes only because
+// edges between triangles of different radiance move over the hemisphere.
 //
 // Symbol      name here        meaning                                                            unit
 //   p(t)                       a point of an edge, seen from x, p = a/near_a + t (b/near_b − a/near_a)   m

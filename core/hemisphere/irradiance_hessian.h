@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How irradiance bends: second derivatives in the tangent plane, from one gather. Their size says how far a first-order
-// extrapolation may be trusted [Jarosz12, Schwarzhaupt12].
+// The second derivatives of irradiance in the tangent plane, computed from one gather. Their size determines how far a
+// first-order extrapolation is accurate [Jarosz12, Schwarzhaupt12].
 
 #pragma once
 

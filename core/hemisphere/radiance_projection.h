@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A gather's incident radiance as harmonic coefficients, and how they change when the point moves in its tangent plane.
+// The incident radiance of a gather as harmonic coefficients, with their derivatives along the tangent plane.
 //
 // References   [Krivanek05] radiance records, [WardHeckbert92] marginal areas of the gradient
 //

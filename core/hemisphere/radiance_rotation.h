@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// From one frame to another, in single precision: what a query does with its factors for each record whose normal differs.
-// Turns about the normal keep the basis of radiance records; a tilt leaves it, and goes through inner products with the
-// spherical harmonics and back: the light is continued smoothly below the record's horizon (docs/algorithms/radiance_cache.md).
+// Rotation of coefficients from one frame to another in single precision, which a query does for each record whose normal
+// differs. Rotations about the normal keep the basis of radiance records. Other rotations use inner products with the spherical
+// harmonics, which continue the light smoothly below the record's horizon (docs/algorithms/radiance_cache.md).
 //
 // References   [IvanicRuedenberg96] generators; harmonics/rotation.h has the same series in double precision
 // Held to      tests/core/hemisphere/test_radiance_rotation.cpp

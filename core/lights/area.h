@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// An emissive triangle: sampled uniformly in area from afar, uniformly in solid angle from near by.
+// An emissive triangle, which is sampled uniformly in area from far points and uniformly in solid angle from near points.
 //
 // Sampling and density decide between the two by the same function of the same numbers, so they always agree.
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What of an environment gathers can collect, and what is direct light.
+// The division of an environment into a part that gathers collect and a part that counts as direct light.
 //
 // A gather sends one ray into each cell of its grid. The sky's gradients, a horizon, clouds are wider than a cell, and the
 // cells share them out well; a sun or a lamp in the image is met by one ray in thousands. So an image is split once,

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What the lights tell about themselves: the vocabulary of this folder.
+// The results of sampling and evaluating lights, which all files of this folder use.
 
 #pragma once
 

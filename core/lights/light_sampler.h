@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Which light: by power, with a share for each kind of light so that none drowns beside another.
+// The choice of a light, in proportion to power, with a minimum share for each kind of light so that none is neglected.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How much a textured emission shines over a triangle: for its power, and for the odds to pick it.
+// The mean of a textured emission over a triangle, from which its power and the probability of choosing it follow.
 
 #pragma once
 

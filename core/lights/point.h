@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A point that shines equally in all directions.
+// A point light that emits equally in all directions.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A point that shines into a cone.
+// A point light that emits into a cone.
 
 #pragma once
 

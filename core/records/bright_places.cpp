@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Rays of gathers that met more light than one ray may bring are remembered by the cell of a grid in which they ended. The cells
-// that brought most are places to aim at. From a point each is a cone around the cell's bounding sphere; a cone is chosen
-// with a chance that goes with about the irradiance which its place would bring, and a direction in it uniformly.
+// Hits of gather rays that bring more light than one ray may bring are recorded in the cells of a grid. Later gathers aim at the
+// cells that brought most. Seen from a point, each is a cone around the bounding sphere of the cell; a cone is chosen with a
+// probability that is about proportional to the irradiance from it, and a direction in the cone uniformly.
 //
 // Symbol     name here          meaning                                                         unit
 //   L        place.luminance    mean luminance beyond the limit of what ended there             W m⁻² sr⁻¹

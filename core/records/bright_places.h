@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Small things that shine brightly: what earlier gathers met by luck, later ones aim at.
+// Small bright objects, which earlier gathers hit by chance and at which later gathers aim.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What pixels see, at first and after mirrors and gloss: one chain of vertices from each, where records could be wanted.
+// The surfaces that pixels see, directly and after mirrors and glossy lobes: one chain of vertices from each pixel.
 
 #pragma once
 

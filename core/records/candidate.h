@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A place where a record could be wanted.
+// A candidate: a point at which a record may be needed.
 
 #pragma once
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// In each square of the picture it is counted how many candidates were tried and how many of them no record served. Where more
-// than half were not, a record serves less than two candidates: it costs hundreds of rays, a pixel's paths a few. Foliage
-// at 240 × 180 then has 1347 records instead of 2841, and takes 4.9 instead of 6.1 million rays. That few candidates
-// (`least_tried`) tell nothing yet is judgement: of 32 a half is known within 0.09.
+// Each square of the picture counts its candidates that were tried, and those of them that no record served. If these are more
+// than half, a record serves less than two candidates; it costs hundreds of rays, the paths of a pixel only a few. Foliage at
+// 240 × 180 then has 1347 records instead of 2841, and takes 4.9 instead of 6.1 million rays. The least number of candidates for
+// a decision (`least_tried`) is a judgement: from 32, a share of one half is known within 0.09.
 //
 // Held to      tests/core/records/test_direct_regions.cpp
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Where caching does not pay: among leaves, grass, fine detail a record serves hardly more than its own pixel, and its many
-// rays are better spent on the pixels themselves.
+// Regions in which caching is not worthwhile: among leaves, grass and other fine detail, a record serves hardly more than its
+// own pixel, and its many rays are better spent on the pixels themselves.
 
 #pragma once
 

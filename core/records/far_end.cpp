@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A gather ray that meets a surface need not go on: a coarse cache of irradiance, or photons, may know how bright that surface
-// is. Only averages over whole hemispheres see these values, so they may be rough. But a short ray sees a large part of
-// its hemisphere from near by, where the roughness would show, as in corners: it reads nothing, and goes on.
+// A gather ray that hits a surface can end there if a coarse cache of irradiance, or photons, gives the light of that surface.
+// Only averages over whole hemispheres use these values, so they may be inaccurate. But a short ray, as in a corner, hits a
+// surface that fills a large part of the hemisphere, where inaccuracy would be visible: it is continued instead.
 //
 // Symbol     name here     meaning                                                                   unit
 //   κ        relaxation    how much farther than its radius a record is read                         1

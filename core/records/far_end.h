@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What gather rays read where they end, instead of going on.
+// The light that gather rays read at their ends, instead of going on.
 
 #pragma once
 

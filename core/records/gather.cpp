@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // One gather makes one record. Rays leave the point through the cells of a stratified grid over its hemisphere
-// (hemisphere/hemisphere.cpp); from what they find follow irradiance, its gradients, how it bends, and how far obstacles are.
-// Where one cell alone brings more than a twentieth of the irradiance, so few rays cannot tell how large the bright thing
-// is. What exceeds that share is taken out of the grid and estimated by itself, with further rays aimed at places that
-// earlier gathers found bright. Records around share it when they are read (records/record_cache.cpp).
+// (hemisphere/hemisphere.cpp). Their hits give irradiance, its gradients, its second derivatives and the distances of obstacles.
+// If one cell alone brings more than a twentieth of the irradiance, few rays cannot determine the size of the bright object. The
+// excess over this share is removed from the grid and estimated separately, with further rays aimed at positions that earlier
+// gathers found bright. Neighbouring records share it when they are read (records/record_cache.cpp).
 //
 // Symbol     name here          meaning                                                     unit
 //   M, N     rows, columns      rows and columns of the grid, N = π M                       1

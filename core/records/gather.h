@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// One gather: what a record learns from the rays of a hemisphere.
+// One gather, which computes a record from rays over a hemisphere.
 
 #pragma once
 

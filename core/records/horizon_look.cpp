@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What stands low beside the point, or hangs close under the ceiling that it is part of, fills so little of the hemisphere
-// that a gather meets it by luck; yet light ends behind it. Rays along the horizon look for it in every direction.
+// A low object beside a point, or an object close below the ceiling that the point is on, fills so little of the hemisphere that
+// a gather hits it only by chance, yet it blocks light. Rays along the horizon search for such objects in all directions.
 //
 // Held to     tests/core/records/test_record_passes.cpp
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What stands low beside a record, or hangs close under the ceiling that the record is part of.
+// The search for low objects beside a record, or objects close below the ceiling that the record is on.
 
 #pragma once
 

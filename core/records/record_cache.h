@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Records and the tree that finds them. A value: filled in passes, then only read.
+// Records with the tree that finds them. A cache is filled in passes and then only read.
 
 #pragma once
 

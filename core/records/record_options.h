@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How records of irradiance are made and read.
+// The options by which records are made and read.
 
 #pragma once
 

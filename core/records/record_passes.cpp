@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A cache is filled in passes. Each looks at candidates, finds those that no record serves yet, gathers their records in
-// parallel against the cache as the pass before left it, and inserts them in the order of the candidates: the result does
-// not depend on threads. Far records come first: coarse ones at points that rays from seen points meet, where later gather
-// rays may end. Near records, which pictures read, come after them. What a pass met that was bright is aimed at by the next.
+// A cache is filled in passes. Each pass finds the candidates that no record serves yet, gathers their records in parallel using
+// the cache as the pass before left it, and inserts them in the order of the candidates, so the result does not depend on
+// threads. Far records are made first: coarse records at points that rays from visible points hit, at which later gather rays
+// may end. Near records, which pictures read, follow. Each pass aims at bright positions that the pass before found.
 //
 // Symbol    name here          meaning                                                            unit
 //   M       options.rows       rows of a gather; it has π M² rays                                 1

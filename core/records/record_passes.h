@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What all ways to fill an irradiance cache share: passes that give records to candidates that are not yet served.
+// The passes by which all irradiance caches are filled: each makes records for candidates that no record serves yet.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What a solve with records results in, and what it needs only while it is under way.
+// The result of a solve with records, and the data that are needed only during the solve.
 
 #pragma once
 

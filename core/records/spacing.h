@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How far a record is valid: from how irradiance bends there, or from the distance to what it sees.
+// The radius of a record, from the second derivatives of irradiance or from the distances of the surfaces that it sees.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Points spread evenly over all surfaces: where records could be wanted without a camera.
+// Points that are distributed evenly over all surfaces: the candidates of records without a camera.
 
 #pragma once
 

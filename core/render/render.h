@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The only loop over pixels.
+// The loop over all pixels.
 
 #pragma once
 

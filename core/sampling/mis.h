@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Weights of samples that several techniques could have made [Veach97 §9.2]. An infinite density (a delta) takes all.
+// Weights of samples that several techniques can generate [Veach97 §9.2]. An infinite density (a delta) has the weight 1.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Random numbers as a function of their key: nothing remembers a state, so no thread can change a picture.
+// Random numbers as a function of a key: there is no state, so the number of threads cannot change a picture.
 
 #pragma once
 

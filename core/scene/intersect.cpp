@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The only file with Embree: 3.13 (Debian 12) and 4.x differ in where a query's options stand.
+// The only file that uses Embree. The versions 3.13 (Debian 12) and 4.x differ in how the options of a query are passed.
 
 #include "scene/intersect.h"
 

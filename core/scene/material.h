@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Parameters with textures → a BSDF at a point. The kinds and their parameters are those of `Material` in Python.
+// Makes the BSDF at a point from textured parameters. Kinds and parameters are those of `Material` in Python.
 
 #pragma once
 

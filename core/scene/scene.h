@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A scene made from arrays, validated once; everything that follows may trust it.
+// A scene made from arrays, which is validated once, so that all other code can rely on it.
 
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Reflecting lobes as harmonic coefficients of f · cosθ_i over wi, tabulated over wo: what a dot product with the
-// coefficients of incident radiance turns into reflected radiance. The cosine is here, and nowhere else.
+// Tables, over view directions wo, of the harmonic coefficients of f · cosθ_i as a function of wi. Their dot product with the
+// coefficients of incident radiance is the reflected radiance. The cosine is included here and nowhere else.
 //
 // References   [Krivanek05] tables on the paraboloid map with an order for each direction
 //

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What a point's lobes make of incident radiance, as coefficients ready for a dot product with those of radiance records:
-// tables of white lobes (tables/brdf_table.h) for the lobes of a scene's materials, read in single precision, without
-// allocation, coloured by Fresnel factors and weights, and added up.
+// The coefficients of the lobes at a point, whose dot product with those of a radiance record is the reflected radiance: tables
+// of white lobes (tables/brdf_table.h) for the materials of a scene are read in single precision, without allocation, multiplied
+// by Fresnel factors and weights, and summed.
 //
 // Symbol       name here    meaning
 //   f_i        factors      ∫ f cosθ B_i, in the basis of hemisphere/radiance_projection.h, for each channel

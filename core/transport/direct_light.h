@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Light that comes straight from lights, found in two ways: a vertex samples the lights, and rays that it sends on meet
-// them. Multiple importance sampling weighs one against the other, so that together they count all light once [Veach97 §9].
+// Light that comes straight from lights. It is found in two ways: a vertex samples the lights, and rays that continue the path
+// hit them. Multiple importance sampling weights the two so that together they count all light once [Veach97 §9].
 
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What the verbs ask a method for: radiance along camera rays, and irradiance at points. The loops over pixels and points
-// know methods by these two types only.
+// The interface of methods: estimators of radiance along camera rays and of irradiance at points. The loops over pixels and over
+// points use methods only through these two types.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Surfaces and their lights together: it owns what a World borrows.
+// A scene with its lights; it owns the data to which a World refers.
 
 #pragma once
 

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The only loop over the edges of paths. It traces a batch's rays together and hands all their vertices at once to whoever
-// follows the paths, who looks at them stage by stage: each stage is a pass over a span of vertices.
+// The only loop over the edges of paths. It traces the rays of a batch together and passes all their vertices at once to the
+// caller, which processes them in stages: each stage is a pass over a span of vertices.
 
 #pragma once
 

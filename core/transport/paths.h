@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Light paths from the eye, a batch at a time, bounce by bounce: the estimator that all integrators share.
+// Paths from the camera, traced in batches, bounce by bounce: the estimator that all methods share.
 //
 // At each vertex: emission, next-event estimation, and one continued direction, combined by multiple importance
 // sampling [Veach97]. Where a cache knows the indirect irradiance of a vertex, its diffuse lobes take ρ_d / π · E and

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Irradiance at points that a user names; they need not lie on a surface.
+// Irradiance at points given by the user, which need not lie on a surface.
 
 #pragma once
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What happens at the vertices of paths, whoever follows them: rays meet surfaces, a path goes on by sampling the BSDF, and
-// Russian roulette ends it [ArvoKirk90]. Light that is sampled there is in transport/direct_light.h, the loop that follows
-// all edges in transport/path_loop.h.
+// The steps at the vertices of all kinds of paths: rays hit surfaces, a path is continued by sampling the BSDF, and Russian
+// roulette may end it [ArvoKirk90]. Sampling of lights is in transport/direct_light.h, and the loop over all edges in
+// transport/path_loop.h.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// All that light needs to travel: surfaces and lights.
+// The surfaces and lights that light transport needs.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Irradiance at points that a user names, from records.
+// Irradiance at points given by the user, from records.
 
 #pragma once
 

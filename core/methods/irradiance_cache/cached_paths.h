@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The estimators of irradiance and radiance caching: paths that end where records know the light.
+// The estimators of irradiance and radiance caching: paths that end at surfaces whose light is read from records.
 
 #pragma once
 

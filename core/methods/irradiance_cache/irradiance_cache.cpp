@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Irradiance caching: indirect light on diffuse surfaces, computed at few points, interpolated between them.
-// Irradiance changes slowly where surfaces are far away, so records may be sparse there and must be dense in corners.
+// Irradiance caching: indirect light on diffuse surfaces is computed at few points and interpolated between them. Irradiance
+// changes slowly where the surrounding surfaces are far away, so records may be sparse there and must be dense in corners.
 //
 // For a picture the candidates are what its pixels see, at first or after mirrors. They are looked at coarse to fine: every 32nd
 // pixel first, then the three points that halve the lattice, until neighbouring candidates are no farther apart than the

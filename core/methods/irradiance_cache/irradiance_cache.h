@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Irradiance caching: indirect light on diffuse surfaces, computed at few points, interpolated between them.
+// Irradiance caching: indirect light on diffuse surfaces is computed at few points and interpolated between them.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Irradiance caches without a camera: for points that are given, or for all diffuse surfaces.
+// Filling irradiance caches without a camera, for given points or for all diffuse surfaces.
 //
 // Departures   Without a camera there are no pixels to bound a record's radius. A share of the distance that the record
 //              sees stands for one (`pixel_share`), as if it was looked at from there; the bounds in pixels keep their

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Irradiance caches without a camera: for points that are given, or for all diffuse surfaces.
+// Filling irradiance caches without a camera, for given points or for all diffuse surfaces.
 
 #pragma once
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Importance sampling of emissions in the space of their random numbers, so that it serves every kind of light alike: for a
-// point light the numbers of the direction matter, for the sun those of the place, for a lamp both, for many lights the choice.
-// It takes the part of the projection maps of [Jensen01], and learns from emissions what these are told about objects.
+// Importance sampling of emission in the space of its random numbers, which serves every kind of light: for a point light the
+// numbers of the direction matter, for the sun those of the position, for a lamp both, for many lights the choice of the light.
+// It replaces the projection maps of [Jensen01]; it learns from emissions what projection maps compute from objects.
 //
 // Boxes of the cube get emissions in proportion to their volume times the root of their mean squared value, which gives a sum the
 // least variance for its number of terms. But a photon from a box of small density is a strong one, and shows as a blot: boxes of

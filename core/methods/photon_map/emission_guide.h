@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Where to emit: light that will be stored leaves its lights from few places in few directions, when a glass stands in a hall,
-// or a hall under a sky whose bounding sphere is wide.
+// The choice of emissions that lead to stored photons. If a glass stands in a hall, or a hall under a sky with a large bounding
+// sphere, these come from few positions in few directions of the lights.
 
 #pragma once
 

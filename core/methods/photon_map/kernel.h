@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How much a photon counts by its distance from the centre of the disc in which light is estimated.
+// The weight of a photon as a function of its distance from the centre of the disc in which light is estimated.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Photons, and the tree that finds those near a point. A value: built once, then only read.
+// Photons, with the tree that finds those near a point. A photon map is built once and then only read.
 
 #pragma once
 

@@ -1,10 +1,10 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What photon mapping reads [Jensen01]: two maps of photons, and irradiance that is found once from both. A photon that was
-// scattered diffusely on its way lies in the global map, one that met glossy lobes only lies in the caustic map, so that
-// irradiance is the sum of what the two tell. To estimate the density of a hundred photons wherever a gather ray ends is
-// dear. So it is done beforehand at places that photons reach, and a gather ray reads the nearest of these [Christensen99].
+// The data of photon mapping [Jensen01]: two maps of photons, and irradiance computed from both. Photons that were scattered
+// diffusely are in the global map, those that met only glossy lobes in the caustic map; the irradiance is the sum of both
+// estimates. As a density estimate from a hundred photons at the end of every gather ray would be expensive, it is made in
+// advance at positions that photons reach, and a gather ray reads the nearest one [Christensen99].
 //
 // Symbol    name here            meaning                                                          unit
 //   E       Record::irradiance   irradiance at a place: the sum of the estimates from both maps   W m⁻²

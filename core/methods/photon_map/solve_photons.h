@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Photon mapping from above: photons traced, made into maps, and read. The steps are in the files beside it.
+// The overall steps of photon mapping: tracing photons, building maps, and reading them. The other files have the details.
 
 #pragma once
 

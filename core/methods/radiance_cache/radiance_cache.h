@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Radiance caching: indirect light on glossy surfaces from records of what arrives from each direction, beside irradiance
-// caching for diffuse ones; lobes too narrow for that are traced to the first vertex that a cache serves.
+// Radiance caching: indirect light on glossy surfaces from records of the radiance from all directions, together with irradiance
+// caching for diffuse surfaces. Lobes that are too narrow are traced to the first vertex that a cache serves.
 
 #pragma once
 

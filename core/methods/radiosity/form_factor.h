@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// How much of what leaves one patch would reach another if nothing stood between them.
+// The share of the light leaving one patch that reaches another if nothing is between them.
 //
 //   F_ij   form factor: share of the radiosity of j that arrives at i as irradiance; A_i F_ij = A_j F_ji
 //   A_i F_ij  exchange between i and j, m²

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Which nodes exchange light, at which level of the tree: hierarchical radiosity's links [Hanrahan91].
+// The links of hierarchical radiosity [Hanrahan91]: the pairs of nodes that exchange light, at their levels of the tree.
 
 #pragma once
 

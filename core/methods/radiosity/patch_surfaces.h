@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// What patches are made of and what falls on them from lights that are no patches.
+// The materials of patches, and the light that they receive from lights that are not patches.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A radiosity solution to be read at points: a value, built once.
+// A radiosity solution that can be read at points; it is built once.
 
 #pragma once
 

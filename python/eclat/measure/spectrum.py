@@ -90,7 +90,7 @@ def emission_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float, f
 
 
 def blackbody_to_rgb(temperature: float) -> tuple[float, float, float]:
-    """Linear sRGB of a black body's radiance, W·sr⁻¹·m⁻²·nm⁻¹, at `temperature` kelvin.
+    """Compute the linear sRGB radiance of a black body in W·sr⁻¹·m⁻²·nm⁻¹ at `temperature` kelvin.
 
     Raises
     ------

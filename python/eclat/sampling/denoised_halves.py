@@ -6,7 +6,7 @@ Symbol    name here    meaning
   A, B    a, b         two halves of the samples of a picture: unbiased, with independent noise
   d(A)    denoised_a   the half A denoised, by a denoiser that has not seen B
   m       mean         (d(A) + d(B)) / 2
-  R       –            the picture without noise, which nobody knows
+  R       –            the picture without noise, which is unknown
 
 d(A) is independent of B. The expectation of (d(A) − B)² is therefore that of (d(A) − R)² plus the variance of B; the
 same is true with A and B exchanged. The expectation of (A − B)² is the sum of both variances. Hence
