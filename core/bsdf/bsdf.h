@@ -59,7 +59,6 @@ class Bsdf {
     void set_cached(int i, float share);
     bool has(LobeSet set) const { return members(set) != 0; }
     bool has_uncached_gloss() const { return (members(LobeSet::glossy) & ~cached_) != 0; }
-    bool has_uncached_rough_gloss() const { return (members(LobeSet::glossy) & ~cached_ & ~delta_) != 0; }
     bool has_non_delta() const { return (members(LobeSet::all) & ~delta_) != 0; }
     /// Whether `sample` reads `u_lobe`.
     bool chooses_lobe() const { return !is_lambertian_; }

@@ -70,7 +70,7 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches_);
     options.reflection = reflection_;
-    options.light_samples = cached_light_samples;
+    options.light_samples = 4;  // a probe's own noise widens what it can tell, and shadow rays are cheap
     std::vector<PathResult> results(samples);
     trace_paths(world_, rays, options, results, progress);
     Color sum;

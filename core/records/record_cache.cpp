@@ -39,22 +39,24 @@ void RecordCache::rebuild(float spacing, int threads) {
     if (options_.neighbor_clamping) clamp_to_neighbors(spacing, threads);
     std::vector<SphereTree::Sphere> spheres;
     spheres.reserve(records_.size());
-    for (const auto& r : records_) spheres.push_back({r.position, r.radius * r.elongation * options_.relaxation});
+    for (const auto& r : records_) {
+        const float reach = r.radius * r.elongation * options_.relaxation;
+        spheres.push_back({r.position, reach, r.normal, height_read(r.radius, reach, options_.weight)});
+    }
     tree_ = SphereTree(spheres);
-    footings_.clear();
+    const auto& order = tree_.order();
+    footings_.assign(order.size() / SphereTree::width, {});
     slot_of_.resize(records_.size());
-    for (uint32_t i : tree_.order()) {
-        if (i == SphereTree::vacant) {
-            footings_.push_back({});
-            continue;
-        }
-        slot_of_[i] = static_cast<uint32_t>(footings_.size());
-        const IrradianceRecord& r = records_[i];
+    for (uint32_t slot = 0; slot < order.size(); ++slot) {
+        if (order[slot] == SphereTree::vacant) continue;
+        slot_of_[order[slot]] = slot;
+        const IrradianceRecord& r = records_[order[slot]];
         const float nearest = *std::min_element(r.clearance.begin(), r.clearance.end());
         const Frame frame = Frame::around(r.normal);
         const Vec3 axis = frame.u * std::cos(r.axis) + frame.v * std::sin(r.axis);
         const Vec3 stretch = axis * safe_sqrt(1 - 1 / sqr(r.elongation));
-        footings_.push_back({r.position, r.radius, r.normal, nearest, stretch, spacing, r.enclosed > 0});
+        footings_[slot / SphereTree::width].set(
+            slot % SphereTree::width, {r.position, r.radius, r.normal, nearest, stretch, spacing, r.enclosed > 0});
     }
     share_excess(threads);
     double sum = 0, read = 0;
@@ -76,13 +78,11 @@ void RecordCache::share_excess(int threads) {
     const auto& order = tree_.order();
     shared_excess_ = parallel_map<Color>(order.size(), threads, [&](size_t slot) {
         Color sum;
-        if (order[slot] == SphereTree::vacant || footings_[slot].enclosed) return sum;
-        const Footing& here = footings_[slot];
+        if (order[slot] == SphereTree::vacant || records_[order[slot]].enclosed > 0) return sum;
+        const IrradianceRecord& here = records_[order[slot]];
         const auto for_each_in = [&](float surroundings, auto&& f) {
-            tree_.for_each_near(here.position, surroundings * here.radius, [&](uint32_t other, float d2) {
-                const float w = weight_of(other, here.position, here.normal, d2, surroundings);
-                if (w > 0) f(records_[order[other]], w);
-            });
+            for_each_weight(here.position, here.normal, surroundings, surroundings * here.radius,
+                            [&](uint32_t other, float w) { f(records_[order[other]], w); });
         };
         float noise = 0, light = 0, weights = 0;
         for_each_in(widest, [&](const IrradianceRecord& r, float w) {
@@ -101,9 +101,7 @@ void RecordCache::share_excess(int threads) {
 
 std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
     float sum = 0, weights = 0;
-    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
-        const float w = weight_of(slot, p, normal, d2, options_.relaxation);
-        if (w <= 0) return;
+    for_each_weight(p, normal, options_.relaxation, 0, [&](uint32_t slot, float w) {
         sum += records_[tree_.order()[slot]].noise * w;
         weights += w;
     });
@@ -111,17 +109,11 @@ std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
     return sum / weights;
 }
 
-float RecordCache::weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
-    return footings_[slot].enclosed ? 0 : footing_at(slot, p, n, distance2, relaxation);
-}
-
-float RecordCache::footing_at(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const {
-    const Footing& footing = footings_[slot];
-    const float w = weight(footing, p, n, options_.weight, relaxation);
-    if (w <= 0 || distance2 <= sqr(footing.clearance) || options_.weight == Weight::split_sphere) return w;
+bool RecordCache::obstructed(uint32_t slot, Vec3 p) const {
     // The lower bound of the radius may reach through a thin wall: what stands in that direction ends the validity.
-    const int sector = clearance_sector(Frame::around(footing.normal), p - footing.position);
-    return distance2 <= sqr(records_[tree_.order()[slot]].clearance[sector]) ? w : 0;
+    const IrradianceRecord& record = records_[tree_.order()[slot]];
+    const Vec3 d = p - record.position;
+    return length_squared(d) > sqr(record.clearance[clearance_sector(Frame::around(record.normal), d)]);
 }
 
 // Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
@@ -171,9 +163,9 @@ size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing
 size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads) {
     const auto& order = tree_.order();
     // 0 where record `from` does not reach.
-    const auto error = [&](uint32_t from, uint32_t at, float d2) {
+    const auto error = [&](uint32_t from, uint32_t at) {
         const IrradianceRecord& b = records_[at];
-        if (b.enclosed > 0 || weight_of(slot_of_[from], b.position, b.normal, d2, disagreement.reach(at).read) <= 0)
+        if (b.enclosed > 0 || weight_of(slot_of_[from], b.position, b.normal, disagreement.reach(at).read) <= 0)
             return 0.0f;
         return disagreement.error(from, at);
     };
@@ -184,8 +176,8 @@ size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreeme
         tree_.for_each_near(records_[i].position, reach, [&](uint32_t slot, float d2) {
             const uint32_t other = order[slot];
             if (other == here) return;
-            const float mine = error(here, other, d2);
-            if (mine <= 1 || mine < error(other, here, d2)) return;
+            const float mine = error(here, other);
+            if (mine <= 1 || mine < error(other, here)) return;
             distance = std::min(distance, std::sqrt(d2 / mine) / (spacing * disagreement.reach(other).placed));
         });
         return distance;
@@ -204,14 +196,13 @@ size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreeme
 
 bool RecordCache::serves(Vec3 p, Vec3 normal) const {
     bool served = false;
-    tree_.for_each_around(p,
-                          [&](uint32_t slot, float d2) { served = served || footing_at(slot, p, normal, d2, 1) > 0; });
+    for_each_footing(p, normal, 1, 0, [&](uint32_t, float) { served = true; });
     return served;
 }
 
 float RecordCache::density(Vec3 p, Vec3 normal) const {
     float sum = 0;
-    tree_.for_each_around(p, [&](uint32_t slot, float d2) { sum += weight_of(slot, p, normal, d2, 1); });
+    for_each_weight(p, normal, 1, 0, [&](uint32_t, float w) { sum += w; });
     return sum;
 }
 
@@ -235,12 +226,11 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shad
 std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius) const {
     Color sum;
     float weights = 0, radii = 0;
-    tree_.for_each_around(p, [&](uint32_t slot, float d2) {
-        const float w = weight_of(slot, p, normal, d2, options_.relaxation);
-        if (w <= 0) return;
-        sum += (extrapolate(records_[tree_.order()[slot]], p, shading) + shared_excess_[slot]) * w;
+    for_each_weight(p, normal, options_.relaxation, 0, [&](uint32_t slot, float w) {
+        const IrradianceRecord& record = records_[tree_.order()[slot]];
+        sum += (extrapolate(record, p, shading) + shared_excess_[slot]) * w;
         weights += w;
-        radii += w * footings_[slot].radius;
+        radii += w * record.radius;
     });
     if (weights == 0) return std::nullopt;  // a miss, not darkness
     if (mean_radius) *mean_radius = radii / weights;

@@ -65,10 +65,8 @@ class RecordCache {
     /// order that does not depend on threads; `excess` is what it shares with its surroundings.
     template <class F>
     void for_each_serving(Vec3 p, Vec3 normal, float reach, F&& f) const {
-        tree_.for_each_around(p, [&](uint32_t slot, float d2) {
-            const float w = weight_of(slot, p, normal, d2, reach);
-            if (w > 0) f(tree_.order()[slot], w, shared_excess_[slot]);
-        });
+        for_each_weight(p, normal, reach, 0,
+                        [&](uint32_t slot, float w) { f(tree_.order()[slot], w, shared_excess_[slot]); });
     }
     /// Mean noise of the gathers whose records, relaxed, reach the point; nothing where none does.
     std::optional<float> noise_around(Vec3 p, Vec3 normal) const;
@@ -82,10 +80,42 @@ class RecordCache {
     const CacheOptions& options() const { return options_; }
 
   private:
-    /// How far the record reaches there; 0 also where geometry stands between them.
-    float footing_at(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const;
-    /// With what weight it is read there.
-    float weight_of(uint32_t slot, Vec3 p, Vec3 n, float distance2, float relaxation) const;
+    /// `f(slot, weight)` for each record that reaches the point with that `relaxation` and from which nothing stands in the way,
+    /// among those whose spheres are closer than `around`.
+    template <class F>
+    void for_each_footing(Vec3 p, Vec3 n, float relaxation, float around, F&& f) const {
+        static_assert(Footings::count == SphereTree::width);
+        tree_.for_each_leaf_near(p, around, [&](uint32_t leaf) {
+            float weights[Footings::count];
+            footings_[leaf].weights(p, n, options_.weight, relaxation, weights);
+            for_each_lane(lanes_where([&](uint32_t i) { return weights[i] > 0; }), [&](uint32_t i) {
+                const uint32_t slot = leaf * SphereTree::width + i;
+                if (!out_of_sight(footings_[leaf], i, slot, p)) f(slot, weights[i]);
+            });
+        });
+    }
+    /// The same without those in solids: what is read there.
+    template <class F>
+    void for_each_weight(Vec3 p, Vec3 n, float relaxation, float around, F&& f) const {
+        for_each_footing(p, n, relaxation, around, [&](uint32_t slot, float w) {
+            if (!footings_[slot / SphereTree::width].enclosed[slot % SphereTree::width]) f(slot, w);
+        });
+    }
+    /// With what weight the record is read there.
+    float weight_of(uint32_t slot, Vec3 p, Vec3 n, float relaxation) const {
+        const Footings& footings = footings_[slot / SphereTree::width];
+        const uint32_t i = slot % SphereTree::width;
+        const float w = weight(footings[i], p, n, options_.weight, relaxation);
+        return w > 0 && !footings.enclosed[i] && !out_of_sight(footings, i, slot, p) ? w : 0;
+    }
+    /// Whether geometry stands between the record and the point; most are closer than any geometry.
+    bool out_of_sight(const Footings& footings, uint32_t i, uint32_t slot, Vec3 p) const {
+        if (options_.weight == Weight::split_sphere) return false;
+        const float x = p.x - footings.position[0][i], y = p.y - footings.position[1][i],
+                    z = p.z - footings.position[2][i];
+        return x * x + y * y + z * z > sqr(footings.clearance[i]) && obstructed(slot, p);
+    }
+    bool obstructed(uint32_t slot, Vec3 p) const;
     void rebuild(float spacing, int threads);
     void clamp_to_neighbors(float spacing, int threads);
     void share_excess(int threads);
@@ -95,7 +125,7 @@ class RecordCache {
     std::vector<IrradianceRecord> records_;
     float mean_luminance_ = 0;
     SphereTree tree_;
-    std::vector<Footing> footings_;     // of the records, in the tree's slots
+    std::vector<Footings> footings_;    // of the records, for each of the tree's leaves
     std::vector<Color> shared_excess_;  // of each record's surroundings, in the tree's slots
     std::vector<uint32_t> slot_of_;     // each record's
 };

@@ -8,22 +8,25 @@
 #pragma once
 
 #include <algorithm>
-#include <bit>
+#include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <numeric>
 #include <span>
 #include <vector>
 
+#include "base/lanes.h"
 #include "base/vec.h"
 
 namespace eclat {
 
 class SphereTree {
   public:
+    /// A sphere, or what lies in it within `height` of the plane through its centre.
     struct Sphere {
         Vec3 center;
         float radius;
+        Vec3 normal{};
+        float height = infinity;
     };
     static constexpr uint32_t vacant = ~0u;
 
@@ -35,6 +38,8 @@ class SphereTree {
         order_.reserve(spheres.size() + width);
         root_ = build(spheres, indices);
     }
+
+    static constexpr uint32_t width = lane_count;  // slots of a leaf
 
     /// The index of the sphere in each slot, `vacant` for none: what lookups name is the slot.
     const std::vector<uint32_t>& order() const { return order_; }
@@ -48,6 +53,15 @@ class SphereTree {
     /// Calls `f(slot, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`.
     template <class F>
     void for_each_near(Vec3 p, float reach, F&& f) const {
+        for_each_leaf_near(p, reach, [&](uint32_t leaf) {
+            float d2[width];
+            for_each_lane(leaves_[leaf].near(p, reach, d2), [&](uint32_t lane) { f(leaf * width + lane, d2[lane]); });
+        });
+    }
+
+    /// Calls `f(leaf)` for each leaf that may hold such spheres; its slots are width · leaf and those after it.
+    template <class F>
+    void for_each_leaf_near(Vec3 p, float reach, F&& f) const {
         if (order_.empty()) return;
         uint32_t stack[width * 16];  // 8^16 spheres are deeper than any memory
         uint32_t depth = 0;
@@ -55,10 +69,7 @@ class SphereTree {
         while (depth > 0) {
             const uint32_t entry = stack[--depth];
             if (entry & leaf_bit) {
-                const uint32_t block = entry & ~leaf_bit;
-                float d2[width];
-                for_each_lane(leaves_[block].near(p, reach, d2),
-                              [&](uint32_t lane) { f(block * width + lane, d2[lane]); });
+                f(entry & ~leaf_bit);
             } else {
                 const Node& node = nodes_[entry];
                 for_each_lane(node.near(p, reach), [&](uint32_t lane) { stack[depth++] = node.child[lane]; });
@@ -67,49 +78,59 @@ class SphereTree {
     }
 
   private:
-    static constexpr uint32_t width = 8;
     static constexpr uint32_t leaf_bit = 1u << 31;
-
-    /// One byte a lane: what compilers turn a loop of comparisons into with a few vector instructions.
-    using Lanes = uint64_t;
-    static_assert(std::endian::native == std::endian::little);
-
-    template <class F>
-    static void for_each_lane(Lanes lanes, F&& f) {
-        for (; lanes != 0; lanes &= lanes - 1) f(static_cast<uint32_t>(std::countr_zero(lanes)) / 8);
-    }
-    template <class Test>
-    static Lanes lanes_where(Test&& test) {
-        uint8_t bytes[width];
-        for (uint32_t i = 0; i < width; ++i) bytes[i] = test(i);
-        Lanes lanes;
-        std::memcpy(&lanes, bytes, sizeof lanes);
-        return lanes;
-    }
 
     struct alignas(32) Node {
         float low[3][width], high[3][width];  // of the children; inside out where there is none
         uint32_t child[width];
 
         Lanes near(Vec3 p, float reach) const {
-            return lanes_where([&](uint32_t i) {
-                return (p.x >= low[0][i] - reach) & (p.x <= high[0][i] + reach) & (p.y >= low[1][i] - reach) &
-                       (p.y <= high[1][i] + reach) & (p.z >= low[2][i] - reach) & (p.z <= high[2][i] + reach);
-            });
+            float outside[width];  // how far, along the axis where it is farthest
+            for (uint32_t i = 0; i < width; ++i) {
+                const float x = std::max(low[0][i] - p.x, p.x - high[0][i]);
+                const float y = std::max(low[1][i] - p.y, p.y - high[1][i]);
+                const float z = std::max(low[2][i] - p.z, p.z - high[2][i]);
+                outside[i] = std::max(std::max(x, y), z);
+            }
+            return lanes_where([&](uint32_t i) { return outside[i] <= reach; });
         }
     };
 
     struct alignas(32) Leaf {
         float x[width], y[width], z[width], radius[width];  // infinitely far where there is no sphere
+        float nx[width], ny[width], nz[width], height[width];
 
         Lanes near(Vec3 p, float reach, float* d2) const {
-            for (uint32_t i = 0; i < width; ++i) d2[i] = sqr(p.x - x[i]) + sqr(p.y - y[i]) + sqr(p.z - z[i]);
-            return lanes_where([&](uint32_t i) { return d2[i] < sqr(radius[i] + reach); });
+            float off[width];
+            for (uint32_t i = 0; i < width; ++i) {
+                const float dx = p.x - x[i], dy = p.y - y[i], dz = p.z - z[i];
+                d2[i] = sqr(dx) + sqr(dy) + sqr(dz);
+                off[i] = std::fabs(dx * nx[i] + dy * ny[i] + dz * nz[i]);
+            }
+            return lanes_where(
+                [&](uint32_t i) { return (d2[i] < sqr(radius[i] + reach)) & (off[i] <= height[i] + reach); });
         }
     };
 
     struct Box {
         Vec3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
+
+        void hold(const Sphere& s) {
+            const Vec3 r{extent(s, s.normal.x), extent(s, s.normal.y), extent(s, s.normal.z)};
+            low = min(low, s.center - r);
+            high = max(high, s.center + r);
+        }
+        /// How far from its centre the sphere reaches along an axis with which its normal has this cosine.
+        static float extent(const Sphere& s, float cosine) {
+            const float across = std::fabs(cosine);
+            if (s.height >= s.radius * across) return s.radius;
+            return s.height * across + std::sqrt((sqr(s.radius) - sqr(s.height)) * std::max(0.0f, 1 - sqr(across)));
+        }
+        /// Half of its surface: what the chance is proportional to that a lookup enters it.
+        float area() const {
+            const Vec3 d = high - low;
+            return d.x * d.y + d.y * d.z + d.z * d.x;
+        }
     };
     struct Part {
         std::span<uint32_t> indices;
@@ -117,45 +138,64 @@ class SphereTree {
         uint32_t entry;
     };
 
-    /// Halves a range of spheres across the longest side of their centres' box, at a multiple of a leaf's width.
-    static std::span<uint32_t> take_half(std::span<const Sphere> spheres, std::span<uint32_t>& indices) {
-        Box centers;
-        for (uint32_t i : indices) {
-            centers.low = min(centers.low, spheres[i].center);
-            centers.high = max(centers.high, spheres[i].center);
+    static Box box_around(std::span<const Sphere> spheres, std::span<const uint32_t> indices) {
+        Box box;
+        for (uint32_t i : indices) box.hold(spheres[i]);
+        return box;
+    }
+
+    /// Parts a range of spheres in two, at a multiple of a leaf's width along the axis where the sum over both of the box's
+    /// area times the number of spheres is least: the surface area heuristic [MacDonaldBooth90].
+    static std::span<uint32_t> take_part(std::span<const Sphere> spheres, std::span<uint32_t>& indices) {
+        const auto sort_along = [&](int axis) {
+            std::sort(indices.begin(), indices.end(), [&](uint32_t a, uint32_t b) {
+                const float x = spheres[a].center[axis], y = spheres[b].center[axis];
+                return x != y ? x < y : a < b;
+            });
+        };
+        const size_t leaves = (indices.size() + width - 1) / width;
+        std::vector<float> first(leaves);  // the cost of what lies before each border
+        int best_axis = 0;
+        size_t best_leaf = leaves / 2;
+        float least = infinity;
+        for (int axis = 0; axis < 3; ++axis) {
+            sort_along(axis);
+            Box box;
+            for (size_t leaf = 1; leaf < leaves; ++leaf) {
+                for (uint32_t i : indices.subspan((leaf - 1) * width, width)) box.hold(spheres[i]);
+                first[leaf] = box.area() * static_cast<float>(leaf);
+            }
+            box = {};
+            for (size_t leaf = leaves - 1; leaf > 0; --leaf) {
+                const auto block = indices.subspan(leaf * width);
+                for (uint32_t i : block.first(std::min<size_t>(width, block.size()))) box.hold(spheres[i]);
+                const float cost = first[leaf] + box.area() * static_cast<float>(leaves - leaf);
+                if (cost < least) least = cost, best_axis = axis, best_leaf = leaf;
+            }
         }
-        const Vec3 extent = centers.high - centers.low;
-        const int axis = extent.x >= extent.y && extent.x >= extent.z ? 0 : extent.y >= extent.z ? 1 : 2;
-        const size_t middle = (indices.size() / 2 + width - 1) / width * width;
-        std::nth_element(indices.begin(), indices.begin() + static_cast<ptrdiff_t>(middle), indices.end(),
-                         [&](uint32_t a, uint32_t b) {
-                             const float x = spheres[a].center[axis], y = spheres[b].center[axis];
-                             return x != y ? x < y : a < b;
-                         });
-        const auto half = indices.subspan(middle);
-        indices = indices.first(middle);
-        return half;
+        if (best_axis != 2) sort_along(best_axis);
+        const auto part = indices.subspan(best_leaf * width);
+        indices = indices.first(best_leaf * width);
+        return part;
     }
 
     /// Builds what holds the spheres of `indices` and returns its entry, a node or a leaf; `box` grows around them.
-    uint32_t build(std::span<const Sphere> spheres, std::span<uint32_t> indices, Box* box = nullptr) {
-        if (box)
-            for (uint32_t i : indices) {
-                const Vec3 r{spheres[i].radius, spheres[i].radius, spheres[i].radius};
-                box->low = min(box->low, spheres[i].center - r);
-                box->high = max(box->high, spheres[i].center + r);
-            }
+    uint32_t build(std::span<const Sphere> spheres, std::span<uint32_t> indices) {
         if (indices.size() <= width) return build_leaf(spheres, indices);
-        std::vector<Part> parts{{indices, {}, 0}};
-        for (int halving = 0; halving < 3; ++halving)
-            for (size_t i = parts.size(); i-- > 0;)
-                if (parts[i].indices.size() > width) {
-                    const auto half = take_half(spheres, parts[i].indices);
-                    parts.push_back({half, {}, 0});
-                }
+        // The part with the largest box is split next, until a node is full.
+        std::vector<Part> parts{{indices, box_around(spheres, indices), 0}};
+        while (parts.size() < width) {
+            Part* largest = nullptr;
+            for (Part& part : parts)
+                if (part.indices.size() > width && (!largest || part.box.area() > largest->box.area())) largest = &part;
+            if (!largest) break;
+            const auto half = take_part(spheres, largest->indices);
+            largest->box = box_around(spheres, largest->indices);
+            parts.push_back({half, box_around(spheres, half), 0});
+        }
         const auto index = static_cast<uint32_t>(nodes_.size());
         nodes_.emplace_back();
-        for (Part& part : parts) part.entry = build(spheres, part.indices, &part.box);
+        for (Part& part : parts) part.entry = build(spheres, part.indices);
         Node& node = nodes_[index];
         for (uint32_t i = 0; i < width; ++i) {
             const Box lane = i < parts.size() ? parts[i].box : Box{};
@@ -178,6 +218,10 @@ class SphereTree {
             leaf.y[i] = s.center.y;
             leaf.z[i] = s.center.z;
             leaf.radius[i] = s.radius;
+            leaf.nx[i] = s.normal.x;
+            leaf.ny[i] = s.normal.y;
+            leaf.nz[i] = s.normal.z;
+            leaf.height[i] = s.height;
             order_.push_back(there ? indices[i] : vacant);
         }
         return block | leaf_bit;

@@ -7,6 +7,7 @@
 
 #pragma once
 
+#include "base/lanes.h"
 #include "records/record.h"
 
 namespace eclat {
@@ -31,6 +32,14 @@ inline float tolerated_turn(float relaxation) { return sqrt_one_minus_cos_10 * s
 constexpr float plane_tolerance = 0.015f;
 }  // namespace detail
 
+/// How far from its plane a record may be read, at most, of points within `reach` of it: the tolerance, and what normals that
+/// differ by the most that is tolerated explain. See `weight`.
+inline float height_read(float radius, float reach, Weight kind) {
+    if (kind == Weight::split_sphere) return infinity;
+    constexpr float sine = 0.2f;  // of the largest turn
+    return detail::plane_tolerance * radius + sine * reach;
+}
+
 /// Where a record lies and how far it reaches: all that its weight depends on.
 struct Footing {
     Vec3 position;
@@ -52,19 +61,18 @@ inline float split_sphere_weight(const Footing& record, Vec3 p, Vec3 n, float re
     return 1 / std::max(e, 1e-3f) - 1;
 }
 
-/// 0 where the record does not serve the point.
+/// 0 where the record does not serve the point. Free of branches, so that compilers look at many records at once.
 inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float relaxation) {
     if (kind == Weight::split_sphere) return split_sphere_weight(record, p, n, relaxation);
-    // Normals that differ by more than the tolerance end the validity under both weights; most misses end here.
+    // Normals that differ by more than the tolerance end the validity under both weights.
     const float cosine = dot(n, record.normal);
     const float tolerated = detail::tolerated_turn(relaxation);
-    if (1 - cosine >= sqr(tolerated)) return 0;
     const Vec3 d = p - record.position;
     const float reach = record.radius * relaxation;
     // An ellipse in the record's plane with the small radius off it [Schwarzhaupt12].
     const float distance2 = length_squared(d) - sqr(dot(d, record.stretch));
-    if (distance2 >= reach * reach) return 0;
-    const float e_position = std::sqrt(distance2) / reach;
+    const bool near = (1 - cosine < sqr(tolerated)) & (distance2 < reach * reach);
+    const float e_position = std::sqrt(std::max(0.0f, distance2)) / reach;
     const float turn = safe_sqrt(1 - cosine);
     // The point must lie in the record's plane, by the mean of both normals: what is behind one sees what the other
     // cannot [Ward88]. On a sphere that mean is at right angles to the chord; across an edge between two facets the
@@ -76,12 +84,51 @@ inline float weight(const Footing& record, Vec3 p, Vec3 n, Weight kind, float re
     if (kind == Weight::tabellion) {
         // The larger of both errors [Tabellion04]; the square makes the border smooth.
         const float e = std::max(std::max(e_position, off_plane), turn / tolerated);
-        return e < 1 ? sqr(1 - e) : 0;
+        return near & (e < 1) ? sqr(1 - e) : 0;
     }
     // The inverse of the summed errors [Ward88], the radius standing for a R, minus its value at the border.
     const float e = e_position + turn / tolerated;
-    if (e >= 1 || off_plane >= 1) return 0;
-    return (1 / std::max(e, 1e-3f) - 1) * (1 - off_plane);
+    return near & (e < 1) & (off_plane < 1) ? (1 / std::max(e, 1e-3f) - 1) * (1 - off_plane) : 0;
 }
+
+/// Eight records beside each other, whose weights are found together.
+struct alignas(32) Footings {
+    static constexpr uint32_t count = lane_count;
+
+    float position[3][count]{}, radius[count]{}, normal[3][count]{}, clearance[count]{}, stretch[3][count]{},
+        tolerance[count]{};
+    bool enclosed[count]{};
+
+    Footing operator[](uint32_t i) const {
+        return {{position[0][i], position[1][i], position[2][i]},
+                radius[i],
+                {normal[0][i], normal[1][i], normal[2][i]},
+                clearance[i],
+                {stretch[0][i], stretch[1][i], stretch[2][i]},
+                tolerance[i],
+                enclosed[i]};
+    }
+    void set(uint32_t i, const Footing& footing) {
+        for (int axis = 0; axis < 3; ++axis) {
+            position[axis][i] = footing.position[axis];
+            normal[axis][i] = footing.normal[axis];
+            stretch[axis][i] = footing.stretch[axis];
+        }
+        radius[i] = footing.radius;
+        clearance[i] = footing.clearance;
+        tolerance[i] = footing.tolerance;
+        enclosed[i] = footing.enclosed;
+    }
+
+    /// The weight of each at a point, 0 where there is no record. Each kind has a loop of its own, which has no branch.
+    void weights(Vec3 p, Vec3 n, Weight kind, float relaxation, float* out) const {
+        if (kind == Weight::tabellion)
+            for (uint32_t i = 0; i < count; ++i) out[i] = weight((*this)[i], p, n, Weight::tabellion, relaxation);
+        else if (kind == Weight::ward)
+            for (uint32_t i = 0; i < count; ++i) out[i] = weight((*this)[i], p, n, Weight::ward, relaxation);
+        else
+            for (uint32_t i = 0; i < count; ++i) out[i] = weight((*this)[i], p, n, Weight::split_sphere, relaxation);
+    }
+};
 
 }  // namespace eclat

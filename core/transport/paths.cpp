@@ -48,7 +48,7 @@ class Tracer {
                 pass_straight(paths[i], vertices[i], next);
                 continue;
             }
-            const int parts = paths_from(paths[i], vertices[i]);
+            const int parts = paths_from(paths[i]);
             sample_lights(paths[i], vertices[i], parts);
             continue_path(paths[i], vertices[i], parts, next);
         }
@@ -114,10 +114,8 @@ class Tracer {
     }
 
     /// How many paths go on from a vertex.
-    int paths_from(const PathState& path, const Vertex& v) const {
-        if (edges_ > 1) return 1;
-        if (out_[path.index].cache_missed) return options_.miss_paths;
-        return v.point.bsdf.has_uncached_rough_gloss() ? options_.gloss_paths : 1;
+    int paths_from(const PathState& path) const {
+        return edges_ == 1 && out_[path.index].cache_missed ? options_.miss_paths : 1;
     }
 
     int light_samples() const { return edges_ == 1 ? options_.light_samples : 1; }

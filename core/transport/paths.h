@@ -47,7 +47,6 @@ struct PathOptions {
     int roulette_depth = roulette_after::picture_edges;
     int light_samples = 1;               // at the first vertex
     int miss_paths = 1;                  // that go on from a first vertex which the cache does not serve
-    int gloss_paths = 1;                 // … from one which it does, along rough lobes
     LightSet light_set = LightSet::all;  // without the environment image, rays that escape collect it whole
     bool emission_at_first_hit = true;   // false: whoever sent the rays samples the lights itself
     Coherence coherence = Coherence::none;

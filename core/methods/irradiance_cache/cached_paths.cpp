@@ -18,9 +18,7 @@ Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, 
     options.cache = read_near(caches);
     // Far records know of no greatest length of paths.
     if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_far(caches.far);
-    options.light_samples = cached_light_samples;
     options.miss_paths = cached_miss_paths;
-    options.gloss_paths = cached_gloss_paths;
     if (tables) options.reflection = read_radiance(caches.radiance, *tables);
     return path_estimator(world, std::move(options));
 }
