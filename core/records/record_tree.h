@@ -50,7 +50,8 @@ class SphereTree {
         for_each_near(p, 0, std::forward<F>(f));
     }
 
-    /// Calls `f(slot, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`.
+    /// Calls `f(slot, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`; of those that
+    /// are cut by planes, for some that are a little farther as well.
     template <class F>
     void for_each_near(Vec3 p, float reach, F&& f) const {
         for_each_leaf_near(p, reach, [&](uint32_t leaf) {

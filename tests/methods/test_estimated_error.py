@@ -14,7 +14,7 @@ from eclat import _core
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import relative_rmse
 from eclat.methods.records.laws import core_options
-from eclat.methods.records.solving import Where, functions_for
+from eclat.methods.records.solving import CacheFunctions, functions_for
 from eclat.scenes import build
 from eclat.verbs.solve import purpose_of
 
@@ -26,7 +26,7 @@ def interval(found: _core.ErrorEstimate) -> ErrorEstimate:
 
 
 def estimated(
-    solution: eclat.Solution, where: Where, rays: int = 400_000, seed: int = 5, threads: int = 0
+    solution: eclat.Solution, where: CacheFunctions, rays: int = 400_000, seed: int = 5, threads: int = 0
 ) -> _core.ErrorEstimate:
     check = _core.ErrorCheck()
     check.rays, check.seed, check.threads = rays, seed, threads

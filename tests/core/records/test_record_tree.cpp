@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -23,14 +24,17 @@ Vec3 random_point(Rng& rng) {
     return {x, y, z};
 }
 
-std::vector<SphereTree::Sphere> random_spheres(size_t count, uint32_t seed) {
+std::vector<SphereTree::Sphere> random_spheres(size_t count, uint32_t seed, bool cut = false) {
     Rng rng(seed, 0);
     std::vector<SphereTree::Sphere> out;
     for (size_t i = 0; i < count; ++i) {
         const Vec3 center = random_point(rng);
-        // A few large ones among many small ones, as in a cache.
-        const float u = rng.next();
-        out.push_back({center, 0.3f * u * u});
+        // A few large ones among many small ones, as in a cache; of every other one only a slab is asked for.
+        const float u = rng.next(), radius = 0.3f * u * u;
+        out.push_back({center, radius});
+        if (!cut || i % 2 == 0) continue;
+        out.back().normal = normalize(random_point(rng) - Vec3{0.5f, 0.5f, 0.5f});
+        out.back().height = radius * rng.next();
     }
     return out;
 }
@@ -55,8 +59,9 @@ Found near(const SphereTree& tree, Vec3 p, float reach) {
 Found by_force(const std::vector<SphereTree::Sphere>& spheres, Vec3 p, float reach) {
     Found out;
     for (uint32_t i = 0; i < spheres.size(); ++i) {
-        const float d2 = length_squared(p - spheres[i].center);
-        if (d2 < sqr(spheres[i].radius + reach)) out.emplace_back(i, d2);
+        const Vec3 d = p - spheres[i].center;
+        const bool in_slab = std::fabs(dot(d, spheres[i].normal)) <= spheres[i].height + reach;
+        if (in_slab && length_squared(d) < sqr(spheres[i].radius + reach)) out.emplace_back(i, length_squared(d));
     }
     return out;
 }
@@ -65,8 +70,8 @@ Found by_force(const std::vector<SphereTree::Sphere>& spheres, Vec3 p, float rea
 
 TEST_CASE("lookups find what a loop over all spheres finds") {
     for (size_t count : {0, 1, 4, 5, 9, 300, 2000}) {
-        const auto spheres = random_spheres(count, 11);
-        const SphereTree tree{spheres};
+        const auto spheres = random_spheres(count, 11), slabs = random_spheres(count, 11, true);
+        const SphereTree tree{spheres}, tree_of_slabs{slabs};
         Rng rng(12, static_cast<uint32_t>(count));
         size_t total = 0;
         for (int query = 0; query < 200; ++query) {
@@ -75,6 +80,7 @@ TEST_CASE("lookups find what a loop over all spheres finds") {
             total += expected.size();
             CHECK(sorted(around(tree, p)) == expected);
             CHECK(sorted(near(tree, p, 0.1f)) == by_force(spheres, p, 0.1f));
+            CHECK(sorted(around(tree_of_slabs, p)) == by_force(slabs, p, 0));
         }
         if (count >= 300) CHECK(total > 500);  // the comparison is not of nothing with nothing
     }

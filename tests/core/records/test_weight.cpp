@@ -7,7 +7,10 @@
 
 #include <cmath>
 
+#include "base/frame.h"
 #include "records/weight.h"
+#include "sampling/rng.h"
+#include "sampling/warp.h"
 #include "leaning_normal.h"
 
 using namespace eclat;
@@ -170,4 +173,40 @@ TEST_CASE("an ellipse: validity ends at its own radius along each axis, and at t
         CHECK(at({0, 0, 0.0074f}) > 0);
         CHECK(at({0, 0, 0.0076f}) == 0);
     }
+}
+
+TEST_CASE("no record is read farther from its plane than lookups search, and eight weights at once are those of each") {
+    Rng rng(5, 0);
+    Footings footings;
+    int read = 0;
+    for (int round = 0; round < 20000; ++round) {
+        const auto direction = [&] {
+            const float u = rng.next();
+            return square_to_uniform_sphere({u, rng.next()});
+        };
+        const Vec3 normal = direction();
+        const float elongation = 1 + rng.next();
+        Footing footing{direction(), 0.5f + rng.next(), normal, infinity};
+        footing.stretch = Frame::around(normal).u * safe_sqrt(1 - 1 / sqr(elongation));
+        footing.tolerance = 0.3f;
+        const uint32_t lane = static_cast<uint32_t>(round) % Footings::count;
+        footings.set(lane, footing);
+        const float relaxation = 1 + 2 * rng.next();
+        const Vec3 n = normalize(normal + direction() * (0.25f * rng.next()));
+        // Near the plane, where weights begin to end.
+        const Vec3 along = direction();
+        const Vec3 p = footing.position + (along - normal * (dot(along, normal) * (1 - 0.3f * rng.next()))) *
+                                              (footing.radius * relaxation * elongation * rng.next());
+        for (Weight kind : {Weight::tabellion, Weight::ward, Weight::split_sphere}) {
+            float weights[Footings::count];
+            footings.weights(p, n, kind, relaxation, weights);
+            const float w = weight(footing, p, n, kind, relaxation);
+            REQUIRE(weights[lane] == w);
+            if (w == 0) continue;
+            ++read;
+            const float reach = footing.radius * relaxation * elongation;
+            CHECK(std::fabs(dot(p - footing.position, normal)) <= height_read(footing.radius, reach, kind));
+        }
+    }
+    CHECK(read > 10000);  // the comparison is not of nothing with nothing
 }
