@@ -56,7 +56,7 @@ def test_the_bias_is_no_more_than_stated(scenes: Path, case: Case) -> None:
 
     paths = [blocks(eclat.Path(), case.samples, 100 + run) for run in range(REFERENCES)]
     cache = eclat.solve(scene, case.method(), size=SIZE)
-    first, second = (blocks(cache, 2 * case.samples, 200 + run) for run in range(2))
+    first, second = (blocks(cache, 4 * case.samples, 200 + run) for run in range(2))
 
     squared, uncertainty = squared_bias(first, second, paths)
     assert uncertainty < 0.5 * case.of_blocks**2, "the references are too noisy to tell"

@@ -155,9 +155,9 @@ def test_records_lie_on_surfaces_and_on_both_sides_where_both_reflect() -> None:
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"points": ([[0, 0, 0]], [[0, 1, 0]]), "view_independent": True}, "expected one of camera"),
-        ({"camera": 0, "view_independent": True}, "expected one of camera"),
-        ({"points": ([[0, 0, 0]], [[0, 0, 0]])}, "normals not zero; got .* at index 0"),
+        ({"points": ([[0, 0, 0]], [[0, 1, 0]]), "view_independent": True}, "at most one of camera"),
+        ({"camera": 0, "view_independent": True}, "at most one of camera"),
+        ({"points": ([[0, 0, 0]], [[0, 0, 0]])}, "normals must not be zero; got .* at index 0"),
         ({"points": ([[0, 0]], [[0, 1]])}, r"must both be \(N, 3\)"),
         ({"max_depth": 0}, "max_depth must be -1"),
         ({"size": (0, 5)}, "expected a width and a height between 1 and 65,536 pixels, got 0x5"),
