@@ -76,7 +76,7 @@ def test_textures_outside_the_gamut_are_cut_with_a_warning(tmp_path: Path) -> No
     channels = {"R": plane(0), "G": plane(1), "B": plane(0)}
     path = written(tmp_path / "green.exr", channels, chromaticities=ACESCG)
     assert Image.load(path).pixels.min() < 0
-    with pytest.warns(EclatWarning, match="96 texels lie outside the colours of Rec. 709"):
+    with pytest.warns(EclatWarning, match="96 texels lie outside the gamut of Rec. 709"):
         assert read_image_file(path, path.read_bytes())[0].min() == 0
 
 

@@ -106,14 +106,14 @@ MISTAKES = {
     ),
     "floor": (
         {"type": "roughplastik"},
-        "material 'floor': expected a bsdf of type .*'roughplastik'; did you mean 'roughplastic'",
+        "material 'floor': expected a BSDF whose type is one of .*'roughplastik'; did you mean 'roughplastic'",
     ),
     "white": (
         POLISH | {"aplha": 0.2},
-        "material 'white': roughplastic has no property 'aplha'; did you mean 'alpha'",
+        "material 'white': expected a property of the BSDF type roughplastic, got 'aplha'; did you mean 'alpha'",
     ),
     "red": ({"type": "roughplastic", "alpha": "rough"}, "material 'red': .*expected"),
-    "green": ({"alpha": 0.2}, "material 'green': expected a bsdf of type .*got None"),
+    "green": ({"alpha": 0.2}, "material 'green': expected a BSDF whose type is one of .*got None"),
 }
 
 

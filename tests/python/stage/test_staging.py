@@ -93,5 +93,5 @@ def test_scenes_and_pictures_show_themselves_shortly(file: Path) -> None:
     ],
 )
 def test_misspelt_types_in_a_dict(change: dict[str, object], near: str) -> None:
-    with pytest.raises(EclatError, match=f"dict.*expected a type that Mitsuba has, got .*did you mean {near}"):
+    with pytest.raises(EclatError, match=f"dict.*expected the type of a Mitsuba plugin, got .*did you mean {near}"):
         eclat.load_dict({"type": "scene", **change})
