@@ -37,7 +37,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     def judge(solution: eclat.Solution) -> tuple[float, float | None]:
         max_error = solution.options.max_error
         pair = [eclat.render(scene, solution, samples=SAMPLES, seed=s, **shared) for s in (SEED, SEED + 1)]
-        image = eclat.render(scene, solution, max_error=max_error, seed=SEED, **shared)
+        image = eclat.render(scene, solution, max_error=max_error, seed=SEED, denoise=False, **shared)
         statistics = image.metadata["statistics"]
         everywhere, away = truth.error(image)
         pictures.append({

@@ -121,7 +121,8 @@ auto share(const Film& film, uint32_t Film::Pixel::* counted) {
 }
 
 /// A layer of `values` of pixels, each divided by the pixel's samples.
-auto mean_layer(Color Film::Pixel::* value) {
+template <class Value>
+auto mean_layer(Value Film::Pixel::* value) {
     return [value](const Film& f) {
         return layer(f, [&](const Film::Pixel& p) { return p.*value * (1 / std::max(1.0f, float(p.samples))); });
     };
@@ -168,6 +169,39 @@ void bind_camera(nb::module_& m) {
             "axes: what points right, up and backward; lens: radius of the aperture and distance of the focus.");
 }
 
+constexpr Color Film::Pixel::* summed_colors[] = {&Film::Pixel::radiance, &Film::Pixel::direct, &Film::Pixel::albedo,
+                                                  &Film::Pixel::rough_albedo};
+constexpr Vec3 Film::Pixel::* summed_normals[] = {&Film::Pixel::normal, &Film::Pixel::rough_normal};
+constexpr uint32_t Film::Pixel::* counted[] = {&Film::Pixel::samples, &Film::Pixel::hits, &Film::Pixel::cache_misses,
+                                               &Film::Pixel::gloss_cached, &Film::Pixel::gloss_traced};
+constexpr size_t numbers_of_pixel = 3 * (std::size(summed_colors) + std::size(summed_normals)) + 1 + std::size(counted);
+
+auto film_sums(const Film& film) {
+    const std::array shape{size_t(film.height()), size_t(film.width()), numbers_of_pixel};
+    return float_array({shape[0], shape[1], shape[2]}, [&](float* data) {
+        for (const Film::Pixel& p : film.pixels()) {
+            for (const auto color : summed_colors)
+                for (int k = 0; k < 3; ++k) *data++ = (p.*color)[k];
+            for (const auto normal : summed_normals)
+                for (int k = 0; k < 3; ++k) *data++ = (p.*normal)[k];
+            *data++ = p.distance;
+            for (const auto count : counted) *data++ = static_cast<float>(p.*count);
+        }
+    });
+}
+
+void restore_film(Film& film, const Array<float, -1, -1, static_cast<int>(numbers_of_pixel)>& sums) {
+    require(sums.shape(0) == size_t(film.height()) && sums.shape(1) == size_t(film.width()),
+            "sums: expected " + std::to_string(film.width()) + "x" + std::to_string(film.height()) + " pixels");
+    const float* data = sums.data();
+    for (Film::Pixel& p : film.pixels()) {
+        for (const auto color : summed_colors) p.*color = {data[0], data[1], data[2]}, data += 3;
+        for (const auto normal : summed_normals) p.*normal = {data[0], data[1], data[2]}, data += 3;
+        p.distance = *data++;
+        for (const auto count : counted) p.*count = static_cast<uint32_t>(*data++);
+    }
+}
+
 void bind_film(nb::module_& m) {
     nb::class_<Film>(m, "Film")
         .def(nb::init<int, int>())
@@ -175,12 +209,13 @@ void bind_film(nb::module_& m) {
         .def_prop_ro("radiance", mean_layer(&Film::Pixel::radiance), nb::rv_policy::move)
         .def_prop_ro("direct", mean_layer(&Film::Pixel::direct), nb::rv_policy::move)
         .def_prop_ro("albedo", mean_layer(&Film::Pixel::albedo), nb::rv_policy::move)
-        .def_prop_ro(
-            "normal",
-            [](const Film& f) {
-                return layer(f, [](const Film::Pixel& p) { return p.normal * (1 / std::max(1.0f, float(p.samples))); });
-            },
-            nb::rv_policy::move)
+        .def_prop_ro("normal", mean_layer(&Film::Pixel::normal), nb::rv_policy::move)
+        .def_prop_ro("rough_albedo", mean_layer(&Film::Pixel::rough_albedo), nb::rv_policy::move)
+        .def_prop_ro("rough_normal", mean_layer(&Film::Pixel::rough_normal), nb::rv_policy::move)
+        .def("interleave", &Film::interleave, "other"_a,
+             "Adds the samples of another film; ours are the even ones from then on.")
+        .def("sums", &film_sums, nb::rv_policy::move, "What has been added up, (height, width, numbers).")
+        .def("restore", &restore_film, "sums"_a, "Goes on from what `sums` gave.")
         .def_prop_ro("depth", &depth_layer, nb::rv_policy::move)
         .def_prop_ro(
             "gloss_cached", [](const Film& f) { return share(f, &Film::Pixel::gloss_cached); }, nb::rv_policy::move)

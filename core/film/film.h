@@ -17,11 +17,13 @@
 namespace eclat {
 
 struct FilmSample {
-    Color radiance, direct, albedo;
-    Vec3 normal;
+    Color radiance{}, direct{}, albedo{};
+    Vec3 normal{};
     float distance = 0;  // 0: nothing was met
     bool cache_missed = false;
     bool gloss_cached = false, gloss_traced = false;  // at the first vertex
+    Color rough_albedo{};                             // of the first surface that is neither mirror nor clear glass
+    Vec3 rough_normal{};
 };
 
 struct BadSample {
@@ -53,6 +55,8 @@ class Film {
         p.direct += s.direct;
         p.albedo += s.albedo;
         p.normal += s.normal;
+        p.rough_albedo += s.rough_albedo;
+        p.rough_normal += s.rough_normal;
         p.cache_misses += s.cache_missed;
         p.gloss_cached += s.gloss_cached;
         p.gloss_traced += s.gloss_traced;
@@ -65,13 +69,32 @@ class Film {
     struct Pixel {
         Color radiance, direct, albedo;
         Vec3 normal;
+        Color rough_albedo;
+        Vec3 rough_normal;
         float distance = 0;
         uint32_t samples = 0, hits = 0, cache_misses = 0, gloss_cached = 0, gloss_traced = 0;
+
+        void add(const Pixel& p) {
+            radiance += p.radiance, direct += p.direct, albedo += p.albedo, normal += p.normal;
+            rough_albedo += p.rough_albedo, rough_normal += p.rough_normal, distance += p.distance;
+            samples += p.samples, hits += p.hits, cache_misses += p.cache_misses;
+            gloss_cached += p.gloss_cached, gloss_traced += p.gloss_traced;
+        }
     };
+
+    /// Adds the samples of a film of the same size. From then on sample n of this one has the number 2 n, and of the other
+    /// 2 n + 1.
+    void interleave(const Film& other) {
+        for (size_t i = 0; i < pixels_.size(); ++i) pixels_[i].add(other.pixels_[i]);
+        bad_count_ += other.bad_count_;
+        for (BadSample& bad : bad_) bad.sample *= 2;
+        for (const BadSample& bad : other.bad_) remember({bad.x, bad.y, 2 * bad.sample + 1});
+    }
 
     int width() const { return width_; }
     int height() const { return height_; }
     const std::vector<Pixel>& pixels() const { return pixels_; }
+    std::vector<Pixel>& pixels() { return pixels_; }
     uint64_t bad_count() const { return bad_count_; }
     const std::vector<BadSample>& bad_samples() const { return bad_; }
 
@@ -81,8 +104,11 @@ class Film {
     void report(int x, int y, uint32_t sample) {
         const std::lock_guard lock(mutex_);
         ++bad_count_;
-        // The first by their place, not by time, so that a warning is the same on any number of threads.
-        const BadSample bad{x, y, sample};
+        remember({x, y, sample});
+    }
+
+    /// The first by their place, not by time, so that a warning is the same on any number of threads.
+    void remember(const BadSample& bad) {
         const auto before = [](const BadSample& a, const BadSample& b) { return a.key() < b.key(); };
         bad_.insert(std::upper_bound(bad_.begin(), bad_.end(), bad, before), bad);
         if (bad_.size() > bad_samples_kept) bad_.pop_back();

@@ -93,7 +93,9 @@ class Tile {
                        .distance = r.distance < infinity ? r.distance : 0,
                        .cache_missed = r.cache_missed,
                        .gloss_cached = r.gloss_cached,
-                       .gloss_traced = r.gloss_traced});
+                       .gloss_traced = r.gloss_traced,
+                       .rough_albedo = r.rough_albedo,
+                       .rough_normal = r.rough_normal});
         }
         rays_.clear();
         places_.clear();

@@ -36,7 +36,7 @@ class Tracer {
     /// goes on from there.
     void at_vertices(std::span<PathState> paths, std::span<Vertex> vertices, Paths<PathState>& next) {
         for (size_t i = 0; i < vertices.size(); ++i) {
-            if (edges_ == 1 && !vertices[i].missed()) describe_first(world_, vertices[i], out_[paths[i].index]);
+            describe(world_, vertices[i], edges_ == 1, paths[i], out_[paths[i].index]);
             lights_.arrive(paths[i], vertices[i]);
         }
         if (options_.cache) read_matte(paths, vertices);
@@ -160,12 +160,20 @@ class Tracer {
 
 }  // namespace
 
-void describe_first(const World& world, const Vertex& vertex, PathResult& out) {
-    const uint32_t triangle = vertex.hit.triangle;
-    out.distance = vertex.hit.t;
-    out.normal = vertex.point.frame.n;
-    out.behind = world.geometry.has_no_back(triangle) && dot(world.geometry.geometric_normal(triangle), vertex.wo) < 0;
-    out.albedo = vertex.point.bsdf.albedo(vertex.wo_local);
+void describe(const World& world, const Vertex& vertex, bool first, PathState& path, PathResult& out) {
+    if (path.described || vertex.missed()) return;
+    const Color albedo = vertex.point.bsdf.albedo(vertex.wo_local);
+    if (first) {
+        const uint32_t triangle = vertex.hit.triangle;
+        out.distance = vertex.hit.t;
+        out.normal = vertex.point.frame.n;
+        out.behind =
+            world.geometry.has_no_back(triangle) && dot(world.geometry.geometric_normal(triangle), vertex.wo) < 0;
+        out.albedo = albedo;
+    }
+    out.rough_albedo = min(path.throughput * albedo, Color(1.0f));
+    out.rough_normal = vertex.point.frame.n;
+    path.described = vertex.point.bsdf.has_non_delta();
 }
 
 void trace_paths(const World& world, std::span<const PathRay> rays, const PathOptions& options,

@@ -62,10 +62,14 @@ struct PathRay {
 
 /// What one path found.
 struct PathResult {
-    Color radiance;             // all of it
-    Color direct;               // the part of paths with at most two edges
-    Color albedo;               // of the first vertex
-    Vec3 normal;                // of shading, at the first vertex
+    Color radiance;  // all of it
+    Color direct;    // the part of paths with at most two edges
+    Color albedo;    // of the first vertex
+    Vec3 normal;     // of shading, at the first vertex
+    // The same of the first vertex that is neither mirror nor clear glass, the albedo times what those before it let pass, at
+    // most 1: what a denoiser takes for the surface that a pixel shows. Of the last vertex, where a path meets no other.
+    Color rough_albedo;
+    Vec3 rough_normal;
     float distance = infinity;  // to the first vertex
     bool behind = false;        // it lies on the back of a surface that has none
     bool cache_missed = false;  // a matte vertex was not served and was answered by going on
@@ -77,8 +81,9 @@ struct PathResult {
 void trace_paths(const World& world, std::span<const PathRay> rays, const PathOptions& options,
                  std::span<PathResult> out, Progress& progress);
 
-/// Tells the result of a path what its first vertex is.
-void describe_first(const World& world, const Vertex& vertex, PathResult& out);
+/// Tells the result of a path what its first vertex is, and then which rough surface comes first. `first`: whether `vertex`
+/// is the first.
+void describe(const World& world, const Vertex& vertex, bool first, PathState& path, PathResult& out);
 
 /// Adds what was found at `vertex`, at the end of a path of so many `edges`, to the path's result.
 inline void deposit(const Vertex& vertex, int edges, PathResult& out) {

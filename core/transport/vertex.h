@@ -31,7 +31,8 @@ struct PathState {
     Arrival arrival = Arrival::whole;  // of light that the ray finds
     int light_samples = 1;             // that the last vertex took
     Vec3 from{};                       // position of the last vertex
-    int panes = 0;  // that it went straight through; they are no vertices, since light samples pass too
+    int panes = 0;           // that it went straight through; they are no vertices, since light samples pass too
+    bool described = false;  // the first surface that is rough is in the result
 };
 
 /// Where the ray of a path ended: on a surface, or beyond the scene, where `point` is empty.

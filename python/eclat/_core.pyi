@@ -251,6 +251,22 @@ class Film:
     @property
     def normal(self) -> NDArray[numpy.float32]: ...
     @property
+    def rough_albedo(self) -> NDArray[numpy.float32]: ...
+    @property
+    def rough_normal(self) -> NDArray[numpy.float32]: ...
+    def interleave(self, other: Film) -> None:
+        """Adds the samples of another film; ours are the even ones from then on."""
+
+    def sums(self) -> NDArray[numpy.float32]:
+        """What has been added up, (height, width, numbers)."""
+
+    def restore(
+        self,
+        sums: Annotated[NDArray[numpy.float32], dict(shape=(None, None, 24), order="C", device="cpu", writable=False)],
+    ) -> None:
+        """Goes on from what `sums` gave."""
+
+    @property
     def depth(self) -> NDArray[numpy.float32]: ...
     @property
     def gloss_cached(self) -> NDArray[numpy.float32]: ...

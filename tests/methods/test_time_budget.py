@@ -26,8 +26,9 @@ def cornell() -> eclat.Scene:
 
 def test_a_picture_in_time_is_made_again_from_its_metadata(cornell: eclat.Scene) -> None:
     first = eclat.render(cornell, time=2.0, size=SIZE)
-    samples = int(first.metadata["statistics"]["samples"])
-    again = eclat.render(cornell, eclat.IrradianceCache(**first.metadata["options"]), samples=samples, size=SIZE)
+    samples, made = int(first.metadata["statistics"]["samples"]), {n: first.metadata[n] for n in ("halves", "adaptive")}
+    records = eclat.IrradianceCache(**first.metadata["options"])
+    again = eclat.render(cornell, records, samples=samples, size=SIZE, denoise=first.metadata["denoised"], **made)
     assert np.array_equal(first.pixels, again.pixels)
     assert again.metadata["options"] == first.metadata["options"]
 

@@ -69,7 +69,7 @@ class Gatherer {
     /// The stages of a vertex, each for all vertices of the batch.
     void at_vertices(std::span<State> paths, std::span<Vertex> vertices, Paths<State>& next) {
         for (size_t i = 0; i < vertices.size(); ++i) {
-            if (edges_ == 1 && !vertices[i].missed()) describe_first(world_, vertices[i], out_[paths[i].index]);
+            describe(world_, vertices[i], edges_ == 1, paths[i], out_[paths[i].index]);
             if (!paths[i].gathering) lights_.arrive(paths[i], vertices[i]);
         }
         const bool goes_on = options_.max_depth < 0 || edges_ < options_.max_depth;

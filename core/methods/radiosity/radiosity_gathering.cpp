@@ -40,6 +40,7 @@ PathResult patch_picture(const World& world, const RadiosityField& field, int ma
     result.distance = hit.t;
     result.normal = point.frame.n;
     result.albedo = point.bsdf.albedo(point.frame.to_local(wo));
+    result.rough_normal = result.normal, result.rough_albedo = result.albedo;
     if (const uint32_t emitter = world.emitter(hit.triangle); emitter != not_emitting)
         result.direct = world.lights.emitted(emitter, {hit.u, hit.v}, wo);
     result.radiance = result.direct;

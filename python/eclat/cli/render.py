@@ -59,6 +59,8 @@ REACHING_RENDER = (
     "max_error",
     "time",
     "adaptive",
+    "denoise",
+    "halves",
     "size",
     "crop",
     "max_depth",
@@ -115,6 +117,19 @@ _quality_options = together(
         section=QUALITY,
         help="Give noisy pixels more samples and the others fewer; --samples is then the average "
         "[on for methods with records, unless --crop is given].",
+    ),
+    option(
+        "--denoise/--no-denoise",
+        default=None,
+        section=QUALITY,
+        help="Remove the noise with Open Image Denoise, measure the error that is left, and let --max-error bound that "
+        "[on if it is installed, unless --samples or --crop is given].",
+    ),
+    option(
+        "--halves/--no-halves",
+        default=None,
+        section=QUALITY,
+        help="Take the samples in two independent halves, which measure the error [as --denoise].",
     ),
     option("--crop", type=CROP, section=CAMERA, help="Render only this rectangle of pixels; the rest stays black."),
     max_depth_option(),
@@ -228,7 +243,10 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
     """Check that all pixels given lie inside the picture, and turn `--replay` into a crop of one pixel."""
     if flags["replay"]:
         x, y, sample = flags["replay"]
-        flags.update(crop=(x, y, x + 1, y + 1), samples=sample + 1, adaptive=False, time=None)
+        if flags["halves"]:
+            sample |= 1  # both halves take as many
+        flags.update(replay=(x, y, sample), crop=(x, y, x + 1, y + 1), samples=sample + 1)
+        flags.update(adaptive=False, time=None, denoise=False)
     if flags["crop"] and size:
         _, _, x1, y1 = flags["crop"]
         if x1 > size[0] or y1 > size[1]:
@@ -257,6 +275,8 @@ def _say_result(
     if "samples_done" in image.metadata:
         parts.append("interrupted")
     parts.append(error_text(statistics))
+    if image.metadata.get("denoised"):
+        parts.append("denoised")
     if exposure is not None:
         parts.append(f"exposure {exposure:+g} stops")
     if chosen:

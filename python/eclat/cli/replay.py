@@ -27,6 +27,8 @@ REPEATED = (
         "refine",
         "samples",
         "adaptive",
+        "denoise",
+        "halves",
         "time",
         "max_depth",
         "seed",
@@ -51,7 +53,8 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
     taken = metadata.get("statistics", {}).get("samples")
     if taken is not None:
         settings["samples"], settings["time"] = int(taken), None
-        settings["adaptive"] = bool(metadata.get("adaptive"))
+        for name, made in (("adaptive", "adaptive"), ("denoise", "denoised"), ("halves", "halves")):
+            settings[name] = bool(metadata.get(made))
     # Converting to JSON and back gives the same types that reading from a file gives.
     plain: dict[str, Any] = json.loads(json.dumps(settings))
     return plain

@@ -29,7 +29,10 @@ def has_denoiser() -> bool:
 def require_denoiser() -> None:
     """Raise EclatError, which says what to install, unless `denoise` can work; call it before any work is done."""
     if not has_denoiser():
-        raise EclatError(f"denoising needs Open Image Denoise, which is not installed: pip install {PACKAGE}")
+        raise EclatError(
+            f"denoising needs Open Image Denoise, which is not installed: pip install {PACKAGE}, or Éclat with its extra "
+            "`denoise`"
+        )
 
 
 def denoise(

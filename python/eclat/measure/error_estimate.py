@@ -54,9 +54,22 @@ class ErrorEstimate:
             "unserved": self.unserved,
         }  # fmt: skip
 
+    def noise_statistics(self) -> dict[str, float]:
+        """The estimate of the noise that is left in what a picture shows, as entries for its statistics."""
+        return {"noise_left": self.quoted, "noise_left_low": self.low, "noise_left_high": self.high}
+
     def with_noise(self, noise: float) -> ErrorEstimate:
         """Return the estimate for a picture that reads the cache and has the given relative noise."""
         error, low, high = (math.hypot(part, noise) for part in (self.error, self.low, self.high))
+        return ErrorEstimate(error, low, high, self.unserved)
+
+    def joined(self, other: ErrorEstimate) -> ErrorEstimate:
+        """The estimate of both errors together, which have nothing to do with each other: squares add up, and so do the squares
+        of what squares may be above and below."""
+        error = math.hypot(self.error, other.error)
+        above = math.hypot(*(e.high**2 - e.error**2 for e in (self, other)))
+        below = math.hypot(*(e.error**2 - e.low**2 for e in (self, other)))
+        low, high = (math.sqrt(max(0.0, error**2 + part)) for part in (-below, above))
         return ErrorEstimate(error, low, high, self.unserved)
 
 
@@ -91,10 +104,11 @@ def without_light_by_chance(statistics: Mapping[str, float]) -> dict[str, float]
 def error_text(statistics: Mapping[str, float]) -> str:
     """Format the estimated error as in `estimated error 0.9 % ± 0.1 (95 %)`; the text is empty if there is no estimate.
 
-    The text also states whether light is found only by chance, or whether gloss is not included.
+    The text also states whether light is found only by chance, or whether gloss is not included. It speaks of noise if
+    only the noise of the samples was measured, and not the error of the method.
     """
     if "estimated_error" not in statistics:
-        return ""
+        return _interval_text("noise", *_percents(statistics, "noise_left")) if "noise_left" in statistics else ""
     if share := statistics.get(LIGHT_BY_CHANCE, 0.0):
         rest = without_light_by_chance(statistics)
         del rest[LIGHT_BY_CHANCE]
@@ -104,11 +118,18 @@ def error_text(statistics: Mapping[str, float]) -> str:
         return f"estimated error {least:.2g} % or more: {by_chance}, {found}; for all other light: {error_text(rest)}"
     if statistics.get("gloss_estimated") == 0 and statistics.get("radiance_records"):
         return error_text({**statistics, "gloss_estimated": 1.0}) + " of irradiance, gloss not included"
-    quoted, low, high = (100 * statistics[f"estimated_error{end}"] for end in ("", "_low", "_high"))
+    return _interval_text("estimated error", *_percents(statistics, "estimated_error"))
+
+
+def _percents(statistics: Mapping[str, float], name: str) -> list[float]:
+    return [100 * statistics[f"{name}{end}"] for end in ("", "_low", "_high")]
+
+
+def _interval_text(what: str, quoted: float, low: float, high: float) -> str:
     if high == 0:
-        return "estimated error 0 % (95 %)"
+        return f"{what} 0 % (95 %)"
     if quoted >= high:
-        return f"estimated error at most {high:.2g} % (95 %)"
+        return f"{what} at most {high:.2g} % (95 %)"
     margin = (high - low) / 2
     digits = max(0, 1 - math.floor(math.log10(high)))
-    return f"estimated error {quoted:.{digits}f} % ± {margin:.{digits}f} (95 %)"
+    return f"{what} {quoted:.{digits}f} % ± {margin:.{digits}f} (95 %)"

@@ -73,6 +73,11 @@ class Prepared(ABC):
         return None
 
     @property
+    def errs_by_noise_alone(self) -> bool:
+        """Whether independent halves of the samples tell all of a picture's error, because they share none."""
+        return False
+
+    @property
     def record_positions(self) -> FloatArray | None:
         """World positions (N, 3) of the records, which pictures can show; None if there are no records."""
         return None

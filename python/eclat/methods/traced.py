@@ -26,6 +26,10 @@ class Traced(Prepared):
     roulette_depth: int = ROULETTE_DEPTH
     statistics: dict[str, float] = field(default_factory=dict)
 
+    @property
+    def errs_by_noise_alone(self) -> bool:
+        return True
+
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
         return _core.path_estimator(
             compiled(scene).core, max_depth=self._depth(work), roulette_depth=self.roulette_depth

@@ -38,6 +38,7 @@ from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from eclat.errors import EclatError
+from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import RELATIVE_C
 
 Float64 = NDArray[np.float64]
@@ -54,6 +55,7 @@ class DenoisedHalves:
     `squared_error` is the estimated mean of (s − R)² / (R² + c) over pixels and channels; noise can make it negative.
     `deviation` is the standard error of `squared_error`, computed from the differences between windows.
     `raw_squared_error` is the estimated squared error of the picture before denoising, (A + B) / 2.
+    `local_error`, (H, W), is the error of the window around a pixel and of the neighbouring windows.
     """
 
     pixels: Float64
@@ -61,11 +63,17 @@ class DenoisedHalves:
     squared_error: float
     deviation: float
     raw_squared_error: float
+    local_error: Float64
 
     @property
     def error(self) -> float:
         """Relative error of the picture (see `metrics.relative_rmse`); 0 if the estimated square is negative."""
         return math.sqrt(max(0.0, self.squared_error))
+
+    @property
+    def estimate(self) -> ErrorEstimate:
+        """The same as a statement."""
+        return ErrorEstimate.of_squared(self.squared_error, self.deviation, 0.0)
 
     @property
     def error_deviation(self) -> float:
@@ -87,10 +95,7 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
     ------
     EclatError : the arrays differ in shape or are not (H, W, 3).
     """
-    halves = tuple(np.asarray(picture, np.float64) for picture in (a, b, denoised_a, denoised_b))
-    shapes = [half.shape for half in halves]
-    if len(shapes[0]) != 3 or shapes[0][2] != 3 or len(set(shapes)) != 1:
-        raise EclatError(f"denoise: expected four arrays of the same shape (height, width, 3), got shapes {shapes}")
+    halves = _of_one_shape(a, b, denoised_a, denoised_b)
     a, b, denoised_a, denoised_b = halves
     products = (np.minimum(denoised_a, denoised_b) ** 2, a * b)
     scale = _scale(*products, 0.5)
@@ -98,11 +103,48 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
     scale = _scale(*products, weight[..., None])
     squared = _squared_error(halves, weight[..., None], scale)
     pixels = weight[..., None] * (denoised_a + denoised_b) / 2 + (1 - weight[..., None]) * (a + b) / 2
-    means = _window_means(squared)
-    counts = _window_means(np.ones_like(squared), total=True)
-    deviation = math.sqrt(float(np.average((means - squared.mean()) ** 2, weights=counts)) / max(1, means.size - 1))
     raw = _squared_error(halves, 0.0, scale)
-    return DenoisedHalves(pixels, weight, float(squared.mean()), deviation, float(raw.mean()))
+    return DenoisedHalves(
+        pixels, weight, float(squared.mean()), _deviation(squared), float(raw.mean()), _local_error(squared)
+    )
+
+
+def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
+    """The mean of two halves of a picture as it was sampled, and its error: the same with a weight of 0 everywhere.
+
+    Raises
+    ------
+    EclatError : shapes differ.
+    """
+    first, last = _of_one_shape(a, b)
+    squared = _squared_error((first, last, first, last), 0.0, _scale(first * last, first * last, 0.0))
+    mean = float(squared.mean())
+    weight = np.zeros(squared.shape)
+    return DenoisedHalves((first + last) / 2, weight, mean, _deviation(squared), mean, _local_error(squared))
+
+
+def _of_one_shape(*pictures: ArrayLike) -> tuple[Float64, ...]:
+    halves = tuple(np.asarray(picture, np.float64) for picture in pictures)
+    shapes = [half.shape for half in halves]
+    if len(shapes[0]) != 3 or shapes[0][2] != 3 or len(set(shapes)) != 1:
+        raise EclatError(f"denoise: expected arrays of the same shape (height, width, 3), got shapes {shapes}")
+    return halves
+
+
+def _deviation(squared: Float64) -> float:
+    """Standard error of the mean, from how much windows differ. Small pictures take smaller windows, at least four a side: too
+    few would say nothing about it."""
+    window = max(1, min(WINDOW, min(squared.shape) // 4))
+    means = _window_means(squared, window=window)
+    counts = _window_means(np.ones_like(squared), total=True, window=window)
+    spread = float(np.average((means - squared.mean()) ** 2, weights=counts))
+    return math.sqrt(spread / max(1, means.size - 1))
+
+
+def _local_error(squared: Float64) -> Float64:
+    """(H, W): root of the mean over a window and its neighbours, smooth between them."""
+    means = _between_centres(_blurred(_window_means(squared)), squared.shape)
+    return np.asarray(np.sqrt(np.maximum(means, 0.0)))
 
 
 def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float) -> Float64:
@@ -147,13 +189,14 @@ def _best_weights(errors: list[Float64]) -> Float64:
     return _between_centres(weights, errors[0].shape)
 
 
-def _window_means(values: Float64, total: bool = False) -> Float64:
-    """Compute the mean, or with `total` the sum, of each window; the last window of a row or column may be smaller."""
-    rows, columns = (np.arange(0, size, WINDOW) for size in values.shape)
+def _window_means(values: Float64, total: bool = False, window: int = WINDOW) -> Float64:
+    """Compute the mean, or with `total` the sum, of each window of `window` pixels a side; the last window of a row or
+    column may be smaller."""
+    rows, columns = (np.arange(0, size, window) for size in values.shape)
     sums = np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1)
     if total:
         return np.asarray(sums)
-    return np.asarray(sums / _window_means(np.ones_like(values), total=True))
+    return np.asarray(sums / _window_means(np.ones_like(values), total=True, window=window))
 
 
 def _blurred(windows: Float64) -> Float64:

@@ -179,7 +179,8 @@ def compare(
         images: list[Image] = []
         for options, bounds in _levels(method, effort):
             label = f"{method.name}, level {len(images) + 1}"
-            keywords = {**common, **bounds, "seed": seed, "progress": _labelled(progress, label)}
+            # Methods are compared, not what a denoiser makes of them.
+            keywords = {**common, **bounds, "seed": seed, "denoise": False, "progress": _labelled(progress, label)}
             images.append(render(scene, options, **keywords))
         results.append(_measured(method.name, images, reference, truth, shown_at))
     return Comparison(scene.name, reference, tuple(results), shown_at)

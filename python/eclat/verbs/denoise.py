@@ -67,4 +67,5 @@ def denoise(picture: Image, other: Image | None = None) -> Image:
 
 
 def _denoised(picture: Image) -> NDArray[np.float32]:
-    return denoiser.denoise(picture.pixels, picture.layers.get("albedo"), picture.layers.get("normal"))
+    albedo, normal = (picture.layers.get(f"rough_{name}", picture.layers.get(name)) for name in ("albedo", "normal"))
+    return denoiser.denoise(picture.pixels, albedo, normal)

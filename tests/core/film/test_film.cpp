@@ -59,3 +59,26 @@ TEST_CASE("samples that are not finite are counted and remembered, never added")
     CHECK(film.bad_count() == 102);
     CHECK(film.bad_samples().size() < 20);  // some are enough to replay
 }
+
+TEST_CASE("films that are interleaved sum their samples, and number them evenly and oddly") {
+    Film even(2, 1), odd(2, 1);
+    even.add(0, 0, 0, {.radiance = Color(1), .distance = 2, .rough_albedo = Color(0.5f), .rough_normal = {0, 1, 0}});
+    odd.add(0, 0, 0, {.radiance = Color(3), .distance = 4, .rough_albedo = Color(0.25f), .rough_normal = {0, 1, 0}});
+    odd.add(1, 0, 0, {.radiance = Color(7), .cache_missed = true, .gloss_cached = true});
+    even.add(1, 0, 2, {.radiance = Color(infinity)});
+    odd.add(1, 0, 1, {.radiance = Color(infinity)});
+    even.interleave(odd);
+    const Film::Pixel &p = even.pixels()[0], &q = even.pixels()[1];
+    CHECK(p.samples == 2);
+    CHECK(p.radiance.g == 4);
+    CHECK(p.rough_albedo.b == 0.75f);
+    CHECK(p.rough_normal.y == 2);
+    CHECK(p.distance == 6);
+    CHECK(p.hits == 2);
+    CHECK(q.samples == 1);
+    CHECK(q.cache_misses == 1);
+    CHECK(q.gloss_cached == 1);
+    REQUIRE(even.bad_count() == 2);
+    CHECK(even.bad_samples()[0].sample == 3);  // the odd film's second comes before the even film's third
+    CHECK(even.bad_samples()[1].sample == 4);
+}

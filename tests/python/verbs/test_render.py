@@ -144,5 +144,7 @@ def test_bad_arguments(cornell: eclat.Scene, keywords: dict[str, Any], message: 
 
 def test_what_time_chose_is_told_in_samples(cornell: eclat.Scene) -> None:
     timed = eclat.render(cornell, eclat.Path(), time=0.2, size=SIZE)
-    again = eclat.render(cornell, eclat.Path(), samples=int(timed.metadata["statistics"]["samples"]), size=SIZE)
+    made = {"denoise": timed.metadata["denoised"], "halves": timed.metadata["halves"]}
+    samples = int(timed.metadata["statistics"]["samples"])
+    again = eclat.render(cornell, eclat.Path(), samples=samples, size=SIZE, **made)
     assert np.array_equal(timed.pixels, again.pixels)

@@ -1,0 +1,87 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""A picture in two halves: films of unlike seeds with as many samples each, so that each half can judge the other.
+
+The halves take scrambles of their own of the Sobol' sequence. The two halves of one sequence are stratified against each
+other, and what one says of the other would be too little.
+"""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat import _core
+from eclat.images import denoiser
+from eclat.sampling.denoised_halves import DenoisedHalves, judged_halves, sampled_halves
+
+Region = tuple[int, int, int, int]
+"""A rectangle of pixels (x0, y0, x1, y1); x1 and y1 are exclusive."""
+
+ODD_SEED = 0x9E3779B9
+"""The difference between the seeds of the halves: 2³² divided by the golden ratio. Two seeds that a person chooses for two
+pictures hardly ever differ by it."""
+
+
+def seed_of_half(seed: int, half: int) -> int:
+    """The seed of the even (0) or the odd half (1) of a picture."""
+    return (seed + half * ODD_SEED) % (1 << 32)
+
+
+class Halves:
+    """Two films of one size. The even samples of the picture are those of the film `even`, the odd ones of the film `odd`:
+    sample n of the picture is sample n // 2 of its film.
+
+    Parameters
+    ----------
+    region : the pixels that are rendered. The others are black and are not judged.
+    """
+
+    each = 2
+    """Samples of the picture in one sample of each half."""
+
+    def __init__(self, even: _core.Film, odd: _core.Film, region: Region) -> None:
+        x0, y0, x1, y1 = region
+        self.even, self.odd = even, odd
+        self.region = region
+        self._inside = np.s_[y0:y1, x0:x1]
+
+    @property
+    def radiance(self) -> NDArray[np.float32]:
+        """(H, W, 3) the mean of all samples."""
+        return np.asarray(self.whole().radiance)
+
+    def copy(self) -> Halves:
+        """Copy both films, which then stay as they are now."""
+        return Halves(self.even.copy(), self.odd.copy(), self.region)
+
+    def whole(self) -> _core.Film:
+        """Make one film that holds the samples of both halves."""
+        film = self.even.copy()
+        film.interleave(self.odd)
+        return film
+
+    def sampled(self) -> DenoisedHalves:
+        """Judge the picture as it was sampled."""
+        return sampled_halves(*(film.radiance[self._inside] for film in (self.even, self.odd)))
+
+    def denoised(self) -> DenoisedHalves:
+        """Denoise the picture and judge what is left. A million pixels take some seconds.
+
+        Raises EclatError if no denoiser is installed.
+        """
+        films = (self.even, self.odd)
+        sampled = [film.radiance[self._inside] for film in films]
+        # The guides come from the same half as the picture, so that neither half depends on the other.
+        clean = [
+            denoiser.denoise(picture, film.rough_albedo[self._inside], film.rough_normal[self._inside])
+            for picture, film in zip(sampled, films, strict=True)
+        ]
+        return judged_halves(*sampled, *clean)
+
+    def pasted(self, values: NDArray[np.floating]) -> NDArray[np.float32]:
+        """Place an array over the pixels of the region into one over the whole picture, which is 0 elsewhere."""
+        size = (self.even.radiance.shape[0], self.even.radiance.shape[1])
+        whole = np.zeros((*size, *values.shape[2:]), np.float32)
+        whole[self._inside] = values
+        return whole

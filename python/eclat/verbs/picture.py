@@ -1,0 +1,202 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The parts of the verb `render`: one takes samples, the other makes an Image with layers, metadata and a stated error."""
+
+from __future__ import annotations
+
+import time as clock
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import asdict, dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+import eclat
+from eclat import _core
+from eclat.bridge.compiled import compiled
+from eclat.bridge.running import ProgressReport, run
+from eclat.errors import warn
+from eclat.images.image import Image
+from eclat.images.record_overlay import record_density
+from eclat.measure.error_estimate import LIGHT_BY_CHANCE, ErrorEstimate, with_light_by_chance
+from eclat.methods import Prepared
+from eclat.methods.work import View, Work
+from eclat.sampling.adaptive_sampling import Counts
+from eclat.sampling.convergence import Sampling
+from eclat.sampling.denoised_halves import DenoisedHalves
+from eclat.sampling.halves import Halves, Region
+from eclat.scene import Scene
+
+
+class SampleTaker:
+    """Adds samples to films, with one estimator for all samples or a new estimator for each sample.
+
+    Parameters
+    ----------
+    pixels : for each film its pixels and its seed. Sample n of film k of K is sample K n + k of the picture.
+    """
+
+    def __init__(
+        self,
+        scene: Scene,
+        prepared: Prepared,
+        view: View,
+        work: Work,
+        films: list[_core.Film],
+        pixels: list[_core.RenderRange],
+    ) -> None:
+        self._camera = compiled(scene).camera(view.camera, view.size)
+        self._films, self._pixels = films, pixels
+        self._estimator_of = prepared.passes(scene, work)
+        if self._estimator_of is None:
+            self._estimator = prepared.radiance_estimator(scene, work)
+
+    def samples(self, first: Counts, end: Counts, report: ProgressReport | None) -> float:
+        """Take samples [first, end) of each pixel of each film, which may differ between pixels; return the number of rays."""
+        rays = 0.0
+        for number in range(len(self._films)):
+            counted = _core.Progress()
+            part = self._part_of_report(number, rays, report)
+            run("render", lambda p, n=number: self._take(n, first, end, p), part, counted)  # type: ignore[misc]
+            rays += float(counted.rays)
+        return rays
+
+    def _part_of_report(self, number: int, rays: float, report: ProgressReport | None) -> ProgressReport | None:
+        """Reports of one film, as a part of those of all."""
+        if report is None or len(self._films) == 1:
+            return report
+
+        def part(phase: str, fraction: float, statistics: dict[str, float]) -> None:
+            report(phase, (number + fraction) / len(self._films), statistics | {"rays": rays + statistics["rays"]})
+
+        return part
+
+    def _take(self, number: int, first: Counts, end: Counts, progress: _core.Progress) -> None:
+        film, pixels = self._films[number], self._pixels[number]
+        if self._estimator_of is None:
+            _core.render(self._camera, film, self._estimator, pixels, first, end, progress)
+            return
+        for sample in range(int(first.min()), int(end.max())):
+            estimator = self._estimator_of(len(self._films) * sample + number, progress)
+            begins, ends = (np.clip(counts, sample, sample + 1) for counts in (first, end))
+            _core.render(self._camera, film, estimator, pixels, begins, ends, progress)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """The scene, view and settings of one picture, from which its Image with layers and metadata is made."""
+
+    scene: Scene
+    prepared: Prepared
+    view: View
+    region: Region
+    work: Work
+    adaptive: bool
+    denoise: bool
+    estimate: ErrorEstimate | None
+    """The estimated error of the records that were solved for this view, or None."""
+    started: float
+
+    @contextmanager
+    def kept(self, sampling: Sampling) -> Iterator[None]:
+        """Attach the picture of the samples taken so far to a KeyboardInterrupt, if `keep_partial` was given."""
+        try:
+            yield
+        except KeyboardInterrupt as stop:
+            if sampling.partial is not None:
+                image = self.unfinished(sampling.partial, sampling, sampling.partial_taken)
+                image.metadata["samples_done"] = sampling.partial_taken
+                stop.partial = image  # type: ignore[attr-defined]
+            raise
+
+    def finished(self, sampling: Sampling) -> Image:
+        """Make the Image of all samples, as the last look at it found it."""
+        return self._image(sampling.film, sampling, sampling.taken, sampling.found)
+
+    def unfinished(self, film: _core.Film | Halves, sampling: Sampling, taken: int) -> Image:
+        """Make the Image of a film, or of a copy of it, that holds `taken` samples per pixel, denoised if it may be."""
+        found = None
+        if isinstance(film, Halves):
+            found = film.denoised() if self.denoise else film.sampled()
+        return self._image(film, sampling, taken, found)
+
+    def _image(self, film: _core.Film | Halves, sampling: Sampling, taken: int, found: DenoisedHalves | None) -> Image:
+        whole = film.whole() if isinstance(film, Halves) else film
+        radiance, direct = whole.radiance, whole.direct
+        layers = {
+            "direct": direct, "indirect": radiance - direct,
+            "albedo": whole.albedo, "normal": whole.normal, "depth": whole.depth,
+        }  # fmt: skip
+        options = self.prepared.options
+        denoised = found is not None and bool(found.weight.any())
+        metadata: dict[str, Any] = {
+            "scene": self.scene.name, "method": options.name, "options": asdict(options),
+            "seed": self.work.seed, "max_depth": self.work.max_depth, "adaptive": self.adaptive,
+            "halves": isinstance(film, Halves), "denoised": denoised,
+            "version": eclat.__version__, "statistics": self._statistics(whole, sampling, taken, found),
+        }  # fmt: skip
+        pixels = radiance
+        if isinstance(film, Halves) and found is not None:
+            layers["error"] = film.pasted(found.local_error)
+            if denoised:
+                layers |= {
+                    "noisy": radiance, "denoiser_weight": film.pasted(found.weight),
+                    "rough_albedo": whole.rough_albedo, "rough_normal": whole.rough_normal,
+                }  # fmt: skip
+                pixels = film.pasted(found.pixels)
+        image = Image(pixels, layers | self.prepared.layers(whole), metadata)
+        records = self.prepared.record_positions
+        if records is not None:
+            image.layers["record_density"] = self._inside(record_density(image, self.view.camera, records))
+        self._count_bad_samples(image, whole)
+        return image
+
+    def _inside(self, layer: NDArray[np.float32]) -> NDArray[np.float32]:
+        x0, y0, x1, y1 = self.region
+        inside = np.zeros_like(layer)
+        inside[y0:y1, x0:x1] = layer[y0:y1, x0:x1]
+        return inside
+
+    def _statistics(
+        self, film: _core.Film, sampling: Sampling, taken: int, found: DenoisedHalves | None
+    ) -> dict[str, float]:
+        rays = sampling.rays + self.prepared.statistics.get("rays", 0.0)
+        statistics = {"samples": float(taken), "rays": rays, "seconds": clock.perf_counter() - self.started}
+        if sampling.noise == sampling.noise:
+            statistics["noise"] = sampling.noise
+        statistics |= self.prepared.picture_statistics(film)
+        own, whole = None if found is None else found.estimate, None
+        if own is not None:
+            statistics |= own.noise_statistics()
+        if self.estimate is not None:
+            noise = statistics.get("noise", 0.0)
+            whole = self.estimate.joined(own) if own is not None else self.estimate.with_noise(noise)
+            statistics["cache_error"] = self.estimate.quoted
+        elif self.prepared.errs_by_noise_alone:
+            whole = own
+        if whole is not None:
+            statistics |= whole.statistics()
+            statistics |= with_light_by_chance(statistics, self.prepared.statistics.get(LIGHT_BY_CHANCE, 0.0))
+        return statistics
+
+    def _count_bad_samples(self, image: Image, film: _core.Film) -> None:
+        if film.bad_count:
+            image.metadata["bad_samples"] = {"count": int(film.bad_count), "first": list(film.bad_samples[0])}
+
+    def tell_bad_samples(self, image: Image) -> None:
+        """Warn of the samples that were left out because they were not finite."""
+        bad = image.metadata.get("bad_samples")
+        if bad is None:
+            return
+        x, y, sample = bad["first"]
+        x0, y0, x1, y1 = self.region
+        taken = int(image.metadata["statistics"]["samples"]) * (x1 - x0) * (y1 - y0)
+        halves = ", halves=True, denoise=False" if image.metadata["halves"] else ""
+        warn(
+            f"{bad['count']:,} of {taken:,} samples were not finite and are left out; "
+            f"the first is sample {sample} of pixel ({x}, {y})\n"
+            f"         to repeat it, call eclat.render(…) with the same arguments and samples={sample + 1}, "
+            f"crop=({x}, {y}, {x + 1}, {y + 1}), size=({self.view.size[0]}, {self.view.size[1]}){halves}"
+        )
