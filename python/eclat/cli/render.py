@@ -122,14 +122,14 @@ _quality_options = together(
         "--denoise/--no-denoise",
         default=None,
         section=QUALITY,
-        help="Remove the noise with Open Image Denoise, measure the error that is left, and let --max-error bound that "
-        "[on if it is installed, unless --samples or --crop is given].",
+        help="Remove the noise with Open Image Denoise and measure the error that remains, which --max-error then bounds "
+        "[on if the denoiser is installed, unless --samples or --crop is given].",
     ),
     option(
         "--halves/--no-halves",
         default=None,
         section=QUALITY,
-        help="Take the samples in two independent halves, which measure the error [as --denoise].",
+        help="Take the samples in two independent halves, from which the error is measured [on with --denoise].",
     ),
     option("--crop", type=CROP, section=CAMERA, help="Render only this rectangle of pixels; the rest stays black."),
     max_depth_option(),

@@ -55,7 +55,7 @@ class ErrorEstimate:
         }  # fmt: skip
 
     def noise_statistics(self) -> dict[str, float]:
-        """The estimate of the noise that is left in what a picture shows, as entries for its statistics."""
+        """Return the estimate of the noise that remains in a picture, as entries for its statistics."""
         return {"noise_left": self.quoted, "noise_left_low": self.low, "noise_left_high": self.high}
 
     def with_noise(self, noise: float) -> ErrorEstimate:
@@ -64,8 +64,8 @@ class ErrorEstimate:
         return ErrorEstimate(error, low, high, self.unserved)
 
     def joined(self, other: ErrorEstimate) -> ErrorEstimate:
-        """The estimate of both errors together, which have nothing to do with each other: squares add up, and so do the squares
-        of what squares may be above and below."""
+        """Return the estimate of the sum of two independent errors: their squares add up, and so do the squares of the
+        distances from the squared errors to the ends of their intervals."""
         error = math.hypot(self.error, other.error)
         above = math.hypot(*(e.high**2 - e.error**2 for e in (self, other)))
         below = math.hypot(*(e.error**2 - e.low**2 for e in (self, other)))
@@ -104,8 +104,8 @@ def without_light_by_chance(statistics: Mapping[str, float]) -> dict[str, float]
 def error_text(statistics: Mapping[str, float]) -> str:
     """Format the estimated error as in `estimated error 0.9 % ± 0.1 (95 %)`; the text is empty if there is no estimate.
 
-    The text also states whether light is found only by chance, or whether gloss is not included. It speaks of noise if
-    only the noise of the samples was measured, and not the error of the method.
+    The text also states whether light is found only by chance, or whether gloss is not included. It states a noise
+    instead of an error if only the noise of the samples was measured.
     """
     if "estimated_error" not in statistics:
         return _interval_text("noise", *_percents(statistics, "noise_left")) if "noise_left" in statistics else ""

@@ -74,7 +74,8 @@ class Prepared(ABC):
 
     @property
     def errs_by_noise_alone(self) -> bool:
-        """Whether independent halves of the samples tell all of a picture's error, because they share none."""
+        """Whether noise is the only error of a picture, so that two independent halves of its samples measure all of
+        it."""
         return False
 
     @property

@@ -7,8 +7,8 @@ odd samples would not do: consecutive Sobol' points are stratified against each 
 dimension, so the even and odd means differ by up to three times their true error. The first and the last 2^k points are
 a net each, so the errors of their means are almost independent.
 
-A picture that may be denoised is taken in two halves with seeds of their own instead (`halves`). They also measure the
-error that is left after denoising, and passes go on until that is small enough.
+A picture that may be denoised is instead taken in two halves with different seeds (`halves`). They also measure the
+error that remains after denoising, and passes continue until this error is small enough.
 """
 
 from __future__ import annotations
@@ -45,8 +45,8 @@ SLICE_SECONDS = 0.5
 """Seconds between two copies of the picture that are kept in case of an interrupt."""
 
 MOST_GAIN = 16.0
-"""Noise above this many times the wanted error is not worth a look by the denoiser, which never took out more: in a furnished
-room at 4 samples it takes out three quarters, in the Cornell box nine tenths."""
+"""Largest ratio of the noise to the wanted error at which denoising is tried. The denoiser reduces the error by a
+smaller factor: at 4 samples by 4 in a furnished room, and by 10 in the Cornell box."""
 
 RenderRange = Callable[[Counts, Counts, ProgressReport | None], float]
 """A function that adds samples [first, end) to the film, or to each half of it, and returns the number of rays. Both are
@@ -108,12 +108,13 @@ class Sampling:
 
     @property
     def taken(self) -> int:
-        """Samples of the picture so far, the mean over pixels."""
+        """Number of samples per pixel so far, the mean over pixels."""
         return self._rounds * self._each
 
     @property
     def error(self) -> float:
-        """The error of what would be shown now, as far as samples tell it; NaN before the first estimate."""
+        """Relative error of the picture as it would be shown now, as far as samples measure it; NaN before the first
+        estimate."""
         return self.noise if self.found is None else self.found.estimate.quoted
 
     def run(self, goal: Goal) -> None:
@@ -157,7 +158,7 @@ class Sampling:
 
     def _until(self, deadline: float, denoised: bool) -> None:
         self._deadline = deadline
-        looks = denoised  # once, which tells how long the last look will take
+        looks = denoised  # The first measurement shows how long the last one will take.
         while self._rounds == 0 or self._affordable() >= 1:
             self._expected = self._rounds + max(1, self._affordable())
             self._pass(max(self._first, 2 * self._rounds))
@@ -166,7 +167,7 @@ class Sampling:
             self._tell()
 
     def _look(self, denoised: bool) -> None:
-        """Let the halves say what the picture and its error are."""
+        """Compute the picture to show and its error from the halves."""
         if self._halves is None or (self._looked_at == self._rounds and self.denoised == denoised):
             return
         before = clock.perf_counter()
@@ -221,7 +222,8 @@ class Sampling:
             self.after_pass()
 
     def _estimate(self, half: NDArray[np.floating] | None) -> None:
-        """The noise of the samples so far; `half` is the picture of the first half of them, where that is known."""
+        """Estimate the noise of the samples so far; `half` is the picture of the first half of them, or None if
+        unknown."""
         if self.adaptive is not None:
             self.adaptive.observe(self._counts, self.film.radiance)
             self.noise = self.adaptive.noise()

@@ -72,7 +72,7 @@ class DenoisedHalves:
 
     @property
     def estimate(self) -> ErrorEstimate:
-        """The same as a statement."""
+        """The error with its 95 % confidence interval."""
         return ErrorEstimate.of_squared(self.squared_error, self.deviation, 0.0)
 
     @property
@@ -110,7 +110,7 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
 
 
 def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
-    """The mean of two halves of a picture as it was sampled, and its error: the same with a weight of 0 everywhere.
+    """Compute the mean of two halves of a picture and its error without denoising, with a weight of 0 everywhere.
 
     Raises
     ------
@@ -132,8 +132,8 @@ def _of_one_shape(*pictures: ArrayLike) -> tuple[Float64, ...]:
 
 
 def _deviation(squared: Float64) -> float:
-    """Standard error of the mean, from how much windows differ. Small pictures take smaller windows, at least four a side: too
-    few would say nothing about it."""
+    """Compute the standard error of the mean from the differences between windows. In small pictures windows are
+    smaller, so that there are at least four along each side."""
     window = max(1, min(WINDOW, min(squared.shape) // 4))
     means = _window_means(squared, window=window)
     counts = _window_means(np.ones_like(squared), total=True, window=window)
@@ -142,7 +142,8 @@ def _deviation(squared: Float64) -> float:
 
 
 def _local_error(squared: Float64) -> Float64:
-    """(H, W): root of the mean over a window and its neighbours, smooth between them."""
+    """Compute the local error (H, W): the root of the mean over a window and its neighbours, interpolated between
+    windows."""
     means = _between_centres(_blurred(_window_means(squared)), squared.shape)
     return np.asarray(np.sqrt(np.maximum(means, 0.0)))
 

@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A picture in two halves: films of unlike seeds with as many samples each, so that each half can judge the other.
+"""A picture in two halves: two films with the same number of samples and different seeds, from whose differences the
+error is measured.
 
-The halves take scrambles of their own of the Sobol' sequence. The two halves of one sequence are stratified against each
-other, and what one says of the other would be too little.
+Each half uses its own scramble of the Sobol' sequence. The two halves of one sequence would be stratified against each
+other, and the error measured from their differences would be too small.
 """
 
 from __future__ import annotations
@@ -19,26 +20,26 @@ Region = tuple[int, int, int, int]
 """A rectangle of pixels (x0, y0, x1, y1); x1 and y1 are exclusive."""
 
 ODD_SEED = 0x9E3779B9
-"""The difference between the seeds of the halves: 2³² divided by the golden ratio. Two seeds that a person chooses for two
-pictures hardly ever differ by it."""
+"""Difference between the seeds of the halves: 2³² divided by the golden ratio, a difference that the seeds a person
+chooses for two pictures hardly ever have."""
 
 
 def seed_of_half(seed: int, half: int) -> int:
-    """The seed of the even (0) or the odd half (1) of a picture."""
+    """Return the seed of the even half (0) or the odd half (1) of a picture."""
     return (seed + half * ODD_SEED) % (1 << 32)
 
 
 class Halves:
-    """Two films of one size. The even samples of the picture are those of the film `even`, the odd ones of the film `odd`:
-    sample n of the picture is sample n // 2 of its film.
+    """Two films of the same size. The film `even` holds the even samples of the picture, the film `odd` the odd
+    samples: sample n of the picture is sample n // 2 of its film.
 
     Parameters
     ----------
-    region : the pixels that are rendered. The others are black and are not judged.
+    region : rectangle of the pixels that are rendered. The other pixels are black, and their error is not measured.
     """
 
     each = 2
-    """Samples of the picture in one sample of each half."""
+    """Number of samples of the picture for one sample of each half."""
 
     def __init__(self, even: _core.Film, odd: _core.Film, region: Region) -> None:
         x0, y0, x1, y1 = region
@@ -48,11 +49,11 @@ class Halves:
 
     @property
     def radiance(self) -> NDArray[np.float32]:
-        """(H, W, 3) the mean of all samples."""
+        """(H, W, 3) mean of all samples."""
         return np.asarray(self.whole().radiance)
 
     def copy(self) -> Halves:
-        """Copy both films, which then stay as they are now."""
+        """Copy both films."""
         return Halves(self.even.copy(), self.odd.copy(), self.region)
 
     def whole(self) -> _core.Film:
@@ -62,17 +63,18 @@ class Halves:
         return film
 
     def sampled(self) -> DenoisedHalves:
-        """Judge the picture as it was sampled."""
+        """Measure the error of the picture without denoising it."""
         return sampled_halves(*(film.radiance[self._inside] for film in (self.even, self.odd)))
 
     def denoised(self) -> DenoisedHalves:
-        """Denoise the picture and judge what is left. A million pixels take some seconds.
+        """Denoise the picture and measure the error that remains. A million pixels take some seconds.
 
         Raises EclatError if no denoiser is installed.
         """
         films = (self.even, self.odd)
         sampled = [film.radiance[self._inside] for film in films]
-        # The guides come from the same half as the picture, so that neither half depends on the other.
+        # The albedo and normals that guide the denoiser come from the same half, so that neither half depends on the
+        # other.
         clean = [
             denoiser.denoise(picture, film.rough_albedo[self._inside], film.rough_normal[self._inside])
             for picture, film in zip(sampled, films, strict=True)

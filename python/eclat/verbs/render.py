@@ -184,12 +184,14 @@ def _refuse_contradictions(samples: int | None, time: float | None, refine: bool
 
 
 def _checked_halves(halves: bool | None, denoise: bool) -> bool:
-    """Whether the picture is taken in halves. Raises EclatError if it is to be denoised and cannot be."""
+    """Return whether the picture is taken in halves. Raises EclatError if it should be denoised but cannot be."""
     if not denoise:
         return bool(halves)
     denoiser.require_denoiser()
     if halves is False:
-        raise EclatError("render: expected halves with denoise, since they measure the error that is left")
+        raise EclatError(
+            "render: expected halves=True with denoise, because the halves measure the remaining error, got False"
+        )
     return True
 
 

@@ -189,5 +189,5 @@ def test_without_a_denoiser(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatc
 
 
 def test_halves_are_needed(cornell: eclat.Scene) -> None:
-    with pytest.raises(eclat.EclatError, match="expected halves with denoise"):
+    with pytest.raises(eclat.EclatError, match="expected halves=True with denoise"):
         denoised(cornell, samples=2, halves=False)
