@@ -42,8 +42,7 @@ class Prepared(ABC):
     statistics: dict[str, float]
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        """Return this object after checking its scene and depth, so that verbs can use methods and solutions in the
-        same way."""
+        """Return this object after checking its scene and depth, so that verbs use methods and solutions alike."""
         if care is not None and care.refine:
             raise EclatError("refine: expected a method, got a solution; call `eclat.refine` to refine a solution")
         self.require_match(scene, work.max_depth)
@@ -63,8 +62,7 @@ class Prepared(ABC):
         """Make the estimator of irradiance at points. `estimators.irradiance_from` makes one from a Python function."""
 
     def passes(self, scene: Scene, work: Work) -> PassEstimator | None:
-        """Return a function that makes a new estimator for each sample, or None if `radiance_estimator` takes all
-        samples."""
+        """Return a function that makes an estimator for each sample, or None if `radiance_estimator` takes all."""
         return None
 
     @property
@@ -125,8 +123,7 @@ class Solved(Prepared):
     @classmethod
     @abstractmethod
     def from_parts(cls, common: Common, header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> Self:
-        """Make a solution from saved data. Raises DamagedArrayError, KeyError, TypeError or ValueError if it is
-        damaged."""
+        """Make a solution from saved data. Raises KeyError, TypeError or ValueError if the data are damaged."""
 
     def merged(self, other: Self) -> Self:
         """Merge two solutions of the same scene, options and depth. Raises EclatError if the method cannot merge."""
@@ -149,8 +146,7 @@ class Solved(Prepared):
             )
         if not self.complete:
             warn(
-                f"this {self.called} is incomplete, because its solve was interrupted: where it lacks light, paths are traced, "
-                "with more noise"
+                f"this {self.called} is incomplete, because its solve was interrupted: more paths are traced, with more noise"
             )
 
     def merge(self, other: Solved) -> Solved:
@@ -300,8 +296,7 @@ def solving_methods() -> list[str]:
 
 
 def method_class(name: str) -> type[Method]:
-    """Return the class of the method with the given name. Raises EclatError, which suggests the nearest name, if there
-    is none."""
+    """Return the class of the method with the given name. Raises EclatError if there is none."""
     if name not in METHODS:
         raise EclatError(f"unknown method {name!r}, expected one of {', '.join(METHODS)}{did_you_mean(name, METHODS)}")
     return METHODS[name]
