@@ -17,7 +17,8 @@
 //
 // The rule is one: a link is divided where B F (u + v) > ε. It is asked at three times, as more is known: before rays are
 // spent, with v = 0; after the rays, where they found the link hidden in part; and in later calls for links that were
-// kept, since B has changed.
+// kept, since B has changed. Where two clusters reach into each other, the distance of their centres says nothing of F: one
+// part far away draws a centre away from all others. There the points between which rays run say what F is, seen or not.
 //
 // References   [Hanrahan91] links, BF refinement; [Smits94] clusters above the surfaces that a scene is given as
 //
@@ -55,6 +56,11 @@ struct Pair {
     float near;       // how large both are beside their distance, 0 … 1
     float uncertain;  // relative variation of the exchange
     float carried;    // irradiance that may be carried, the greater of both ways
+    float power;      // that the brighter node sends, W
+    bool mixed;       // clusters that reach into each other
+
+    /// The same where it is known by `kernel` what is exchanged per area of both, m⁻².
+    float carried_by(float kernel) const { return std::max(carried, power * kernel); }
 };
 
 class Refiner {
@@ -81,7 +87,7 @@ class Refiner {
             }
             if (!exposed_.any(link.a) || !exposed_.any(link.b) || !may_see(tree_[link.a], tree_[link.b])) continue;
             const Pair pair = look_at(link);
-            const float weight = pair.carried / options_.tolerance;
+            const float weight = pair.carried_by(link.kernel) / options_.tolerance;
             if (link.visibility < 0) {
                 ask_or_divide(link, pair, weight, out.next);
                 continue;
@@ -108,7 +114,8 @@ class Refiner {
         // Below half of the tolerance a link is never divided, for u + v ≤ 1.3: two rays do. The share that n rays tell has
         // a standard deviation of at most 1 / (2 √n), which is a quarter for the usual four: above four tolerances that would
         // be more than one, and where no division helps more rays have to.
-        const uint32_t rays = weight < 0.5f ? least_rays : ends && weight > 4 ? most_rays : usual_rays;
+        const bool most = pair.mixed || (ends && weight > 4);
+        const uint32_t rays = most ? most_rays : weight < 0.5f ? least_rays : usual_rays;
         if (weight * pair.uncertain > 1 && divide(link, next)) return;
         ask(link, pair, rays);
     }
@@ -153,6 +160,9 @@ class Refiner {
             return std::max(radiosity_[from], least) * form_factor;
         };
         pair.carried = std::max(sent(link.a, a), sent(link.b, b));
+        pair.power =
+            std::max(std::max(radiosity_[link.a], least) * a.area, std::max(radiosity_[link.b], least) * b.area);
+        pair.mixed = d2 <= sqr(reach) && (a.is_cluster() || b.is_cluster());
         return pair;
     }
 
@@ -203,13 +213,24 @@ class Refiner {
                                          hidden_.begin() + static_cast<ptrdiff_t>(asked.first_measuring), 0);
             link.in_part = sees > 0 && static_cast<size_t>(sees) < asked.first_measuring - asked.first_ray;
             measure(asked, end);
-            const float unsure = asked.pair.uncertain + partly_hidden;
-            if (link.in_part && asked.pair.carried * unsure > options_.tolerance && divide(link, out.next)) continue;
+            if (asked.pair.mixed) link.kernel = mean_kernel(asked);
+            const float unsure = asked.pair.uncertain + (link.in_part ? partly_hidden : 0);
+            const bool known_better = link.in_part || asked.pair.mixed;
+            if (known_better && asked.pair.carried_by(link.kernel) * unsure > options_.tolerance &&
+                divide(link, out.next))
+                continue;
             out.kept.push_back(link);
         }
         asked_.clear();
         rays_.clear();
         kernels_.clear();
+    }
+
+    /// Mean over the pairs of points that decide about a link.
+    float mean_kernel(const Asked& asked) const {
+        float sum = 0;
+        for (size_t r = asked.first_ray; r < asked.first_measuring; ++r) sum += kernels_[r];
+        return sum / static_cast<float>(asked.rays);
     }
 
     /// Exchange and visibility from the measuring rays of a link, which end at `end`.

@@ -20,7 +20,8 @@ struct Link {
     uint32_t a = 0, b = 0;
     float exchange = 0;     // A_a F_ab = A_b F_ba with what stands between, m²
     float visibility = -1;  // share of the exchange that nothing hides; < 0: not known yet
-    uint32_t in_part = 0;   // 1: other rays than those that measure visibility found it hidden, but not all of it
+    float kernel = 0;  // of clusters that reach into each other: exchange per area of both, without what hides it, m⁻²
+    uint32_t in_part = 0;  // 1: other rays than those that measure visibility found it hidden, but not all of it
 };
 
 struct LinkOptions {
