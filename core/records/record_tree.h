@@ -35,8 +35,11 @@ class SphereTree {
         if (spheres.empty()) return;
         std::vector<uint32_t> indices(spheres.size());
         std::iota(indices.begin(), indices.end(), 0u);
+        std::vector<Box> boxes;
+        boxes.reserve(spheres.size());
+        for (const Sphere& s : spheres) boxes.push_back(box_of(s));
         order_.reserve(spheres.size() + width);
-        root_ = build(spheres, indices);
+        root_ = build({spheres, boxes}, indices);
     }
 
     static constexpr uint32_t width = lane_count;  // slots of a leaf
@@ -116,16 +119,9 @@ class SphereTree {
     struct Box {
         Vec3 low{infinity, infinity, infinity}, high{-infinity, -infinity, -infinity};
 
-        void hold(const Sphere& s) {
-            const Vec3 r{extent(s, s.normal.x), extent(s, s.normal.y), extent(s, s.normal.z)};
-            low = min(low, s.center - r);
-            high = max(high, s.center + r);
-        }
-        /// How far from its centre the sphere reaches along an axis with which its normal has this cosine.
-        static float extent(const Sphere& s, float cosine) {
-            const float across = std::fabs(cosine);
-            if (s.height >= s.radius * across) return s.radius;
-            return s.height * across + std::sqrt((sqr(s.radius) - sqr(s.height)) * std::max(0.0f, 1 - sqr(across)));
+        void hold(const Box& other) {
+            low = min(low, other.low);
+            high = max(high, other.high);
         }
         /// Half of its surface: what the chance is proportional to that a lookup enters it.
         float area() const {
@@ -139,64 +135,111 @@ class SphereTree {
         uint32_t entry;
     };
 
-    static Box box_around(std::span<const Sphere> spheres, std::span<const uint32_t> indices) {
-        Box box;
-        for (uint32_t i : indices) box.hold(spheres[i]);
-        return box;
+    /// What a tree is built from.
+    struct Input {
+        std::span<const Sphere> spheres;
+        std::span<const Box> boxes;  // of each
+
+        Box around(std::span<const uint32_t> indices) const {
+            Box box;
+            for (uint32_t i : indices) box.hold(boxes[i]);
+            return box;
+        }
+        Box of_centers(std::span<const uint32_t> indices) const {
+            Box box;
+            for (uint32_t i : indices) box.hold({spheres[i].center, spheres[i].center});
+            return box;
+        }
+    };
+
+    static Box box_of(const Sphere& s) {
+        const auto extent = [&](float cosine) {  // along an axis with which the normal has this cosine
+            const float across = std::fabs(cosine);
+            if (s.height >= s.radius * across) return s.radius;
+            return s.height * across + std::sqrt((sqr(s.radius) - sqr(s.height)) * std::max(0.0f, 1 - sqr(across)));
+        };
+        const Vec3 r{extent(s.normal.x), extent(s.normal.y), extent(s.normal.z)};
+        return {s.center - r, s.center + r};
     }
 
-    /// Parts a range of spheres in two, at a multiple of a leaf's width along the axis where the sum over both of the box's
-    /// area times the number of spheres is least: the surface area heuristic [MacDonaldBooth90].
-    static std::span<uint32_t> take_part(std::span<const Sphere> spheres, std::span<uint32_t>& indices) {
-        const auto sort_along = [&](int axis) {
-            std::sort(indices.begin(), indices.end(), [&](uint32_t a, uint32_t b) {
-                const float x = spheres[a].center[axis], y = spheres[b].center[axis];
-                return x != y ? x < y : a < b;
-            });
-        };
-        const size_t leaves = (indices.size() + width - 1) / width;
-        std::vector<float> first(leaves);  // the cost of what lies before each border
-        int best_axis = 0;
-        size_t best_leaf = leaves / 2;
-        float least = infinity;
-        for (int axis = 0; axis < 3; ++axis) {
-            sort_along(axis);
+    struct Split {
+        int axis = 0;
+        size_t first = 0;  // so many spheres come first along the axis
+        float cost = infinity;
+    };
+
+    /// The best place along one axis, at the border of one of the bins into which the centres fall.
+    static Split best_split(const Input& input, std::span<const uint32_t> indices, int axis, float low, float high) {
+        constexpr size_t bin_count = 16;
+        struct Bin {
             Box box;
-            for (size_t leaf = 1; leaf < leaves; ++leaf) {
-                for (uint32_t i : indices.subspan((leaf - 1) * width, width)) box.hold(spheres[i]);
-                first[leaf] = box.area() * static_cast<float>(leaf);
-            }
-            box = {};
-            for (size_t leaf = leaves - 1; leaf > 0; --leaf) {
-                const auto block = indices.subspan(leaf * width);
-                for (uint32_t i : block.first(std::min<size_t>(width, block.size()))) box.hold(spheres[i]);
-                const float cost = first[leaf] + box.area() * static_cast<float>(leaves - leaf);
-                if (cost < least) least = cost, best_axis = axis, best_leaf = leaf;
-            }
+            size_t count = 0;
+        } bins[bin_count], before[bin_count];
+        Split best{axis};
+        if (!(high > low)) return best;
+        const float scale = static_cast<float>(bin_count) / (high - low);
+        for (uint32_t i : indices) {
+            const auto at = static_cast<size_t>(std::max(0.0f, (input.spheres[i].center[axis] - low) * scale));
+            Bin& bin = bins[std::min(at, bin_count - 1)];
+            bin.box.hold(input.boxes[i]);
+            ++bin.count;
         }
-        if (best_axis != 2) sort_along(best_axis);
-        const auto part = indices.subspan(best_leaf * width);
-        indices = indices.first(best_leaf * width);
+        Bin sum;
+        for (size_t i = 0; i < bin_count; ++i) {
+            before[i] = sum;
+            sum.box.hold(bins[i].box);
+            sum.count += bins[i].count;
+        }
+        sum = {};
+        for (size_t i = bin_count - 1; i > 0; --i) {
+            sum.box.hold(bins[i].box);
+            sum.count += bins[i].count;
+            if (sum.count == 0 || before[i].count == 0) continue;
+            const float cost = before[i].box.area() * static_cast<float>(before[i].count) +
+                               sum.box.area() * static_cast<float>(sum.count);
+            if (cost < best.cost) best.cost = cost, best.first = before[i].count;
+        }
+        return best;
+    }
+
+    /// Parts a range of spheres in two where, by the surface area heuristic [MacDonaldBooth90], the sum over both of the box's
+    /// area times the number of spheres is least, rounded to whole leaves.
+    static std::span<uint32_t> take_part(const Input& input, std::span<uint32_t>& indices) {
+        const Box centers = input.of_centers(indices);
+        Split best{0, indices.size() / 2};
+        for (int axis = 0; axis < 3; ++axis) {
+            const Split split = best_split(input, indices, axis, centers.low[axis], centers.high[axis]);
+            if (split.cost < best.cost) best = split;
+        }
+        const size_t leaves = (indices.size() + width - 1) / width;
+        const size_t middle = width * std::clamp<size_t>((best.first + width / 2) / width, 1, leaves - 1);
+        std::nth_element(indices.begin(), indices.begin() + static_cast<ptrdiff_t>(middle), indices.end(),
+                         [&](uint32_t a, uint32_t b) {
+                             const float x = input.spheres[a].center[best.axis], y = input.spheres[b].center[best.axis];
+                             return x != y ? x < y : a < b;
+                         });
+        const auto part = indices.subspan(middle);
+        indices = indices.first(middle);
         return part;
     }
 
-    /// Builds what holds the spheres of `indices` and returns its entry, a node or a leaf; `box` grows around them.
-    uint32_t build(std::span<const Sphere> spheres, std::span<uint32_t> indices) {
-        if (indices.size() <= width) return build_leaf(spheres, indices);
+    /// Builds what holds the spheres of `indices` and returns its entry, a node or a leaf.
+    uint32_t build(const Input& input, std::span<uint32_t> indices) {
+        if (indices.size() <= width) return build_leaf(input.spheres, indices);
         // The part with the largest box is split next, until a node is full.
-        std::vector<Part> parts{{indices, box_around(spheres, indices), 0}};
+        std::vector<Part> parts{{indices, input.around(indices), 0}};
         while (parts.size() < width) {
             Part* largest = nullptr;
             for (Part& part : parts)
                 if (part.indices.size() > width && (!largest || part.box.area() > largest->box.area())) largest = &part;
             if (!largest) break;
-            const auto half = take_part(spheres, largest->indices);
-            largest->box = box_around(spheres, largest->indices);
-            parts.push_back({half, box_around(spheres, half), 0});
+            const auto half = take_part(input, largest->indices);
+            largest->box = input.around(largest->indices);
+            parts.push_back({half, input.around(half), 0});
         }
         const auto index = static_cast<uint32_t>(nodes_.size());
         nodes_.emplace_back();
-        for (Part& part : parts) part.entry = build(spheres, part.indices);
+        for (Part& part : parts) part.entry = build(input, part.indices);
         Node& node = nodes_[index];
         for (uint32_t i = 0; i < width; ++i) {
             const Box lane = i < parts.size() ? parts[i].box : Box{};
