@@ -174,7 +174,7 @@ _quality_options = together(
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
     """Read the flags and the scene, render the picture, and write the files."""
-    from eclat.images.tone import stops_of
+    from eclat.images.tone import exposure_stops
 
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         if flags["replay_settings"]:
@@ -188,7 +188,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         what = eclat.load_solved(flags["cache"], scene) if options is None else options
 
         def keep(image: Image) -> None:
-            stops = stops_of(exposure, image.pixels)
+            stops = exposure_stops(exposure, image.pixels)
             chosen = stops if exposure == "auto" and any(o.lower().endswith(".png") for o in outputs) else None
             if chosen is not None:
                 image.metadata["exposure"] = chosen

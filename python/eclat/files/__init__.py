@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files written whole or not at all, and archives of arrays."""
+"""Write files atomically, and read and write archives of arrays."""

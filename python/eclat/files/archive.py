@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Files of solved light: named arrays and a header in one .npz archive."""
+"""Read and write the files of solved light: named arrays and a header in one .npz archive."""
 
 from __future__ import annotations
 
@@ -18,16 +18,23 @@ from eclat.files.atomic_file import write_file
 
 
 def write_archive(path: str | os.PathLike[str], header: Mapping[str, Any], arrays: Mapping[str, np.ndarray]) -> None:
-    """Write the archive whole or not at all. Raises EclatError if it cannot be written."""
+    """Write an archive atomically. The header must be representable as JSON.
+
+    Raises EclatError if the file cannot be written.
+    """
     file = io.BytesIO()
     np.savez(file, header=json.dumps(header), **dict(arrays))  # type: ignore[arg-type]
     write_file(path, file.getvalue())
 
 
 def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str, np.ndarray]]:
-    """Read the header and the arrays of an archive; the array `center`, if present, is checked.
+    """Read the header and the arrays of an archive.
 
-    Raises EclatError if the file is missing or was not written by `write_archive`.
+    The array `center`, if there is one, must consist of 3 finite float64 numbers.
+
+    Raises
+    ------
+    EclatError : the file does not exist, is damaged, or was not written by `write_archive`.
     """
     name = os.fspath(path)
     data = read_file(path, where=name)
@@ -35,11 +42,13 @@ def read_archive(path: str | os.PathLike[str]) -> tuple[dict[str, Any], dict[str
         arrays = arrays_from(data, name)
         header = json.loads(str(arrays.pop("header")))
         if not isinstance(header, dict):
-            raise ValueError("its header is no object")
+            raise ValueError("the header is not a JSON object")
     except (ValueError, KeyError, RecursionError) as error:
         reason = str(error).removeprefix(f"{name}: ").removeprefix(f"{name}, ")
-        raise EclatError(f"{name}: the file was not saved by Éclat, or is damaged ({reason})") from error
+        raise EclatError(f"{name}: the file was not saved by Éclat, or it is damaged ({reason})") from error
     center = arrays.get("center")
     if center is not None and (center.shape != (3,) or center.dtype != np.float64 or not np.isfinite(center).all()):
-        raise EclatError(f"{name}: the array 'center' is damaged")
+        raise EclatError(
+            f"{name}: the file is damaged: expected 3 finite float64 numbers in the array 'center', got others"
+        )
     return header, arrays

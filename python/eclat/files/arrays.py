@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Arrays from .npy and .npz files that may be damaged or hostile: every fault is an EclatError, before memory is spent.
+"""Read arrays from .npy and .npz files that may be damaged or malicious.
 
-NumPy's own readers believe a header that claims terabytes, hand out bytes where a member is no array, and raise nearly
-every type there is.
+Every fault raises EclatError before memory is allocated. NumPy's own readers trust a header that claims terabytes, return
+bytes for members of an archive that are no arrays, and raise exceptions of many types.
 """
 
 from __future__ import annotations
@@ -24,18 +24,25 @@ _READERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.r
 _MAGIC = b"\x93NUMPY"
 
 MOST_MEMBERS = 1000
-"""Our own archives hold a dozen."""
+"""The largest number of arrays in an archive. Archives of Éclat have a dozen."""
 
 _GROWTH = 64
-"""How much larger than its file the content of an archive may be. Records of a real scene pack to half; more is a bomb."""
+"""The largest ratio of the size of the arrays to the size of the archive. Records of a real scene have a ratio of 2. A
+much larger ratio is that of a decompression bomb."""
 _SMALL = 1 << 24
-"""Bytes that an archive may hold whatever its size."""
+"""The number of bytes that the arrays of an archive may have in any case."""
 
 LARGEST_FILE = 1 << 36
+"""The default limit on the size of a file, in bytes (64 GiB)."""
 
 
 def read_file(path: str | os.PathLike[str], *, where: str, limit: int = LARGEST_FILE) -> bytes:
-    """The bytes of a regular file of at most `limit` bytes; EclatError for anything else (missing, folder, pipe)."""
+    """Read a regular file of at most `limit` bytes. `where` is the start of error messages.
+
+    Raises
+    ------
+    EclatError : the file does not exist, cannot be read, is larger, or is no regular file (a folder, a pipe).
+    """
     named = "" if where == os.fspath(path) else f": {os.fspath(path)}"
     try:
         status = os.stat(path)
@@ -43,7 +50,9 @@ def read_file(path: str | os.PathLike[str], *, where: str, limit: int = LARGEST_
             what = "a folder" if stat.S_ISDIR(status.st_mode) else "a pipe or a device"
             raise EclatError(f"{where}: expected a file, got {what}{named}")
         if status.st_size > limit:
-            raise EclatError(f"{where}: {os.fspath(path)} has {status.st_size} bytes, more than the limit of {limit}")
+            raise EclatError(
+                f"{where}: expected a file of at most {limit} bytes, got {os.fspath(path)} with {status.st_size} bytes"
+            )
         return Path(path).read_bytes()
     except FileNotFoundError:
         raise EclatError(f"{where}: file not found{named}") from None
@@ -51,21 +60,21 @@ def read_file(path: str | os.PathLike[str], *, where: str, limit: int = LARGEST_
         raise
     except (OSError, ValueError, MemoryError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise EclatError(f"{where}: cannot be read{named}: {reason}") from None
+        raise EclatError(f"{where}: the file cannot be read{named}: {reason}") from None
 
 
 def array_from(data: bytes, where: str) -> NDArray[Any]:
-    """The array in the bytes of a .npy file: numbers, truth values or text.
+    """Decode the array in the bytes of a .npy file. Its items may be numbers, truth values or text.
 
     Raises
     ------
-    EclatError : anything else, or a header that claims more than the bytes hold.
+    EclatError : the bytes are no .npy file, its items have another type, or there are fewer than the header claims.
     """
     file = io.BytesIO(data)
     try:
         version = np.lib.format.read_magic(file)
         shape, fortran, dtype = _READERS[version](file)
-    except Exception as error:  # The header is Python's source, and its reader raises what Python's parser does.
+    except Exception as error:  # The header is a Python expression, whose parser raises exceptions of many types.
         raise EclatError(f"{where}: expected a .npy file of numbers: {_short(error)}") from None
     if dtype.kind not in "biufU" or dtype.itemsize == 0:
         raise EclatError(f"{where}: expected a .npy file of numbers: got an array of type {str(dtype)[:60]}")
@@ -75,23 +84,23 @@ def array_from(data: bytes, where: str) -> NDArray[Any]:
     held = len(data) - file.tell()
     if min(shape, default=0) < 0 or count * dtype.itemsize > held:
         raise EclatError(
-            f"{where}: the file is cut off or damaged: its header claims {count} items of {dtype}, got {held} bytes"
+            f"{where}: the file is truncated or damaged: its header claims {count} items of {dtype}, got {held} bytes"
         )
     try:
         values = np.frombuffer(data, dtype, count, file.tell())
-        # A copy, since what is read from bytes cannot be written to.
+        # The array is copied, because an array that shares memory with bytes is read-only.
         return np.array(values.reshape(shape, order="F" if fortran else "C"))
     except (ValueError, TypeError, OverflowError, MemoryError) as error:
         raise EclatError(f"{where}: expected a .npy file of numbers: {_short(error)}") from None
 
 
 def arrays_from(data: bytes, where: str) -> dict[str, NDArray[Any]]:
-    """Name → array of the bytes of an .npz archive.
+    """Decode the arrays in the bytes of an .npz archive, by name.
 
     Raises
     ------
-    EclatError : no archive, damaged, packed in a way that `numpy.savez` does not use, or one that unpacks to a multiple
-        of its size.
+    EclatError : the bytes are no archive or a damaged one, an array is invalid, or the arrays are too large for the
+        size of the archive.
     """
     arrays: dict[str, NDArray[Any]] = {}
     try:
@@ -100,24 +109,25 @@ def arrays_from(data: bytes, where: str) -> dict[str, NDArray[Any]]:
             size = sum(member.file_size for member in members)
             if len(members) > MOST_MEMBERS or size > max(_SMALL, _GROWTH * len(data)):
                 raise EclatError(
-                    f"{where}: the archive claims {len(members)} arrays of {size} bytes, more than it can hold"
+                    f"{where}: expected at most {MOST_MEMBERS} arrays and {max(_SMALL, _GROWTH * len(data))} bytes in an "
+                    f"archive of this size, got {len(members)} arrays and {size} bytes"
                 )
             for member in members:
                 name = member.filename.removesuffix(".npy")
                 arrays[name] = array_from(archive.read(member), f"{where}, array {name[:60]!r}")
     except EclatError:
         raise
-    except Exception as error:  # Damaged archives raise nearly every type there is, and NotImplementedError.
-        raise EclatError(f"{where}: the file is not an .npz archive, or is damaged ({_short(error)})") from None
+    except Exception as error:  # Damaged archives raise exceptions of many types.
+        raise EclatError(f"{where}: the file is not an .npz archive, or it is damaged ({_short(error)})") from None
     return arrays
 
 
 def is_array_file(data: bytes) -> bool:
-    """Whether bytes begin as a .npy file does."""
+    """Whether `data` starts like a .npy file."""
     return data.startswith(_MAGIC)
 
 
 def _short(error: Exception) -> str:
-    """The message of an exception, shortened to one line."""
+    """The message of an exception on one line, shortened to 120 characters."""
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 120 else text[:117] + "..."

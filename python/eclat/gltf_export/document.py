@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A binary glTF file under construction: JSON lists and one buffer [glTF 2.0, 3.6 and 4.4]."""
+"""Build a binary glTF file from JSON lists and one buffer [glTF 2.0, 3.6 and 4.4]."""
 
 from __future__ import annotations
 
@@ -16,15 +16,16 @@ from eclat.errors import EclatError
 Json = dict[str, Any]
 
 VERTICES, INDICES = 34962, 34963
-"""Targets of buffer views: what a graphics card keeps them for."""
+"""The targets of buffer views, which tell a viewer the kind of GPU buffer to use (values from the specification)."""
 
 _COMPONENTS = {"f4": 5126, "u4": 5125, "u2": 5123}
 _SHAPES = {1: "SCALAR", 2: "VEC2", 3: "VEC3", 4: "VEC4"}
 _MAX_BYTES = 2**32 - 1
+"""The largest size of a binary glTF file, because its header has 32 bits for the length."""
 
 
 class Document:
-    """The top-level lists of a file, to which elements are added, and the bytes that they refer to."""
+    """A glTF file under construction: the top-level lists of elements, and the buffer that they refer to."""
 
     def __init__(self, generator: str) -> None:
         self.root: Json = {"asset": {"version": "2.0", "generator": generator}}
@@ -32,18 +33,21 @@ class Document:
         self._extensions: set[str] = set()
 
     def add(self, kind: str, value: Json) -> int:
-        """Append to the list `kind` ("meshes", "nodes", …); the index."""
+        """Append `value` to the top-level list `kind`, such as "meshes" or "nodes", and return its index."""
         values = self.root.setdefault(kind, [])
         values.append(value)
         return len(values) - 1
 
     def use(self, extension: str) -> str:
-        """Declare an extension as used, never as required, and return its name."""
+        """Declare an extension as used but not required, and return its name."""
         self._extensions.add(extension)
         return extension
 
     def view(self, data: bytes, target: int | None = None) -> int:
-        """A buffer view of `data`; the index."""
+        """Append `data` to the buffer, and return the index of its buffer view.
+
+        `target` is `VERTICES`, `INDICES`, or None for images.
+        """
         self._bytes += b"\0" * (-len(self._bytes) % 4)
         view: Json = {"buffer": 0, "byteOffset": len(self._bytes), "byteLength": len(data)}
         if target is not None:
@@ -52,7 +56,15 @@ class Document:
         return self.add("bufferViews", view)
 
     def accessor(self, values: np.ndarray, kind: str, target: int, *, bounds: bool = False) -> int:
-        """An accessor of (N,) or (N, width) numbers of `kind` ("f4", "u2", "u4"); the index. `bounds` adds min, max."""
+        """Append an array to the buffer, and return the index of its accessor.
+
+        Parameters
+        ----------
+        values : (N,) or (N, width) numbers.
+        kind : the NumPy type to store: "f4", "u2" or "u4".
+        target : `VERTICES` or `INDICES`.
+        bounds : whether to write the minimum and the maximum of each component.
+        """
         array = np.ascontiguousarray(values, np.dtype(kind).newbyteorder("<"))
         columns = array.reshape(len(array), -1)
         accessor: Json = {
@@ -66,7 +78,7 @@ class Document:
         return self.add("accessors", accessor)
 
     def encode(self) -> bytes:
-        """The bytes of the file. Raises EclatError if they exceed 4 GiB, the format's limit."""
+        """Encode the file. Raises EclatError if it exceeds 4 GiB, the limit of the format."""
         root = dict(self.root)
         if self._extensions:
             root["extensionsUsed"] = sorted(self._extensions)
@@ -80,10 +92,12 @@ class Document:
             chunks += struct.pack("<I4s", len(body), b"BIN\0") + body
         size = 12 + len(chunks)
         if size > _MAX_BYTES:
-            raise EclatError(f"a binary glTF file holds at most 4 GiB, this scene needs {size / 2**30:.1f}")
+            raise EclatError(
+                f"expected a scene that fits into a binary glTF file of at most 4 GiB, got {size / 2**30:.1f} GiB"
+            )
         return struct.pack("<4sII", b"glTF", 2, size) + chunks
 
 
-def extras(**values: Any) -> Mapping[str, Json]:
-    """What only we read of an element, under our own name."""
+def eclat_extras(**values: Any) -> Mapping[str, Json]:
+    """The member `extras` of an element, with `values` that only Éclat reads, under the key "eclat"."""
     return {"extras": {"eclat": values}}

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Meshes as glTF's primitives [glTF 2.0, 3.7.2]."""
+"""Write meshes as primitives [glTF 2.0, 3.7.2]."""
 
 from __future__ import annotations
 
@@ -13,15 +13,19 @@ from eclat.gltf_export.document import INDICES, VERTICES, Document, Json
 from eclat.scene import FloatArray, Mesh
 
 SMALL_INDICES = 65535
-"""Vertices up to which two bytes an index suffice: the last value is reserved for restarting strips."""
+"""The largest number of vertices for 16-bit indices. The index 65535 is reserved for primitive restart."""
 
 
 @dataclass(frozen=True, eq=False)
 class Part:
-    """One mesh of the file.
+    """A mesh of the file.
 
-    `one_of_two`: one side of a two-sided sheet whose other side is a part of its own; `back`: that is its back.
-    `lightmap_uvs` (V, 2): where its vertices lie in the light map.
+    Parameters
+    ----------
+    mesh : the mesh.
+    one_of_two : whether the mesh is one side of a two-sided mesh whose other side is a separate part.
+    back : whether it is the back side of such a mesh.
+    lightmap_uvs : (V, 2) texture coordinates of the vertices in the light map.
     """
 
     mesh: Mesh
@@ -31,10 +35,10 @@ class Part:
 
 
 def reversed_sides(mesh: Mesh) -> Mesh:
-    """The mesh seen from behind: its triangles and normals turned over, its normal map looking the same."""
+    """Reverse the triangles and normals of a mesh. The tangents are adapted so that its normal map looks the same."""
     tangents = mesh.tangents
     if tangents is not None:
-        # The bitangent is w · normal × tangent: with the normal turned over, w keeps it where it is.
+        # The bitangent is w · normal × tangent. Both w and the normal are reversed, so that it does not change.
         tangents = np.asarray(tangents) * np.array([1, 1, 1, -1], np.float32)
     return replace(
         mesh,
@@ -45,12 +49,15 @@ def reversed_sides(mesh: Mesh) -> Mesh:
 
 
 def with_flat_normals(mesh: Mesh) -> Mesh:
-    """The mesh with a normal at every vertex: one that is shaded flat gets a vertex for each normal that meets there."""
+    """Give a mesh with flat shading explicit normals. A mesh that has normals is returned unchanged.
+
+    A vertex at which triangles with different normals meet is split into one vertex for each normal.
+    """
     if mesh.normals is not None:
         return mesh
     corners = np.asarray(mesh.triangles).ravel()
     normals = np.repeat(face_normals(mesh), 3, axis=0)
-    # Triangles of one plane share vertices, though rounding tells their normals apart.
+    # The normals are rounded, so that coplanar triangles share vertices in spite of rounding errors.
     keys = np.column_stack((corners, np.rint(normals * 1e5).astype(np.int64)))
     _, first, inverse = np.unique(keys, axis=0, return_index=True, return_inverse=True)
     chosen = corners[first]
@@ -59,7 +66,10 @@ def with_flat_normals(mesh: Mesh) -> Mesh:
 
 
 def select_vertices(mesh: Mesh, vertices: np.ndarray, triangles: np.ndarray) -> Mesh:
-    """The mesh with copies of the vertices numbered `vertices`, and triangles that refer to these copies."""
+    """A mesh whose vertices are copies of the vertices of `mesh` with the indices `vertices` (N,).
+
+    `triangles` (T, 3) are indices of the copies.
+    """
 
     def taken(values: FloatArray | None) -> FloatArray | None:
         return None if values is None else np.asarray(values)[vertices]
@@ -77,7 +87,7 @@ def select_vertices(mesh: Mesh, vertices: np.ndarray, triangles: np.ndarray) -> 
 
 
 def face_normals(mesh: Mesh) -> FloatArray:
-    """(T, 3) unit normals of the triangles; of those without area +z."""
+    """The unit normals (T, 3) of the triangles. A triangle without area gets +z."""
     a, b, c = (np.asarray(mesh.positions, np.float64)[np.asarray(mesh.triangles)[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1)
@@ -87,8 +97,8 @@ def face_normals(mesh: Mesh) -> FloatArray:
     return unit
 
 
-def bounds_of(parts: Sequence[Part]) -> FloatArray:
-    """(2, 3) lowest and highest corner; infinite where there is nothing."""
+def bounding_box(parts: Sequence[Part]) -> FloatArray:
+    """The lowest and the highest corner (2, 3) of all meshes. They are infinite if there are no vertices."""
     found = [np.asarray(part.mesh.positions, np.float64) for part in parts if len(part.mesh.positions)]
     if not found:
         return np.array([[np.inf] * 3, [-np.inf] * 3])
@@ -96,7 +106,7 @@ def bounds_of(parts: Sequence[Part]) -> FloatArray:
 
 
 def primitive(document: Document, part: Part, material: int) -> Json:
-    """The primitive of a part, its arrays written into the document."""
+    """Write the arrays of a part into the document, and return its primitive. `material` is the index of its material."""
     mesh = with_flat_normals(part.mesh) if part.lightmap_uvs is None else part.mesh
     count = len(mesh.positions)
     normals = np.zeros((count, 3)) if mesh.normals is None else np.asarray(mesh.normals, np.float64)
@@ -119,7 +129,11 @@ def primitive(document: Document, part: Part, material: int) -> Json:
 
 
 def _uv_sets(mesh: Mesh, lightmap: FloatArray | None) -> list[FloatArray]:
-    """TEXCOORD_0, 1, …: numbers without a gap, as the specification wants, so that a missing set is filled by another."""
+    """The sets of texture coordinates TEXCOORD_0, TEXCOORD_1 and so on.
+
+    The specification requires consecutive numbers. If the mesh does not have the first set but a later one, a later
+    set is also written as the first.
+    """
     if lightmap is None:
         if mesh.uvs2 is None:
             return [] if mesh.uvs is None else [mesh.uvs]

@@ -1,24 +1,25 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Materials as glTF's JSON [glTF 2.0, 3.9; KHR_materials_ior, _specular, _transmission, _volume, _emissive_strength]."""
+"""Write materials [glTF 2.0, 3.9; KHR_materials_ior, _specular, _transmission, _volume, _emissive_strength]."""
 
 from __future__ import annotations
 
 from eclat.errors import warn
-from eclat.gltf_export.document import Document, Json, extras
+from eclat.gltf_export.document import Document, Json, eclat_extras
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
-from eclat.gltf_export.textures import Textures, constant_of, texels, without_square
+from eclat.gltf_export.textures import Textures, constant_of, square_root, texels
 from eclat.scene import DEFAULTS, Material, Value
 
 THICKNESS = 1e-3
-"""Metres. A volume's real thickness is in its mesh; any number above 0 says that glass refracts."""
+"""The thickness in metres of a refractive volume. It only needs to be positive, because a ray tracer uses the thickness of
+the mesh. A thickness of 0 would mean a thin-walled surface."""
 
 
 class Materials:
-    """Writes materials into a document. Equal ones are written once."""
+    """The materials of a document. Each is written only once."""
 
     def __init__(self, document: Document, textures: Textures, lightmap: Json | None) -> None:
-        """`lightmap`: what MOZ_lightmap says of every material, None without a light map."""
+        """Prepare to write into `document`. `lightmap` is the MOZ_lightmap object of every material, or None."""
         self._document = document
         self._textures = textures
         self._lightmap = lightmap
@@ -26,7 +27,10 @@ class Materials:
         self._kept: list[Material] = []
 
     def index(self, material: Material, *, one_of_two: bool = False) -> int:
-        """The material's index; `one_of_two` for a side of a sheet whose other side is a primitive of its own."""
+        """Write a material, unless it has been written before, and return its index.
+
+        `one_of_two` marks one side of a two-sided mesh whose other side is a separate primitive.
+        """
         key = (id(material), one_of_two)
         if key not in self._written:
             self._kept.append(material)
@@ -37,7 +41,7 @@ class Materials:
         material = as_metallic_roughness(original)
         factor = [min(c, 1.0) for c in constant_of(self._of(material, "base_color"))]
         if max(constant_of(self._of(material, "base_color"))) > 1:
-            warn(f"material {material.name!r}: a base colour above 1 is written as 1")
+            warn(f"material {material.name!r}: the base colour has components above 1, which are clipped to 1")
         json: Json = {
             "name": material.name,
             "pbrMetallicRoughness": {"baseColorFactor": [*factor, self._alpha(material)]} | self._surface(material),
@@ -46,11 +50,11 @@ class Materials:
         json |= self._opacity(material) | self._emission(material) | self._normal(material)
         if one_of_two:
             emits_twice = material.emission is not None and material.emission_two_sided
-            json |= extras(two_sided=True, emission_two_sided=emits_twice)
+            json |= eclat_extras(two_sided=True, emission_two_sided=emits_twice)
         elif material.two_sided:
             json["doubleSided"] = True
         elif not material.back_culled:
-            json |= extras(black_back=True)
+            json |= eclat_extras(black_back=True)
         if not json["extensions"]:
             del json["extensions"]
         return json
@@ -63,7 +67,7 @@ class Materials:
 
     def _surface(self, material: Material) -> Json:
         color, metallic = self._of(material, "base_color"), self._of(material, "metallic")
-        roughness = without_square(self._of(material, "roughness"))
+        roughness = square_root(self._of(material, "roughness"))
         json: Json = {
             "metallicFactor": min(metallic.constant[0], 1.0),
             "roughnessFactor": min(roughness.constant[0], 1.0),
@@ -84,7 +88,7 @@ class Materials:
         return {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
 
     def _emission(self, material: Material) -> Json:
-        """Emission as a factor of at most 1, times a strength."""
+        """The emission as a factor of at most 1. `_extensions` writes the strength that multiplies it."""
         emission = material.emission
         if emission is None or max(constant_of(emission)) <= 0:
             return {}
@@ -101,7 +105,7 @@ class Materials:
         if material.normal_map is None:
             return {}
         if material.normal_map.kind == "bump":
-            warn(f"material {material.name!r}: a bump map cannot be written as glTF and is left out")
+            warn(f"material {material.name!r}: glTF does not support bump maps; the bump map is left out")
             return {}
         value = material.normal_map.value
         info = self._textures.channels({i: _channel(value, i) for i in range(3)})
@@ -178,5 +182,5 @@ def _opaque(material: Material) -> bool:
 
 
 def _channel(value: Value, index: int) -> Value:
-    """One channel of a colour as a value of its own; a normal map's constant is always 1."""
+    """One channel of a normal map as a separate value. The constant factor of a normal map is always 1."""
     return Value((1.0, 1.0, 1.0), value.texture, index, value.uv_set, value.uv_transform)

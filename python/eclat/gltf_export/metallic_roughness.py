@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Converts any material to glTF's metallic-roughness, and warns of what that only approximates."""
+"""Convert any material to the metallic-roughness model of glTF, with warnings about approximations."""
 
 from __future__ import annotations
 
@@ -12,14 +12,14 @@ from eclat.scene import DEFAULTS, Material, Value, grey, rgb
 
 
 def as_metallic_roughness(material: Material) -> Material:
-    """`material` with `kind` "metallic_roughness"; `back` and `children` are gone."""
+    """Convert `material` to the kind "metallic_roughness", without `back` and `children`."""
     if material.kind == "metallic_roughness":
         return material
     if material.kind == "blend":
         return _blended(material)
     parameters = _CONVERSIONS[material.kind](material)
     if material.kind not in ("diffuse", "dielectric", "thin_dielectric", "translucent"):
-        warn(f"material {material.name!r}: {material.kind} is approximated by glTF's metallic-roughness")
+        warn(f"material {material.name!r}: {material.kind} is approximated by the metallic-roughness model of glTF")
     return replace(
         material,
         kind="metallic_roughness",
@@ -39,17 +39,21 @@ def _diffuse(material: Material) -> dict[str, Value]:
         "base_color": _of(material, "reflectance"),
         "metallic": grey(0),
         "roughness": grey(1),
-        # Without it there would be a dielectric coat.
+        # With a nonzero specular factor, the surface would have a dielectric coating.
         "specular": grey(0),
     }
 
 
 def _translucent(material: Material) -> dict[str, Value]:
-    """Reflection and transmission as shares of one diffuse part: of all that is not absorbed the share that goes through."""
+    """The parameters of a translucent material.
+
+    glTF splits one diffuse component into reflection and transmission. Its factor is the fraction of the scattered light
+    that is transmitted.
+    """
     back, through = (constant_of(average(_of(material, name))) for name in ("reflectance", "transmittance"))
     textured = any(_of(material, name).texture is not None for name in ("reflectance", "transmittance"))
     if textured:
-        warn(f"material {material.name!r}: textures of a translucent material are written as their means")
+        warn(f"material {material.name!r}: the textures of a translucent material are replaced by their mean values")
     share = max(through) / (max(back) + max(through)) if max(through) > 0 else 0.0
     first = [x / (1 - share) if share < 1 else 0.0 for x in back]
     second = [x / share if share > 0 else 1.0 for x in through]
@@ -64,7 +68,11 @@ def _translucent(material: Material) -> dict[str, Value]:
 
 
 def _coated(material: Material, alpha: Value) -> dict[str, Value]:
-    """A diffuse base under a lobe of GGX α. The lobe's colour is what is seen head-on, where glTF reflects 4 % times it."""
+    """The parameters of a diffuse base with a specular GGX lobe.
+
+    `alpha` is the GGX roughness α. The reflectance of the lobe at normal incidence is `specular_reflectance`. In glTF,
+    it is 4 % of the specular colour.
+    """
     r, g, b = constant_of(average(_of(material, "specular_reflectance")))
     return {
         "base_color": _of(material, "diffuse_reflectance"),
@@ -76,7 +84,8 @@ def _coated(material: Material, alpha: Value) -> dict[str, Value]:
 
 def _phong(material: Material) -> dict[str, Value]:
     exponent = constant_of(average(_of(material, "exponent")))[0]
-    # Equal curvature at the peak: cosⁿ ≈ exp(−n θ²/2), and GGX falls as 1 − 2 (θ/2)²/α² about the mirror direction.
+    # α is chosen for equal curvature of both lobes at their peak: cosⁿ θ ≈ 1 − n θ²/2, and GGX is proportional to
+    # 1 − 2 (θ/2)²/α² near the mirror direction.
     return _coated(material, grey(min(1.0, (1 / max(exponent, 1.0)) ** 0.5)))
 
 
@@ -96,7 +105,7 @@ def _plastic(material: Material) -> dict[str, Value]:
 
 def _conductor(material: Material) -> dict[str, Value]:
     eta, k = (constant_of(_of(material, name)) for name in ("eta", "k"))
-    # Fresnel's reflectance head-on.
+    # The base colour of a metal is its Fresnel reflectance at normal incidence.
     r, g, b = (((n - 1) ** 2 + x * x) / ((n + 1) ** 2 + x * x) for n, x in zip(eta, k, strict=True))
     specular = _of(material, "specular_reflectance")
     scaled = (specular.constant[0] * r, specular.constant[1] * g, specular.constant[2] * b)
@@ -130,7 +139,10 @@ _CONVERSIONS = {
 
 
 def _blended(material: Material) -> Material:
-    """Two materials without textures become one with the mean of their parameters; otherwise the heavier one is kept."""
+    """Convert a blend: two materials without textures become one with the weighted mean of their parameters.
+
+    If one of them has a texture, only the material with the larger weight is used. A warning says which applies.
+    """
     weight = constant_of(average(_of(material, "weight")))[0]
     first, second = (as_metallic_roughness(child) for child in material.children)
     chosen = second if weight > 0.5 else first
@@ -141,9 +153,15 @@ def _blended(material: Material) -> Material:
         for name, (a, b) in pairs.items():
             mixed = ((1 - weight) * x + weight * y for x, y in zip(constant_of(a), constant_of(b), strict=True))
             parameters[name] = rgb(*mixed)
-        warn(f"material {material.name!r}: a blend is approximated by the mean of its parts' parameters")
+        warn(
+            f"material {material.name!r}: the blend is approximated by one material with the mean parameters of both of "
+            "its materials"
+        )
     else:
-        warn(f"material {material.name!r}: of a blend only {chosen.name!r}, which weighs more, is written")
+        warn(
+            f"material {material.name!r}: blends of textured materials are not supported; only {chosen.name!r}, which "
+            "has the larger weight, is written"
+        )
     return replace(
         material,
         kind="metallic_roughness",

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Cameras and lights as nodes [glTF 2.0, 3.10; KHR_lights_punctual]."""
+"""Write cameras and lights as nodes [glTF 2.0, 3.10; KHR_lights_punctual]."""
 
 from __future__ import annotations
 
@@ -13,17 +13,26 @@ from eclat.gltf_export.document import Document, Json
 from eclat.scene import Camera, DirectionalLight, FloatArray, PointLight, SpotLight, look_at
 
 NEAR, FAR = 1e-3, 2.0
-"""Clipping planes, which we do not have and viewers need, over the distance of what is farthest. Depths d that differ by less
-than d² / (near · 2ⁿ) look the same in a depth buffer of n bits: with 24 a 17,000th of that distance."""
+"""The distances of the near and the far clipping plane, divided by the distance D of the farthest point of the scene.
+
+Cameras in Éclat have no clipping planes, but viewers need them. A depth buffer of n bits cannot distinguish depths that
+differ by less than d² / (near · 2ⁿ) at the depth d. With 24 bits and this near plane, this is D / 17,000 at the depth D.
+"""
 
 
 def camera_node(document: Document, camera: Camera, bounds: FloatArray) -> int:
-    """The node's index. `bounds` (2, 3): the lowest and the highest corner of all that can be seen."""
+    """Write a camera, and return the index of its node.
+
+    `bounds` (2, 3) are the lowest and the highest corner of the scene. They determine the clipping planes.
+    """
     width, height = camera.size or (16, 9)
     aspect = width / height
     half_width, half_height = camera.half_extent(aspect)
     if camera.shift != (0.0, 0.0):
-        warn(f"camera {camera.name!r}: glTF has no shifted cameras; its picture moves")
+        warn(
+            f"camera {camera.name!r}: glTF does not support cameras with a shift; the shift is not written, so the image "
+            "section changes"
+        )
     json: Json = {"name": camera.name, "type": camera.projection}
     farthest = _farthest(np.asarray(camera.to_world, np.float64)[:3, 3], bounds)
     planes = {"znear": NEAR * farthest, "zfar": FAR * farthest}
@@ -38,26 +47,29 @@ def camera_node(document: Document, camera: Camera, bounds: FloatArray) -> int:
 
 
 def _farthest(place: FloatArray, bounds: FloatArray) -> float:
-    """The distance to the farthest corner of the bounds, or 1 if there are no bounds."""
+    """The distance from `place` (3,) to the farthest corner of the bounds, or 1 if the bounds are infinite."""
     distance = float(np.linalg.norm(np.abs(bounds - place).max(axis=0)))
     return distance if 0 < distance < math.inf else 1.0
 
 
 def light_node(document: Document, light: PointLight | SpotLight | DirectionalLight) -> int:
-    """The node's index."""
+    """Write a light, and return the index of its node."""
     if isinstance(light, DirectionalLight):
         json: Json = {"type": "directional"} | _colored(light.irradiance)
         matrix = _towards((0.0, 0.0, 0.0), light.direction)
         if light.angular_radius > 0:
-            warn("glTF has no sun with an angular size: its shadows are sharp in the file")
+            warn(
+                "glTF does not support directional lights with an angular radius; it is not written, so that the shadows "
+                "of the light are sharp"
+            )
     elif isinstance(light, SpotLight):
         outer, inner = math.radians(min(light.outer_angle, 90)), math.radians(light.inner_angle)
-        # The format wants the inner angle below the outer one.
+        # The specification requires that the inner angle is smaller than the outer one.
         cone = {"innerConeAngle": min(inner, outer * (1 - 1e-6)), "outerConeAngle": outer}
         json = {"type": "spot", "spot": cone} | _colored(light.intensity)
         matrix = _towards(light.position, light.direction)
         if light.falloff != "smooth":
-            warn("a spot light whose falloff is linear in angle falls off as glTF's do in the file")
+            warn("glTF does not support spot lights with linear falloff; the smooth falloff of glTF is used instead")
     else:
         json = {"type": "point"} | _colored(light.intensity)
         matrix = np.eye(4)
@@ -71,7 +83,7 @@ def light_node(document: Document, light: PointLight | SpotLight | DirectionalLi
 
 
 def _colored(power: tuple[float, float, float]) -> Json:
-    """A colour whose components are at most 1, and the factor that scales it."""
+    """Split an RGB intensity into a colour with components of at most 1 and a scalar intensity."""
     largest = max(power)
     if largest <= 0:
         return {"intensity": 0.0}
@@ -79,7 +91,7 @@ def _colored(power: tuple[float, float, float]) -> Json:
 
 
 def _towards(position: tuple[float, float, float], direction: tuple[float, float, float]) -> FloatArray:
-    """A 4×4 `to_world` matrix whose −z axis is `direction`."""
+    """A 4×4 matrix that maps the origin to `position` and the direction −z to `direction`."""
     d = np.asarray(direction, np.float64)
     d /= np.linalg.norm(d)
     matrix = look_at((0.0, 0.0, 0.0), (float(d[0]), float(d[1]), float(d[2])))

@@ -1,9 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Values with textures as glTF textures [glTF 2.0, 3.8; KHR_texture_transform].
+"""Write textures and the images that they use [glTF 2.0, 3.8; KHR_texture_transform].
 
-An image that glTF can hold as it is goes in as it is, without loss; any other is decoded and encoded anew, 8 bits a
-channel.
+An image with 8 bits per channel that glTF can represent is written without loss. Any other image is converted to 8 bits
+per channel.
 """
 
 from __future__ import annotations
@@ -32,7 +32,7 @@ _IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 def texels(value: Value) -> Floats:
-    """(H, W, C) linear numbers of the texture of `value`, C = 1 or 3: what multiplies its constant."""
+    """The linear texels (H, W, C) that multiply the constant of `value`, with C = 1 or 3."""
     assert value.texture is not None
     image = np.asarray(value.texture.image)
     image = image if image.ndim == 3 else image[:, :, None]
@@ -49,13 +49,13 @@ def texels(value: Value) -> Floats:
 
 
 def constant_of(value: Value) -> tuple[float, float, float]:
-    """The factor that multiplies the texture."""
+    """The constant RGB factor of `value`, squared if `value.square`."""
     r, g, b = value.constant
     return (r * r, g * g, b * b) if value.square else (r, g, b)
 
 
 def average(value: Value) -> Value:
-    """The same without the texture: its mean."""
+    """Replace the texture of `value` by the mean of its texels."""
     if value.texture is None:
         return value
     mean = texels(value).mean(axis=(0, 1))
@@ -64,24 +64,30 @@ def average(value: Value) -> Value:
 
 
 class Textures:
-    """Writes images, samplers and textures into a document. Equal ones are written once."""
+    """The images, samplers and textures of a document. Equal ones are written only once."""
 
     def __init__(self, document: Document, uv_sets: Mapping[int, int]) -> None:
-        """`uv_sets`: which TEXCOORD of the file holds each set of the scene."""
+        """Prepare to write into `document`. `uv_sets` maps each UV set of the scene to its TEXCOORD in the file."""
         self._document = document
         self._uv_sets = uv_sets
         self._images: dict[object, int] = {}
         self._textures: dict[object, int] = {}
         self._samplers: dict[object, int] = {}
-        self._kept: list[object] = []  # ids name textures only as long as those live
+        self._kept: list[object] = []  # the keys contain ids, which are only valid while the textures exist
 
     def color(self, value: Value, alpha: Value | None = None, *, scale: float = 1.0) -> Json | None:
-        """A textureInfo of sRGB colours, divided by `scale`, with `alpha` beside them; None where nothing varies."""
+        """Write a texture of sRGB colours, and return its textureInfo, or None if neither value has a texture.
+
+        The texels of `value` are divided by `scale`. `alpha` becomes the alpha channel of the image.
+        """
         owner = value if value.texture is not None else alpha
         if owner is None or owner.texture is None:
             return None
-        if alpha is not None and alpha.texture is not None and not _alike(owner, alpha):
-            warn("a texture of opacity that does not lie as its colours do is written as its mean")
+        if alpha is not None and alpha.texture is not None and not _same_mapping(owner, alpha):
+            warn(
+                "an opacity texture is replaced by its mean, because glTF requires the same texture coordinates and "
+                "wrapping for opacity and colour"
+            )
             alpha = None if value.texture is not None else alpha
         key = ("color", *(self._name(v) for v in (value, alpha)), scale)
         if key not in self._images:
@@ -89,7 +95,11 @@ class Textures:
         return self._info(owner, self._images[key])
 
     def channels(self, values: Mapping[int, Value], *, neutral: int = 255) -> Json | None:
-        """A textureInfo whose linear channels (0 red … 3 alpha) hold the textures of `values`; None where none varies."""
+        """Write a texture of linear channels, and return its textureInfo, or None if no value has a texture.
+
+        `values` has the value of each channel by number, from 0 (red) to 3 (alpha). Other channels are filled with the
+        byte `neutral`.
+        """
         varying = {i: v for i, v in values.items() if v.texture is not None}
         if not varying:
             return None
@@ -100,7 +110,7 @@ class Textures:
         return self._info(owner, self._images[key])
 
     def image(self, pixels: Bytes) -> int:
-        """An embedded PNG of (H, W, C) bytes; the image's index."""
+        """Embed the bytes (H, W, C) as a PNG image, and return the index of the image."""
         file = io.BytesIO()
         PillowImage.fromarray(pixels[..., 0] if pixels.shape[2] == 1 else pixels).save(file, format="PNG")
         return self._document.add(
@@ -108,7 +118,15 @@ class Textures:
         )
 
     def texture(self, image: int, wraps: tuple[str, str], *, nearest: bool = False, mipmaps: bool = True) -> int:
-        """A texture of an image; the index."""
+        """Write a texture, and return its index.
+
+        Parameters
+        ----------
+        image : the index of the image.
+        wraps : the wrap modes in u and v.
+        nearest : whether to use the nearest texel instead of bilinear interpolation.
+        mipmaps : whether viewers may use mipmaps.
+        """
         small = (_NEAREST_MIPMAP if nearest else _TRILINEAR) if mipmaps else _LINEAR
         sampler = (_NEAREST if nearest else _LINEAR, small, _WRAPS[wraps[0]], _WRAPS[wraps[1]])
         if sampler not in self._samplers:
@@ -133,15 +151,15 @@ class Textures:
         return info
 
     def _name(self, value: Value | None) -> object:
-        """A key that is equal for values with the same texels."""
+        """A hashable key that is equal for two values if they have the same texels."""
         if value is None or value.texture is None:
             return None
         self._kept.append(value.texture)
         return id(value.texture), value.channel, value.invert, value.square
 
 
-def _alike(a: Value, b: Value) -> bool:
-    """Whether two textures lie over a surface in the same way."""
+def _same_mapping(a: Value, b: Value) -> bool:
+    """Whether two textures have the same texture coordinates and wrap modes."""
     if a.texture is None or b.texture is None:
         return True
     wraps = [(t.wrap_u, t.wrap_v) for t in (a.texture, b.texture)]
@@ -158,7 +176,7 @@ def _color_bytes(value: Value, alpha: Value | None, scale: float) -> Bytes:
     opaque = alpha is None or alpha.texture is None
     colors = texels(value) / scale if value.texture is not None else np.ones((1, 1, 1))
     if colors.max(initial=0) > 1:
-        warn("a texture of colours above 1 is clipped: glTF holds 8 bits")
+        warn("a colour texture has texels above 1, which are clipped, because glTF stores 8 bits per channel")
     height, width = colors.shape[:2]
     if opaque:
         return _to_bytes(srgb_encode(colors))
@@ -189,7 +207,7 @@ def _channel_bytes(values: Mapping[int, Value], neutral: int) -> Bytes:
 
 
 def _is_plain(value: Value, texture: Texture) -> bool:
-    """Whether the image itself is what glTF wants of a colour: sRGB bytes."""
+    """Whether the image can be written unchanged as a colour texture, which in glTF consists of sRGB bytes."""
     image = np.asarray(texture.image)
     grey = image.ndim == 2 or image.shape[2] == 1
     one_of_many = value.channel is not None and not grey
@@ -202,7 +220,7 @@ def _without_alpha(image: NDArray[Any]) -> Bytes:
 
 
 def _resized(planes: Floats, height: int, width: int) -> Floats:
-    """Resize bilinearly, each plane separately."""
+    """Resize each of the planes (H, W, C) bilinearly to `height` × `width`."""
     if planes.shape[:2] == (height, width):
         return planes
     scaled = [
@@ -219,22 +237,25 @@ def _to_bytes(numbers: Floats) -> Bytes:
 
 
 def _transform(matrix: tuple[tuple[float, float, float], tuple[float, float, float]]) -> Json:
-    """The affine map as offset, rotation and scale; empty where it changes nothing. A shear is lost, with a warning."""
+    """Convert an affine map of texture coordinates to the offset, rotation and scale of KHR_texture_transform.
+
+    The identity gives an empty object. A shear cannot be represented and is left out, with a warning.
+    """
     if matrix == _IDENTITY:
         return {}
     (a, b, dx), (c, d, dy) = matrix
-    # As the loader has it: a = cos · sx, b = sin · sy, c = −sin · sx, d = cos · sy.
+    # As in the loader, a = cos · sx, b = sin · sy, c = −sin · sx and d = cos · sy.
     angle = math.atan2(-c, a) if (a, c) != (0, 0) else math.atan2(b, d)
     cos, sin = math.cos(angle), math.sin(angle)
     sx, sy = a * cos - c * sin, b * sin + d * cos
     if max(abs(b - sin * sy), abs(d - cos * sy)) > 1e-6 * max(abs(sx), abs(sy)):
-        warn("texture coordinates that are sheared cannot be written as glTF; the shear is left out")
+        warn("glTF does not support sheared texture coordinates; the shear is left out")
     transform: Json = {"offset": [dx, dy], "scale": [sx, sy]}
     return transform | ({"rotation": angle} if angle else {})
 
 
-def without_square(value: Value) -> Value:
-    """A value whose square root is wanted: the root of its constant, texels unchanged where they are squared anyway."""
+def square_root(value: Value) -> Value:
+    """The square root of `value`. If `value.square`, this is the same value without the square."""
     if value.square:
         return replace(value, square=False)
     if value.texture is None:

@@ -1,3 +1,3 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures: their pixels, their files and their display."""
+"""Images: their pixels, their file formats and their conversion for display."""

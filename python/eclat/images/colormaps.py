@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Numbers as colours, for error maps."""
+"""Map numbers to colours, for images of errors."""
 
 from __future__ import annotations
 
@@ -16,7 +16,8 @@ SIGNED: Anchors = (
     (0.5, (225, 110, 70)),
     (1.0, (120, 10, 25)),
 )
-"""Blue (too dark), near white (right), red (too bright); both ends are equally dark. Safe for the colour-blind."""
+"""The colour map of signed errors: from blue (too dark) over near white (correct) to red (too bright). Both ends are equally
+dark. People with colour blindness can distinguish them."""
 
 AMOUNT: Anchors = (
     (0.0, (8, 8, 16)),
@@ -25,14 +26,18 @@ AMOUNT: Anchors = (
     (0.75, (250, 145, 60)),
     (1.0, (255, 250, 200)),
 )
-"""Black (none) to pale yellow (most), brightness growing all the way."""
+"""The colour map of absolute errors: from black (no error) to pale yellow (largest error), with increasing brightness."""
 
 NOT_A_NUMBER = (0, 255, 0)
-"""Green occurs in neither map."""
+"""The colour of NaN: green, which does not occur in either colour map."""
 
 
 def colored(values: ArrayLike, anchors: Anchors) -> NDArray[np.uint8]:
-    """(..., 3) sRGB bytes of numbers, linear between the anchors and constant beyond; NaN is `NOT_A_NUMBER`."""
+    """Map numbers of any shape (...) to sRGB bytes (..., 3).
+
+    The colours are interpolated linearly between the `anchors`, which are positions with their colours, and are constant
+    beyond them. NaN becomes `NOT_A_NUMBER`.
+    """
     numbers = np.asarray(values, dtype=np.float64)
     positions = [position for position, _ in anchors]
     channels = [np.interp(numbers, positions, [color[i] for _, color in anchors]) for i in range(3)]

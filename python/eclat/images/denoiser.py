@@ -1,8 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Open Image Denoise, which takes the noise out of pictures: an extra, `pip install eclat[denoise]`.
+"""Remove noise from images with Open Image Denoise, an optional dependency (`pip install eclat[denoise]`).
 
-The network was trained on path-traced pictures; albedo and normals beside a picture tell it which edges are real.
+Its neural network was trained on path-traced images. With the albedo and the normals of the visible surfaces, it can
+distinguish edges from noise.
 """
 
 from __future__ import annotations
@@ -19,19 +20,23 @@ from eclat.errors import EclatError
 Picture = NDArray[np.float32]
 
 PACKAGE = "pyoidn"
+"""The Python package that contains Open Image Denoise."""
 
 
 def has_denoiser() -> bool:
-    """Return whether `denoise` can run."""
+    """Whether Open Image Denoise is installed."""
     return importlib.util.find_spec(PACKAGE) is not None
 
 
 def require_denoiser() -> None:
-    """Raise EclatError, which says what to install, unless `denoise` can work; call it before any work is done."""
+    """Raise EclatError if Open Image Denoise is not installed. Call it before a long computation.
+
+    The message says how to install it.
+    """
     if not has_denoiser():
         raise EclatError(
-            f"denoising needs Open Image Denoise, which is not installed: pip install {PACKAGE}, or Éclat with its extra "
-            "`denoise`"
+            f"denoising needs Open Image Denoise, which is not installed; install it with: pip install {PACKAGE}, or "
+            "install Éclat with its extra `denoise`"
         )
 
 
@@ -41,32 +46,35 @@ def denoise(
     normal: ArrayLike | None = None,
     kind: Literal["picture", "lightmap"] = "picture",
 ) -> Picture:
-    """The picture without its noise, with the highest quality that Open Image Denoise has.
+    """Remove the noise from an image, with the highest quality of Open Image Denoise.
 
     Parameters
     ----------
-    radiance : (H, W, 3) linear radiance, or irradiance of a light map; what is not finite counts as black.
-    albedo, normal : (H, W, 3) of the surface that each pixel sees, in 0..1 and −1..1, with the same samples as the
-        picture; a normal without an albedo is of no use.
-    kind : which network: for pictures, or for light maps, which have no albedo and no normals.
+    radiance : (H, W, 3) linear radiance of an image or irradiance of a light map. Values that are not finite become 0.
+    albedo : (H, W, 3) the albedo of the surface at each pixel in 0..1, averaged over the same samples as the image.
+    normal : (H, W, 3) the normal of the surface at each pixel in −1..1, averaged likewise. It is only useful together
+        with `albedo`.
+    kind : the network to use: "picture" for images, or "lightmap" for light maps, which have no albedo and no normals.
 
     Returns
     -------
-    (H, W, 3) float32, not negative. The same input gives the same bits.
+    (H, W, 3) float32, at least 0. The same input always gives the same bits.
 
     Raises
     ------
-    EclatError : the package pyoidn is not installed, shapes differ, or a light map with albedo or normals.
+    EclatError : the package pyoidn is not installed, the shapes differ, or `albedo` or `normal` is given for a light map.
     """
     require_denoiser()
     guides = {"albedo": (albedo, 0.0, 1.0), "normal": (normal, -1.0, 1.0)}
     if kind == "lightmap" and (albedo is not None or normal is not None):
-        raise EclatError("denoise: expected a light map without albedo and normals, but they were given")
+        raise EclatError("denoise: expected neither albedo nor normals for a light map, got at least one of them")
     color = _layer(radiance, 0.0, np.inf)
     layers = {name: _layer(guide, low, high) for name, (guide, low, high) in guides.items() if guide is not None}
     for name, layer in {"radiance": color, **layers}.items():
         if layer.ndim != 3 or layer.shape != (*color.shape[:2], 3):
-            raise EclatError(f"denoise: expected {name} of shape {(*color.shape[:2], 3)}, got {layer.shape}")
+            raise EclatError(
+                f"denoise: expected an array {name} of the shape {(*color.shape[:2], 3)}, got {layer.shape}"
+            )
     oidn = importlib.import_module(PACKAGE)
     filter_type = oidn.OIDN_FILTER_TYPE_RT_LIGHTMAP if kind == "lightmap" else oidn.OIDN_FILTER_TYPE_RT
     out = oidn.denoise(color, hdr=True, quality="high", filter_type=filter_type, **layers)
@@ -74,5 +82,6 @@ def denoise(
 
 
 def _layer(values: ArrayLike, low: float, high: float) -> Picture:
+    """Convert `values` to float32 in `low`..`high`. Values that are not finite become 0."""
     finite = np.nan_to_num(np.asarray(values, dtype=np.float32), nan=0.0, posinf=0.0, neginf=0.0)
     return np.ascontiguousarray(np.clip(finite, low, high))

@@ -1,6 +1,9 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""OpenEXR: radiance, layers and metadata in one file, channels named the usual way (`R`, `indirect.R`, `depth.Z`)."""
+"""Encode and decode OpenEXR files with radiance, layers and metadata.
+
+Channels have the usual names, such as `R`, `indirect.R` and `depth.Z`.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +19,7 @@ from eclat.errors import EclatError, warn
 from eclat.images.exr_planes import REC_709, Float32, read_planes
 
 PREFIX = "eclat."
-"""Before the name of each attribute that holds a piece of metadata as JSON."""
+"""The prefix of the names of attributes that contain metadata as JSON."""
 
 _MAGIC = b"\x76\x2f\x31\x01"
 
@@ -24,13 +27,14 @@ _MAGIC = b"\x76\x2f\x31\x01"
 def encode_exr(
     pixels: Float32, layers: Mapping[str, Float32], metadata: Mapping[str, Any], letters: Mapping[str, str]
 ) -> bytes:
-    """A scan-line file of float32 channels, ZIP-compressed (lossless).
+    """Encode an image as an OpenEXR file with scan lines of float32 channels and lossless ZIP compression.
 
     Parameters
     ----------
-    pixels : (H, W, 3) radiance → R, G, B.
-    layers : (H, W, 3) or (H, W) each → `name.<letter>`.
-    letters : of known layers, such as "XYZ" for normals; others get "RGB" or "Y".
+    pixels : (H, W, 3) the radiance. It becomes the channels R, G and B.
+    layers : the layers by name, (H, W, 3) or (H, W). They become channels of the form `name.<letter>`.
+    metadata : values that JSON can represent. They become attributes.
+    letters : the letters of the channels of known layers, such as "XYZ" for normals. Other layers get "RGB" or "Y".
     """
     channels = _channels("", "RGB", pixels)
     for name, layer in layers.items():
@@ -50,11 +54,21 @@ def encode_exr(
 def decode_exr(
     data: bytes, name: str, check_size: Callable[[int, int, str], None]
 ) -> tuple[Float32, dict[str, Float32], dict[str, Any]]:
-    """Pixels, layers and metadata of the first part of a file, on its display window; grey (`Y`) files become RGB.
+    """Decode the first part of an OpenEXR file, on its display window.
+
+    Parameters
+    ----------
+    data : the bytes of the file.
+    name : the name of the file, for messages.
+    check_size : a function that raises EclatError if a width and a height are too large.
+
+    Returns
+    -------
+    The pixels (H, W, 3), the layers by name, and the metadata. Grey files (`Y`) become RGB.
 
     Raises
     ------
-    EclatError : not an EXR file, broken, of another size than it may be, or without colour.
+    EclatError : the file is no OpenEXR file, is invalid or too large, or has no colour channels.
     """
     if data[:4] != _MAGIC:
         raise EclatError(f"{name}: expected an OpenEXR file, got one that starts with {data[:4]!r}")
@@ -62,13 +76,13 @@ def decode_exr(
         planes = read_planes(data, name, lambda width, height: check_size(width, height, name))
     except EclatError as error:
         raise EclatError(f"{name}: {str(error).removeprefix(f'{name}: ')}") from None
-    except Exception as error:  # The library raises plain RuntimeError, ValueError and TypeError alike.
-        raise EclatError(f"{name}: expected an OpenEXR file that can be read: {error}") from None
+    except Exception as error:  # The library raises RuntimeError, ValueError, TypeError and others.
+        raise EclatError(f"{name}: expected a valid OpenEXR file, got an error: {error}") from None
     layers = _layers(planes.channels, name)
     pixels = layers.pop("", None)
     if pixels is None:
         known = ", ".join(sorted(planes.channels)) or "none"
-        raise EclatError(f"{name}: expected channels R, G, B or Y, got {known}")
+        raise EclatError(f"{name}: expected the channels R, G, B or the channel Y, got {known}")
     if pixels.ndim == 2:
         pixels = np.repeat(pixels[..., None], 3, axis=2)
     return pixels, layers, _metadata(planes.header, name)
@@ -80,7 +94,10 @@ def _channels(prefix: str, letters: str, array: Float32) -> dict[str, Float32]:
 
 
 def _layers(arrays: Mapping[str, Float32], name: str) -> dict[str, Float32]:
-    """Channels grouped into layers by the part of their names before the last dot; the picture's own name is empty."""
+    """Group channels into layers by the part of their names before the last dot. It is empty for the image itself.
+
+    Channels that do not belong to a layer of a known form are ignored, with a warning.
+    """
     groups: dict[str, dict[str, Float32]] = {}
     for key, array in arrays.items():
         layer, _, letter = key.rpartition(".")
@@ -108,5 +125,5 @@ def _metadata(header: Mapping[str, Any], name: str) -> dict[str, Any]:
         try:
             metadata[key.removeprefix(PREFIX)] = json.loads(str(value))
         except (ValueError, RecursionError):
-            warn(f"{name}: the attribute {key!r} is not JSON and is ignored")
+            warn(f"{name}: the attribute {key!r} is ignored, because it is not valid JSON")
     return metadata

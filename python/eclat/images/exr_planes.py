@@ -1,9 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The channels of an OpenEXR file on its display window, converted to Rec. 709 and from luminance-chroma to RGB.
+"""Read the channels of an OpenEXR file on its display window, as RGB with Rec. 709 primaries.
 
-All three are lawful in a file without being said in its channels: the data may cover a part of the picture or go
-beyond it, the primaries may be others, and colours may be stored as Y, RY, BY with chroma at half the resolution.
+A file may differ from this form in three ways. Its data window may cover a part of the display window or exceed it. Its
+primaries may differ from those of Rec. 709. Its colours may be stored as luminance and chroma (Y, RY, BY), with the
+chroma at half the resolution.
 """
 
 from __future__ import annotations
@@ -20,10 +21,10 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError, warn
 
 REC_709 = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.3290)
-"""Chromaticities x, y of red, green, blue and white [ITU-R BT.709, table 1]."""
+"""The chromaticities x, y of red, green, blue and white in Rec. 709 [ITU-R BT.709, table 1]."""
 
 _SAME = 2e-3
-"""Chromaticities that differ by less are the same ones, written with fewer digits."""
+"""The largest difference at which chromaticities count as equal. Files write them with three or more digits."""
 
 Float32 = NDArray[np.float32]
 Float64 = NDArray[np.float64]
@@ -31,7 +32,10 @@ Float64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Planes:
-    """The first part of a file: its header, its (H, W) channels by name, and whether colours were converted."""
+    """The first part of an OpenEXR file.
+
+    `channels` has the channels (H, W) by name, and `converted` is whether their colours have been converted.
+    """
 
     header: dict[str, Any]
     channels: dict[str, Float32]
@@ -39,20 +43,22 @@ class Planes:
 
 
 def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None]) -> Planes:
-    """The channels of the first part of `data`, each as large as the display window, zero where the file has no data.
+    """Read the channels of the first part of an OpenEXR file.
 
-    Layers of R, G, B (or Y, RY, BY) come as R, G, B with Rec. 709 primaries. As other programs do, a change of
-    primaries keeps XYZ as they are, without adaptation to another white.
+    Each channel has the size of the display window. Pixels without data in the file are zero. The channels R, G, B (or
+    Y, RY, BY) of each layer are converted to R, G, B with Rec. 709 primaries. The conversion keeps the XYZ colour,
+    without chromatic adaptation to another white point, as in other programs.
 
     Parameters
     ----------
+    data : the bytes of the file.
     where : the file, for warnings.
-    check_size : raises EclatError for a width and height that are not to be read.
+    check_size : a function that raises EclatError if a width and a height are too large.
 
     Raises
     ------
-    EclatError : what `check_size` raises, or a data window outside the display window.
-    Exception : of any kind, from the library, for a broken file.
+    EclatError : `check_size` raises it, the data window is outside the display window, or the pixels are missing.
+    Exception : the library may raise any type of exception if the file is invalid.
     """
     header = dict(OpenEXR.File(io.BytesIO(data), header_only=True).header())
     window, display = _window(header["dataWindow"]), _window(header.get("displayWindow", header["dataWindow"]))
@@ -61,16 +67,16 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
     if max(window[0], display[0]) >= min(window[2], display[2]) or max(window[1], display[1]) >= min(
         window[3], display[3]
     ):
-        raise EclatError(f"expected data inside the display window {display}, got the data window {window}")
+        raise EclatError(f"expected a data window that overlaps the display window {display}, got {window}")
     file = OpenEXR.File(io.BytesIO(data), separate_channels=True)
     if not file.parts:
-        raise EclatError("expected the pixels that the header promises, but the file is cut off or damaged")
+        raise EclatError("expected the pixels that the header announces, but the file is truncated or damaged")
     channels = {}
-    with np.errstate(all="ignore"):  # Texels may be infinite or NaN.
+    with np.errstate(all="ignore"):  # Pixels may be infinite or NaN.
         for name, channel in file.channels().items():
             plane = _full_size(np.asarray(channel.pixels), (channel.xSampling, channel.ySampling), window)
             if plane is not None:
-                channels[name] = _placed(plane, window, display)
+                channels[name] = _cropped(plane, window, display)
         to_xyz = _rgb_to_xyz(header.get("chromaticities"), where)
         converted = _undo_luminance_chroma(channels, to_xyz[1])
         if not np.array_equal(to_xyz, _rgb_to_xyz(None, where)):
@@ -80,9 +86,9 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
 
 
 def rgb_to_xyz(chromaticities: tuple[float, ...]) -> Float64 | None:
-    """The 3×3 matrix of primaries given as x, y of red, green, blue, white; of white's Y 1. None for impossible ones.
+    """The 3×3 matrix from RGB to XYZ for which white has Y = 1 [SMPTE RP 177].
 
-    [SMPTE RP 177]
+    `chromaticities` are x and y of red, green, blue and white. The result is None if they are not valid primaries.
     """
     if len(chromaticities) != 8 or not np.isfinite(chromaticities).all():
         return None
@@ -95,7 +101,10 @@ def rgb_to_xyz(chromaticities: tuple[float, ...]) -> Float64 | None:
 
 
 def _rgb_to_xyz(chromaticities: Any, where: str) -> Float64:
-    """The matrix of the header's attribute, Rec. 709's where it is absent, the same, or (with a warning) impossible."""
+    """The 3×3 matrix from RGB to XYZ for the header attribute `chromaticities`.
+
+    It is the matrix of Rec. 709 if the attribute is absent, nearly equal or, with a warning, invalid.
+    """
     standard = rgb_to_xyz(REC_709)
     assert standard is not None
     if chromaticities is None:
@@ -111,7 +120,7 @@ def _rgb_to_xyz(chromaticities: Any, where: str) -> Float64:
 
 
 def _window(corners: Any) -> tuple[int, int, int, int]:
-    """The window's corners as (x0, y0, x1, y1); the far corner is exclusive."""
+    """The corners of a window as (x0, y0, x1, y1), where x1 and y1 are exclusive."""
     (x0, y0), (x1, y1) = corners
     return int(x0), int(y0), int(x1) + 1, int(y1) + 1
 
@@ -119,14 +128,18 @@ def _window(corners: Any) -> tuple[int, int, int, int]:
 def _full_size(
     plane: NDArray[Any], sampling: tuple[int, int], window: tuple[int, int, int, int]
 ) -> NDArray[Any] | None:
-    """The plane at one value a pixel of `window`; None where it has another size than its sampling says."""
+    """Interpolate a subsampled channel to one value for each pixel of `window`.
+
+    `sampling` is the distance of its samples in x and y. The result is None if the size of the channel does not match.
+    """
     x0, y0, x1, y1 = window
     for axis, step, start, end in ((1, sampling[0], x0, x1), (0, sampling[1], y0, y1)):
         if step == 1:
             if plane.ndim != 2 or plane.shape[axis] != end - start:
                 return None
             continue
-        # Samples lie at the multiples of the sampling [OpenEXR file layout, channels]; between them, straight lines.
+        # Samples are at the multiples of the sampling [OpenEXR file layout, channels]. Between them, the interpolation
+        # is linear.
         places = np.arange(-(-start // step), (end - 1) // step + 1) * step
         if plane.ndim != 2 or not 0 < plane.shape[axis] <= len(places):
             return None
@@ -141,8 +154,8 @@ def _full_size(
     return plane
 
 
-def _placed(plane: NDArray[Any], window: tuple[int, int, int, int], display: tuple[int, int, int, int]) -> Float32:
-    """`plane`, which covers `window`, cut to the `display` window and filled up with zeros."""
+def _cropped(plane: NDArray[Any], window: tuple[int, int, int, int], display: tuple[int, int, int, int]) -> Float32:
+    """Crop a channel that covers `window` to the `display` window. Pixels outside `window` become zero."""
     plane = plane.astype(np.float32)
     if window == display:
         return plane
@@ -154,15 +167,16 @@ def _placed(plane: NDArray[Any], window: tuple[int, int, int, int], display: tup
 
 
 def _layers_of(channels: dict[str, Float32], letters: tuple[str, ...]) -> list[str]:
-    """What stands before each set of channels of these `letters`: "" or a layer's name with its dot."""
+    """The prefix of each layer that has a channel for each of the `letters`: "", or the layer's name with a dot."""
     starts = [name.removesuffix(letters[0]) for name in channels if name.rpartition(".")[2] == letters[0]]
     return [start for start in starts if all(f"{start}{letter}" in channels for letter in letters)]
 
 
 def _undo_luminance_chroma(channels: dict[str, Float32], weights: Float64) -> bool:
-    """Y, RY = (R − Y)/Y, BY = (B − Y)/Y become R, G, B, where Y is R, G, B times `weights` [OpenEXR, ImfRgbaYca].
+    """Convert luminance and chroma channels in place to R, G, B [OpenEXR, ImfRgbaYca].
 
-    Returns whether there were any.
+    The channels are Y, RY = (R − Y)/Y and BY = (B − Y)/Y, where Y is the sum of R, G, B with the `weights` (3,). Returns
+    whether there were such channels.
     """
     starts = _layers_of(channels, ("Y", "RY", "BY"))
     for start in starts:
@@ -174,6 +188,7 @@ def _undo_luminance_chroma(channels: dict[str, Float32], weights: Float64) -> bo
 
 
 def _convert(channels: dict[str, Float32], matrix: Float64) -> None:
+    """Multiply the colours of all layers in place by the 3×3 `matrix`."""
     for start in _layers_of(channels, ("R", "G", "B")):
         names = [f"{start}{letter}" for letter in "RGB"]
         red, green, blue = (channels[name] for name in names)

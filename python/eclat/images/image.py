@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""A picture: linear radiance, layers beside it, and how it was made."""
+"""Images: linear radiance, additional layers, and metadata about the rendering."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from numpy.typing import DTypeLike, NDArray
 from eclat.errors import EclatError, warn
 from eclat.files.atomic_file import check_writable, write_file
 from eclat.images import image_files
-from eclat.images.tone import check_display, stops_of
+from eclat.images.tone import check_display, exposure_stops
 
 LAYERS: dict[str, str] = {
     "direct": "RGB",
@@ -24,41 +24,49 @@ LAYERS: dict[str, str] = {
     "depth": "Z",
     "record_density": "Y",
 }
-"""The layers that `render` makes, with the letters of their channels in an EXR file (`indirect.R`, `depth.Z`)."""
+"""The layers that `render` can write, with the letters of their channels in an EXR file (`indirect.R`, `depth.Z`)."""
 
 RECORD_MARK = (1.0, 0.25, 0.0)
-"""Colour of a mark, times the picture's white: orange is rare in scenes and seen on dark and bright walls."""
+"""The linear RGB colour of the marks of records, relative to white. Orange is rare in scenes, and visible on dark and on
+bright surfaces."""
 
 MAX_SIDE = 1 << 16
+"""The largest width and height of an image in pixels."""
 MAX_PIXELS = 1 << 27
-"""16384 × 8192: 1.6 GB for radiance alone, as much again for each colour layer."""
+"""The largest number of pixels of an image: 16384 × 8192. The radiance then takes 1.6 GB, and so does each colour layer."""
 
 
 def check_size(width: int, height: int, what: str = "size") -> None:
-    """Raise EclatError unless a picture of that size can sensibly be made; call it before allocating anything.
+    """Raise EclatError if an image would be empty or too large. Call it before memory is allocated.
+
+    Parameters
+    ----------
+    width, height : the size in pixels.
+    what : the name of the size, for the message.
 
     Raises
     ------
-    EclatError : a side below 1 or above `MAX_SIDE`, or more than `MAX_PIXELS` pixels.
+    EclatError : a side is below 1 or above `MAX_SIDE`, or there are more than `MAX_PIXELS` pixels.
     """
     got = f"got {width}x{height}"
     if not (1 <= width <= MAX_SIDE and 1 <= height <= MAX_SIDE):
         raise EclatError(f"{what}: expected a width and a height between 1 and {MAX_SIDE:,} pixels, {got}")
     if width * height > MAX_PIXELS:
-        raise EclatError(f"{what}: expected at most {MAX_PIXELS:,} pixels in all, {got}")
+        raise EclatError(f"{what}: expected at most {MAX_PIXELS:,} pixels in total, {got}")
 
 
 @dataclass(frozen=True, eq=False)
 class Image:
-    """A picture: the radiance of each pixel, layers and metadata. A notebook displays it as PNG.
+    """An image: the radiance of each pixel, additional layers, and metadata. A notebook displays it as PNG.
 
     Parameters
     ----------
-    pixels : (H, W, 3) float32 scene-linear radiance in W·sr⁻¹·m⁻² (cd·m⁻² of a photometric scene), Rec. 709
-        primaries; row 0 is the top.
-    layers : by name (those of `LAYERS`, or others), each (H, W, 3) or (H, W) float32. `normal` is in world space,
-        `depth` in metres along the ray (infinite where it meets nothing), `record_density` records per pixel.
-    metadata : values that JSON can represent: scene, options, seed, version, time, statistics.
+    pixels : (H, W, 3) float32 scene-linear radiance with Rec. 709 primaries, in W·sr⁻¹·m⁻² or, for a photometric scene,
+        in cd·m⁻². Row 0 is the top row.
+    layers : further data for each pixel by name, (H, W, 3) or (H, W) float32. The names are those of `LAYERS` or others.
+        `normal` is in world space. `depth` is the distance along the ray in metres, and infinite if the ray hits no
+        surface. `record_density` is the number of records in the pixel.
+    metadata : values that JSON can represent, such as the scene, options, seed, version, time and statistics.
 
     Examples
     --------
@@ -68,7 +76,7 @@ class Image:
 
     Raises
     ------
-    EclatError : shapes that do not agree, sizes beyond `check_size`.
+    EclatError : the shapes do not match, or the size is refused by `check_size`.
     """
 
     pixels: NDArray[np.float32]
@@ -84,51 +92,55 @@ class Image:
         for name, layer in layers.items():
             if layer.shape[:2] != pixels.shape[:2] or layer.shape[2:] not in ((), (3,)):
                 size = f"({pixels.shape[0]}, {pixels.shape[1]})"
-                raise EclatError(f"image, layer {name!r}: expected {size} or {size[:-1]}, 3), got {layer.shape}")
+                raise EclatError(
+                    f"image, layer {name!r}: expected the shape {size} or {size[:-1]}, 3), got {layer.shape}"
+                )
         object.__setattr__(self, "pixels", np.ascontiguousarray(pixels, dtype=np.float32))
         object.__setattr__(self, "layers", {n: np.ascontiguousarray(v, dtype=np.float32) for n, v in layers.items()})
 
     def __array__(self, dtype: DTypeLike | None = None, copy: bool | None = None) -> NDArray[Any]:
-        """The pixels, for `np.asarray(image)`."""
+        """Convert the image to an array: `np.asarray(image)` is `pixels`."""
         return self.pixels if dtype is None and not copy else np.array(self.pixels, dtype=dtype)
 
     @property
     def width(self) -> int:
-        """Pixels in a row."""
+        """The width in pixels."""
         return int(self.pixels.shape[1])
 
     @property
     def height(self) -> int:
-        """Number of rows."""
+        """The height in pixels."""
         return int(self.pixels.shape[0])
 
     def save(
         self, path: str | os.PathLike[str], exposure: float | Literal["auto"] = 0.0, tone_mapping: str = "none"
     ) -> None:
-        """Write the picture in the format that `path` ends in.
+        """Write the image to a file. The suffix of `path` determines the format.
 
         ======  ===========================================================================================
-        .exr    float32 radiance with all layers and the metadata (string attributes `eclat.<key>`, JSON)
-        .png    8-bit sRGB for the screen, with exposure and tone mapping; metadata in the text field `eclat`
+        .exr    float32 radiance with all layers, and the metadata as JSON in attributes `eclat.<key>`
+        .png    8-bit sRGB for display, with exposure and tone mapping; the metadata are in the text `eclat`
         .pfm    float32 radiance only
         .npy    float32 radiance only, for NumPy
         ======  ===========================================================================================
 
-        The file is either whole or untouched, whatever fails or interrupts. Pixels that are not finite are warned
-        about; radiance formats keep them as they are, PNG shows them in magenta.
+        The file is written atomically: after a failure or an interrupt, the previous file is unchanged. Pixels that are
+        not finite cause a warning. Formats with radiance keep them, and in a PNG file they are magenta.
 
         Parameters
         ----------
-        exposure : stops, for PNG only: radiance times 2^exposure. "auto" takes the log-average luminance to mid grey, to
-            the nearest half stop (`auto_exposure`), and the file's metadata say so as `exposure`.
-        tone_mapping : "none" or "filmic", of PNG only.
+        path : the file to write.
+        exposure : the exposure in stops, for PNG only. Radiance is multiplied by 2^exposure. "auto" chooses the exposure
+            that maps the log-average luminance to mid grey, to the nearest half stop (see `auto_exposure`), and writes it
+            to the metadata of the file as `exposure`.
+        tone_mapping : "none" or "filmic", for PNG only.
 
         Raises
         ------
-        EclatError : unknown suffix, bad exposure or tone mapping, or the file cannot be written.
+        EclatError : the suffix is unknown, the exposure or the tone mapping is invalid, or the file cannot be written.
         """
         file_format = check_output(path)
-        stops = stops_of(exposure, self.pixels)
+        stops = exposure_stops(exposure, self.pixels)
         check_display(stops, tone_mapping)
         self._warn_if_not_finite(os.fspath(path), file_format.not_finite)
         chosen = {"exposure": stops} if exposure == "auto" and file_format is image_files.FORMATS[".png"] else {}
@@ -136,17 +148,23 @@ class Image:
         write_file(path, file_format.encode(content, LAYERS, stops, tone_mapping))
 
     def show_records(self, exposure: float = 0.0) -> Image:
-        """The picture with a mark over each pixel in which records lie, bright at that `exposure` (stops).
+        """Mark each pixel that contains records.
+
+        `exposure` is the exposure in stops at which the image will be displayed, so that the marks have the right
+        brightness.
 
         Raises
         ------
-        EclatError : the picture was not made with records.
+        EclatError : the image has no layer `record_density`, because it was not rendered with records.
         """
         density = self.layers.get("record_density")
         if density is None:
-            raise EclatError("show_records: expected a picture made with records (layer record_density), got none")
+            raise EclatError(
+                "show_records: expected an image with the layer 'record_density', got none; "
+                "render the image with a method that uses records"
+            )
         marked = density > 0
-        # A pixel in pictures up to 800 pixels high; in larger ones marks would get lost.
+        # A mark is one pixel large in images up to 800 pixels high, and larger in larger images, to remain visible.
         for _ in range(self.height // 800):
             taller = marked.copy()
             taller[1:] |= marked[:-1]
@@ -158,30 +176,34 @@ class Image:
 
     @staticmethod
     def load(path: str | os.PathLike[str]) -> Image:
-        """The picture in an .exr, .pfm or .npy file.
+        """Read an image from an .exr, .pfm or .npy file.
 
         Raises
         ------
-        EclatError : the file is absent or broken, or its format holds no radiance (.png).
+        EclatError : the file does not exist or is invalid, or its format contains no radiance (.png).
         """
         content = image_files.read(path, check_size)
         return Image(content.pixels, content.layers, content.metadata)
 
     def _repr_png_(self) -> bytes:
-        """The picture as PNG, for notebooks."""
+        """The image as a PNG file, for notebooks."""
         return image_files.encode_png(image_files.Content(self.pixels, {}, {}), LAYERS, 0.0, "none")
 
     def _warn_if_not_finite(self, name: str, treatment: str) -> None:
+        """Warn if pixels are not finite. The warning names the file, and `treatment` says how they are written."""
         bad = ~np.isfinite(self.pixels).all(axis=2)
         count = int(np.count_nonzero(bad))
         if count:
             row, column = divmod(int(np.argmax(bad)), self.width)
             which = f"{count:,} of {bad.size:,} pixels {'is' if count == 1 else 'are'} not finite"
-            warn(f"{name}: {which}, the first at ({column}, {row}); {treatment}")
+            warn(f"{name}: {which}, the first one at column {column}, row {row}; {treatment}")
 
 
 def check_output(path: str | os.PathLike[str]) -> image_files.Format:
-    """The format to write `path` in. Raises EclatError for an unknown suffix or a place that cannot be written."""
+    """The format of the image file `path`.
+
+    Raises EclatError if its suffix is unknown or the file cannot be written.
+    """
     file_format = image_files.format_of(path)
     check_writable(path)
     return file_format

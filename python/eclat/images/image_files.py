@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures as bytes: the table of formats, and how each is written and read."""
+"""Encode and decode image files. `FORMATS` lists the formats."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ CheckSize = Callable[[int, int, str], None]
 
 @dataclass(frozen=True, eq=False)
 class Content:
-    """The content of a file: (H, W, 3) pixels, layers by name, and metadata."""
+    """The content of an image file: the pixels (H, W, 3), layers by name, and metadata."""
 
     pixels: NDArray[np.float32]
     layers: dict[str, NDArray[np.float32]] = field(default_factory=dict)
@@ -36,7 +36,11 @@ class Content:
 
 @dataclass(frozen=True)
 class Format:
-    """One row of the table: how to write, how to read (None: holds no radiance)."""
+    """A file format: the functions that encode and decode it.
+
+    `decode` is None if the format does not contain radiance. `not_finite` says how pixels that are not finite are
+    written, as the end of a warning.
+    """
 
     encode: Callable[[Content, Mapping[str, str], float, str], bytes]
     decode: Callable[[bytes, str, CheckSize], Content] | None
@@ -44,36 +48,50 @@ class Format:
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
-    """The format that a path's suffix names. Raises EclatError for a suffix that is not in `FORMATS`."""
+    """The format of the file `path`, by its suffix. Raises EclatError if the suffix is not in `FORMATS`."""
     suffix = Path(path).suffix
     if suffix.lower() not in FORMATS:
-        got = f"{suffix!r}{did_you_mean(suffix.lower(), FORMATS)}" if suffix else "a name without one"
-        raise EclatError(f"{os.fspath(path)}: expected a suffix of {', '.join(FORMATS)}, got {got}")
+        got = f"{suffix!r}{did_you_mean(suffix.lower(), FORMATS)}" if suffix else "a name without a suffix"
+        raise EclatError(
+            f"{os.fspath(path)}: expected an image file with one of the suffixes {', '.join(FORMATS)}, got {got}"
+        )
     return FORMATS[suffix.lower()]
 
 
 def read(path: str | os.PathLike[str], check_size: CheckSize) -> Content:
-    """The content of a radiance file. Raises EclatError for any fault of it, before allocating what it claims."""
+    """Read the content of an image file with radiance.
+
+    `check_size` raises EclatError if a width and a height are too large. It is called before memory is allocated.
+
+    Raises
+    ------
+    EclatError : the file does not exist, is invalid or too large, or its format contains no radiance.
+    """
     name = os.fspath(path)
     decode = format_of(path).decode
     if decode is None:
-        raise EclatError(f"{name}: expected radiance (.exr, .pfm, .npy); this format holds display values only")
+        raise EclatError(
+            f"{name}: expected a file with radiance (.exr, .pfm or .npy), got a format that only contains display values"
+        )
     data = read_file(path, where=name)
     return decode(data, name, check_size)
 
 
 def metadata_text(metadata: Mapping[str, Any]) -> str:
-    """JSON of the metadata. Raises EclatError where JSON cannot hold it."""
+    """Encode metadata as JSON. Raises EclatError if JSON cannot represent them."""
     try:
         return json.dumps(dict(metadata), ensure_ascii=False)
     except (TypeError, ValueError) as error:
-        raise EclatError(f"image metadata: expected what JSON can hold: {error}") from None
+        raise EclatError(f"image metadata: expected values that JSON can represent, got an error: {error}") from None
 
 
 def encode_png(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
-    """The picture as 8-bit PNG marked as sRGB, with the metadata as international text under the keyword `eclat`."""
+    """Encode an image as 8-bit PNG in sRGB, with the metadata as international text with the keyword `eclat`.
+
+    `exposure` is in stops, and `tone_mapping` is a key of `TONE_MAPPINGS`. Layers are not written.
+    """
     information = PngImagePlugin.PngInfo()
-    # Rendering intent 0, "perceptual", is the one meant for pictures; this chunk says that the values are sRGB.
+    # This chunk states that the values are sRGB. Its rendering intent is 0, "perceptual", which is meant for images.
     information.add(b"sRGB", b"\x00")
     if content.metadata:
         information.add_itxt("eclat", metadata_text(content.metadata), zip=True)
@@ -84,7 +102,7 @@ def encode_png(content: Content, layers: Mapping[str, str], exposure: float, ton
 
 
 def read_png_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
-    """The metadata that `encode_png` stored. Raises EclatError when the file has none."""
+    """Read the metadata that `encode_png` has written. Raises EclatError if the file contains none."""
     try:
         with PillowImage.open(io.BytesIO(read_file(path, where=os.fspath(path))), formats=("PNG",)) as picture:
             metadata = json.loads(str(picture.info["eclat"]))
@@ -92,7 +110,7 @@ def read_png_metadata(path: str | os.PathLike[str]) -> dict[str, Any]:
                 return metadata
     except EclatError:
         raise
-    except Exception:  # Pillow's reader raises nearly every type there is on broken files.
+    except Exception:  # Pillow raises exceptions of many types if a file is invalid.
         pass
     raise EclatError(f"{os.fspath(path)}: expected a PNG file with the text field 'eclat', which Éclat writes")
 
@@ -107,7 +125,7 @@ def _decode_exr(data: bytes, name: str, check_size: CheckSize) -> Content:
 
 
 def _encode_pfm(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
-    """Portable float map: rows from the bottom up; a negative scale says little-endian."""
+    """Encode a portable float map. Its rows are from bottom to top, and a negative scale means little-endian."""
     height, width, _ = content.pixels.shape
     return f"PF\n{width} {height}\n-1.0\n".encode() + content.pixels[::-1].astype("<f4").tobytes()
 
@@ -122,7 +140,7 @@ def _decode_pfm(data: bytes, name: str, check_size: CheckSize) -> Content:
         raise EclatError(f"{name}: expected a PFM header (PF, width, height, scale), got {data[:20]!r}")
     check_size(width, height, name)
     channels = 3 if kind == b"PF" else 1
-    # One white space ends the header; searching anew would swallow pixels that look like white space.
+    # A single white-space character ends the header. The first bytes of the pixels may look like white space too.
     start = 0
     for token in header[:fields]:
         start = data.index(token, start) + len(token)
@@ -142,7 +160,9 @@ def _encode_npy(content: Content, layers: Mapping[str, str], exposure: float, to
 def _decode_npy(data: bytes, name: str, check_size: CheckSize) -> Content:
     pixels = array_from(data, name)
     if pixels.dtype.kind not in "fiu" or pixels.ndim != 3 or pixels.shape[2] != 3:
-        raise EclatError(f"{name}: expected numbers of shape (height, width, 3), got {pixels.dtype} {pixels.shape}")
+        raise EclatError(
+            f"{name}: expected numbers of the shape (height, width, 3), got {pixels.dtype} of the shape {pixels.shape}"
+        )
     check_size(pixels.shape[1], pixels.shape[0], name)
     return Content(pixels.astype(np.float32))
 
@@ -153,3 +173,4 @@ FORMATS: dict[str, Format] = {
     ".pfm": Format(_encode_pfm, _decode_pfm),
     ".npy": Format(_encode_npy, _decode_npy),
 }
+"""The formats of image files by suffix, in lower case."""

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The positions of records in a picture: the layer `record_density`, which `Image.show_records` draws."""
+"""Compute the positions of records in an image, for the layer `record_density` that `Image.show_records` uses."""
 
 from __future__ import annotations
 
@@ -11,14 +11,23 @@ from eclat.images.image import Image
 from eclat.scene import Camera, FloatArray
 
 DEPTH_TOLERANCE = 0.02
-"""A record counts as visible up to this much (relative) behind what the pixel sees, since a pixel is not a point."""
+"""The largest relative distance of a record behind the visible surface at which it counts as visible. The depth varies
+within a pixel, so that an exact comparison would fail."""
 
 
 def project(camera: Camera, points: FloatArray, size: tuple[int, int]) -> tuple[FloatArray, FloatArray]:
-    """Raster positions (N, 2) in pixels, (0, 0) being the top left corner, and distances (N,) in metres.
+    """Project points to the image, as the inverse of the rays of `camera`.
 
-    The inverse of the core's pinhole; NaN for points behind it. Distances are along the ray, of an orthographic
-    camera from its plane.
+    Parameters
+    ----------
+    camera : the camera.
+    points : (N, 3) points in world space.
+    size : the width and the height of the image in pixels.
+
+    Returns
+    -------
+    (N, 2) positions in pixels, where (0, 0) is the top left corner of the image, and (N,) distances along the ray in
+    metres. The distances of an orthographic camera are measured from its plane. Points behind the camera have NaN.
     """
     width, height = size
     matrix = np.asarray(camera.to_world, dtype=np.float64)
@@ -36,7 +45,10 @@ def project(camera: Camera, points: FloatArray, size: tuple[int, int]) -> tuple[
 
 
 def visible_pixels(image: Image, camera: Camera, positions: FloatArray) -> NDArray[np.intp]:
-    """(M, 2) columns and rows of those records that the picture's depth layer does not hide."""
+    """The columns and rows (M, 2) of the pixels that contain visible records.
+
+    `positions` (N, 3) are the records. A record is hidden if it is behind the depth in the layer `depth` of the image.
+    """
     raster, distance = project(camera, positions, (image.width, image.height))
     inside = np.isfinite(raster).all(axis=1) & (raster >= 0).all(axis=1)
     inside &= (raster < (image.width, image.height)).all(axis=1)
@@ -48,7 +60,7 @@ def visible_pixels(image: Image, camera: Camera, positions: FloatArray) -> NDArr
 
 
 def record_density(image: Image, camera: Camera, positions: FloatArray) -> NDArray[np.float32]:
-    """(H, W): how many visible records lie in each pixel."""
+    """The number (H, W) of visible records in each pixel. `positions` (N, 3) are the records."""
     pixels = visible_pixels(image, camera, positions)
     density = np.zeros((image.height, image.width), dtype=np.float32)
     np.add.at(density, (pixels[:, 1], pixels[:, 0]), np.float32(1))

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Conversion of scene-linear radiance to display bytes: exposure, tone curve, sRGB transfer function and rounding."""
+"""Convert scene-linear radiance to bytes for display: exposure, tone mapping, sRGB transfer function and rounding."""
 
 from __future__ import annotations
 
@@ -17,37 +17,40 @@ from eclat.measure.photometry import luminance
 FloatArray = NDArray[np.floating[Any]]
 
 MAX_EXPOSURE = 64.0
-"""Stops; twice that spans all of float32, so more is a slip of the keyboard."""
+"""The largest absolute value of an exposure, in stops. The range of float32 spans about four times this number of stops
+in total, so a larger exposure is probably a typing error."""
 
 NOT_FINITE = (255, 0, 255)
-"""The colour of pixels that are NaN or infinite: a bug must be seen, so it is neither black nor white."""
+"""The sRGB colour of pixels that are NaN or infinite: magenta, so that they are noticed."""
 
 MID_GREY = 0.18
-"""Reflectance of the photographer's grey card, the value that the filmic curve keeps."""
+"""The reflectance of a photographic grey card. The filmic curve maps this value to itself."""
 
 
 def srgb_encode(linear: FloatArray) -> FloatArray:
-    """Display value in 0..1 of linear light in 0..1 (IEC 61966-2-1, section 5.2); values outside are clipped."""
+    """Convert linear values to sRGB values in 0..1 (IEC 61966-2-1, section 5.2). Values outside 0..1 are clipped."""
     clipped = np.clip(linear, 0.0, 1.0)
     return np.where(clipped <= 0.0031308, 12.92 * clipped, 1.055 * clipped ** (1 / 2.4) - 0.055)
 
 
 def srgb_decode(encoded: FloatArray) -> FloatArray:
-    """Linear light in 0..1 of a display value in 0..1: the inverse of `srgb_encode`."""
+    """Convert sRGB values to linear values in 0..1, as the inverse of `srgb_encode`. Values outside 0..1 are clipped."""
     clipped = np.clip(encoded, 0.0, 1.0)
     return np.where(clipped <= 0.04045, clipped / 12.92, ((clipped + 0.055) / 1.055) ** 2.4)
 
 
 def filmic(linear: FloatArray) -> FloatArray:
-    """A film-like curve: dark toe, long shoulder, no clipping; per channel, so that highlights lose colour gently.
+    """Apply a tone curve like that of film, with a dark toe and a long shoulder. It maps 0..∞ to 0..1.
 
-    Naka and Rushton 1966, *S-potentials from colour units in the retina of fish*: y = xⁿ / (xⁿ + sⁿ), the response
-    of photoreceptors. Two demands fix both constants, so that nothing is tuned: mid grey g stays g, and contrast
-    there stays 1, i.e. d ln y / d ln x = n (1 − y) = 1, thus n = 1 / (1 − g) and sⁿ = gⁿ (1 − g) / g.
+    It is applied to each channel separately, so that highlights become less saturated. The curve is
+    y = xⁿ / (xⁿ + sⁿ), which describes the response of photoreceptors (Naka and Rushton 1966, *S-potentials from colour
+    units in the retina of fish*). Two conditions determine its constants, so that neither is tuned. Mid grey g is mapped
+    to itself, and its contrast is 1: d ln y / d ln x = n (1 − y) = 1. It follows that n = 1 / (1 − g) and
+    sⁿ = gⁿ (1 − g) / g.
     """
     exponent = 1.0 / (1.0 - MID_GREY)
     semi_saturation = MID_GREY**exponent * (1.0 - MID_GREY) / MID_GREY
-    # As 1 / (1 + sⁿ/xⁿ) nothing overflows: the largest float32 to the power n is still a float64.
+    # The power cannot overflow: the n-th power of the largest float32 is in the range of float64.
     power = np.maximum(np.asarray(linear, dtype=np.float64), 0.0) ** exponent
     return np.asarray(power / (power + semi_saturation))
 
@@ -57,14 +60,22 @@ def _clip(linear: FloatArray) -> FloatArray:
 
 
 TONE_MAPPINGS: dict[str, Callable[[FloatArray], FloatArray]] = {"none": _clip, "filmic": filmic}
-"""Curves from exposed radiance to linear display light; what they leave outside 0..1 is clipped."""
+"""The tone curves, from exposed radiance to linear display values. Values outside 0..1 are clipped afterwards."""
 
 
 def auto_exposure(pixels: FloatArray) -> float:
-    """Stops that take the log-average luminance of (H, W, 3) radiance to mid grey (0.18), to the nearest half stop.
+    """Compute the exposure that maps the log-average luminance of an image to mid grey (0.18).
 
-    Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2; black pixels, which
-    have no logarithm, are left out, as are those that are not finite. Within ±`MAX_EXPOSURE`.
+    The formula is from Reinhard et al. 2002, *Photographic Tone Reproduction for Digital Images*, equations 1 and 2.
+    Black pixels, which have no logarithm, and pixels that are not finite are left out.
+
+    Parameters
+    ----------
+    pixels : (H, W, 3) radiance.
+
+    Returns
+    -------
+    The exposure in stops, rounded to half a stop and clipped to ±`MAX_EXPOSURE`. It is 0 if all pixels are left out.
     """
     brightness = luminance(pixels)
     lit = brightness[np.isfinite(brightness) & (brightness > 0)]
@@ -74,8 +85,11 @@ def auto_exposure(pixels: FloatArray) -> float:
     return min(max(round(2 * stops) / 2, -MAX_EXPOSURE), MAX_EXPOSURE)
 
 
-def stops_of(exposure: float | Literal["auto"], pixels: FloatArray) -> float:
-    """The number of stops that `exposure` means for `pixels`. Raises EclatError for another word than "auto"."""
+def exposure_stops(exposure: float | Literal["auto"], pixels: FloatArray) -> float:
+    """The exposure in stops: `exposure`, or `auto_exposure(pixels)` if it is "auto".
+
+    Raises EclatError if it is another word.
+    """
     if isinstance(exposure, str):
         if exposure != "auto":
             raise EclatError(f"exposure: expected a number of stops or 'auto', got {exposure!r}")
@@ -84,9 +98,11 @@ def stops_of(exposure: float | Literal["auto"], pixels: FloatArray) -> float:
 
 
 def check_display(exposure: float, tone_mapping: str) -> None:
-    """Raise EclatError unless `to_display` accepts these."""
+    """Raise EclatError if `to_display` does not accept the exposure (in stops) or the tone mapping."""
     if not math.isfinite(exposure) or abs(exposure) > MAX_EXPOSURE:
-        raise EclatError(f"exposure: expected stops between −{MAX_EXPOSURE:g} and {MAX_EXPOSURE:g}, got {exposure}")
+        raise EclatError(
+            f"exposure: expected a number of stops between −{MAX_EXPOSURE:g} and {MAX_EXPOSURE:g}, got {exposure}"
+        )
     if tone_mapping not in TONE_MAPPINGS:
         known = ", ".join(TONE_MAPPINGS)
         hint = did_you_mean(tone_mapping, TONE_MAPPINGS)
@@ -94,20 +110,24 @@ def check_display(exposure: float, tone_mapping: str) -> None:
 
 
 def to_display(pixels: FloatArray, exposure: float = 0.0, tone_mapping: str = "none") -> NDArray[np.uint8]:
-    """8-bit sRGB bytes of scene-linear radiance.
+    """Convert scene-linear radiance to 8-bit sRGB values.
 
-    Rounded to the nearest byte without dithering: a byte depends on its own pixel only, so that pictures can be
-    compared byte by byte and flat areas stay flat.
+    Values are rounded to the nearest byte without dithering. Each byte therefore only depends on its own pixel, so that
+    images can be compared byte by byte, and areas of constant radiance stay constant.
 
     Parameters
     ----------
-    pixels : (H, W, 3) radiance, Rec. 709 primaries. Pixels with a channel that is not finite become `NOT_FINITE`.
-    exposure : stops; radiance is multiplied by 2^exposure, and 1 is then white (before `filmic`).
+    pixels : (H, W, 3) radiance with Rec. 709 primaries. Pixels with a channel that is not finite become `NOT_FINITE`.
+    exposure : the exposure in stops. Radiance is multiplied by 2^exposure. Without tone mapping, 1 is then white.
     tone_mapping : a key of `TONE_MAPPINGS`.
+
+    Returns
+    -------
+    (H, W, 3) bytes.
 
     Raises
     ------
-    EclatError : exposure not finite or beyond ±`MAX_EXPOSURE`, unknown tone mapping.
+    EclatError : the exposure is not finite or beyond ±`MAX_EXPOSURE`, or the tone mapping is unknown.
     """
     check_display(exposure, tone_mapping)
     finite = np.asarray(np.isfinite(pixels).all(axis=-1))

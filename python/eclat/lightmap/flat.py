@@ -21,7 +21,7 @@ from PIL import Image as PillowImage
 
 from eclat.gltf_export import Part
 from eclat.gltf_export.document import Document, Json
-from eclat.gltf_export.geometry import bounds_of, primitive
+from eclat.gltf_export.geometry import bounding_box, primitive
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.nodes import camera_node
 from eclat.gltf_export.textures import Textures, constant_of, texels
@@ -86,7 +86,7 @@ def encode_flat(lightmap: LitParts, exposure: float | None, tone_mapping: str, g
         bare = replace(part.mesh, uvs=part.lightmap_uvs, uvs2=None, colors=None, tangents=None)
         mesh = {"name": bare.name, "primitives": [primitive(document, Part(bare), known[key])]}
         nodes.append(document.add("nodes", {"name": bare.name, "mesh": document.add("meshes", mesh)}))
-    bounds = bounds_of(lightmap.parts)
+    bounds = bounding_box(lightmap.parts)
     nodes += [camera_node(document, camera, bounds) for camera in lightmap.scene.cameras]
     document.root |= {"scene": 0, "scenes": [{"name": lightmap.scene.name, "nodes": nodes}]}
     return document.encode()

@@ -15,7 +15,7 @@ from typing import Literal
 
 import numpy as np
 
-from eclat.gltf_export import Part, back_of, sides_differ
+from eclat.gltf_export import Part, back_side, sides_differ
 from eclat.gltf_export.geometry import face_normals, with_flat_normals
 from eclat.gltf_export.textures import constant_of
 from eclat.lightmap.probes import certainly_dark
@@ -58,7 +58,7 @@ def lit_sides(
             behind = np.ones(len(hull), bool) if choice == "both" else ~hull
         sides.append(_side(Part(mesh, one_of_two=bool(behind.any()))))
         if behind.any():
-            back = back_of(replace(mesh, triangles=np.asarray(mesh.triangles)[behind]))
+            back = back_side(replace(mesh, triangles=np.asarray(mesh.triangles)[behind]))
             sides.append(_side(Part(back, one_of_two=True, back=True)))
     return _without_dark(scene, sides, threads)
 

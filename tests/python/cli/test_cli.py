@@ -164,7 +164,7 @@ def test_a_camera_by_name_and_by_number(api: FakeApi, capsys: Output, monkeypatc
 BAD_VALUES = {
     "--size 0x5": "--size: expected a width and a height between 1 and 65,536 pixels, got 0x5",
     "--size 1000000x1000000": "--size: expected a width and a height between 1 and 65,536 pixels, got 1000000x1000000",
-    "--size 60000x60000": "--size: expected at most 134,217,728 pixels in all, got 60000x60000",
+    "--size 60000x60000": "--size: expected at most 134,217,728 pixels in total, got 60000x60000",
     "--size 640": "--size: expected WIDTHxHEIGHT in pixels, such as 1280x720, got '640'",
     "--samples -1": "--samples: expected an integer from 1 to 16,777,216, got '-1'",
     "--samples 0": "--samples: expected an integer from 1 to 16,777,216, got '0'",
@@ -209,7 +209,7 @@ BAD_VALUES = {
         "--cache cannot be combined with --method or --set: the file holds the method and its options"
     ),
     "--cache a.npz": "a.npz: file not found",
-    "-o a.tiff": "a.tiff: expected a suffix of .exr, .png, .pfm, .npy, got '.tiff'",
+    "-o a.tiff": "a.tiff: expected an image file with one of the suffixes .exr, .png, .pfm, .npy, got '.tiff'",
     "--replay-settings none.exr": "none.exr: file not found",
 }
 
@@ -263,7 +263,9 @@ def test_usage_errors_name_the_help(capsys: Output) -> None:
 def test_an_unwritable_output_is_said_before_any_work(api: FakeApi, capsys: Output) -> None:
     assert main(["render", "cornell-box", "-o", "no/a.png"]) == 2
     folder = Path("no").absolute()
-    assert errors(capsys) == f"eclat: no/a.png: cannot be written: the folder {folder} does not exist\n"
+    assert (
+        errors(capsys) == f"eclat: no/a.png: the file cannot be written, because the folder {folder} does not exist\n"
+    )
     assert api.calls == []
 
 
@@ -460,7 +462,7 @@ def test_bake_writes_a_scene_and_what_its_light_map_means(capsys: Output) -> Non
     ("flags", "message"),
     [
         ("-o room.gltf", "room.gltf: expected a name that ends in .glb"),
-        ("-o nowhere/room.glb", "nowhere/room.glb: cannot be written: the folder"),
+        ("-o nowhere/room.glb", "nowhere/room.glb: the file cannot be written, because the folder"),
         ("--exposure 1", "--exposure requires --flatten"),
         ("--texel-size 0.00001", "m fits"),
         ("--sides back", "--sides: expected one of auto, front, both, got 'back'"),

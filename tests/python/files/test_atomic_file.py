@@ -66,7 +66,7 @@ def test_a_failure_in_any_step_leaves_the_old_file_and_nothing_else(
     with pytest.raises(expected) as caught:
         write_file(path, b"new")
     if expected is EclatError:
-        assert str(caught.value) == f"{path}: cannot be written: No space left on device"
+        assert str(caught.value) == f"{path}: the file cannot be written: No space left on device"
     assert path.read_bytes() == b"old"
     assert os.listdir(tmp_path) == ["picture.png"]
 
@@ -98,11 +98,14 @@ def test_bad_places_are_named(tmp_path: Path) -> None:
     missing = tmp_path / "no" / "picture.png"
     with pytest.raises(EclatError) as caught:
         check_writable(missing)
-    assert str(caught.value) == f"{missing}: cannot be written: the folder {missing.parent} does not exist"
+    assert (
+        str(caught.value)
+        == f"{missing}: the file cannot be written, because the folder {missing.parent} does not exist"
+    )
     with pytest.raises(EclatError) as caught:
         check_writable(tmp_path)
     assert str(caught.value) == (
-        f"{tmp_path}: cannot be written: expected a file name, but this is a folder or a device"
+        f"{tmp_path}: the file cannot be written, because this is the name of a folder or a device"
     )
 
 

@@ -15,7 +15,7 @@ import pytest
 
 import eclat
 from eclat.errors import EclatError, EclatWarning
-from eclat.gltf_export import LightmapTexture, Part, encode_glb, parts_of
+from eclat.gltf_export import LightmapTexture, Part, encode_glb, scene_parts
 from eclat.gltf_export.geometry import with_flat_normals
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.textures import texels
@@ -187,7 +187,7 @@ def test_sides_that_differ_become_two_sheets_and_one_again(tmp_path: Path) -> No
 def test_the_back_of_a_sheet_is_turned_over() -> None:
     normals = np.tile([0.0, 0.0, 1.0], (4, 1))
     lamp = Material("diffuse", two_sided=True, emission=grey(4))
-    front, back = parts_of(Scene((square(lamp, normals=normals),)))
+    front, back = scene_parts(Scene((square(lamp, normals=normals),)))
     assert back.mesh.normals is not None
     np.testing.assert_array_equal(back.mesh.normals, -normals)
     a, b, c = (soup(back.mesh)[:, i] for i in range(3))
@@ -313,7 +313,7 @@ def test_what_gltf_lacks_is_said() -> None:
 def test_bad_positions_are_refused_and_empty_scenes_written(tmp_path: Path) -> None:
     broken = CORNERS.copy()
     broken[1, 2] = np.nan
-    with pytest.raises(EclatError, match="finite positions"):
+    with pytest.raises(EclatError, match="expected positions that are finite"):
         encode_glb(Scene((Mesh(broken, TRIANGLES, Material(), name="wall"),)))
     with pytest.warns(EclatWarning, match="no triangles"):
         assert not read_back(Scene(), tmp_path).meshes

@@ -94,7 +94,7 @@ def test_a_file_without_colour(tmp_path: Path) -> None:
     data = foreign(tmp_path, {"depth.Z": np.ones((3, 4), dtype=np.float32)})
     with pytest.raises(EclatError) as caught:
         decode_exr(data, "foreign.exr", check_size)
-    assert str(caught.value) == "foreign.exr: expected channels R, G, B or Y, got depth.Z"
+    assert str(caught.value) == "foreign.exr: expected the channels R, G, B or the channel Y, got depth.Z"
 
 
 def test_other_files_are_not_exr() -> None:

@@ -125,7 +125,7 @@ def test_data_windows_are_placed_in_the_display_window(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("display", "message"),
     [
-        (window(100, 0, 111, 7), "expected data inside the display window"),
+        (window(100, 0, 111, 7), "expected a data window that overlaps the display window"),
         (window(0, 0, 1 << 20, 1 << 20), "1048577"),
     ],
 )

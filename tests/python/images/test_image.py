@@ -75,7 +75,7 @@ def test_arrays_of_other_types_become_float32() -> None:
         (
             np.zeros((2, 3, 3)),
             {"depth": np.zeros((3, 2))},
-            "image, layer 'depth': expected (2, 3) or (2, 3, 3), got (3, 2)",
+            "image, layer 'depth': expected the shape (2, 3) or (2, 3, 3), got (3, 2)",
         ),
     ],
 )
@@ -98,7 +98,7 @@ def test_too_many_pixels() -> None:
     check_size(16384, 8192)
     with pytest.raises(EclatError) as caught:
         check_size(60000, 60000, "--size")
-    assert str(caught.value) == "--size: expected at most 134,217,728 pixels in all, got 60000x60000"
+    assert str(caught.value) == "--size: expected at most 134,217,728 pixels in total, got 60000x60000"
 
 
 @pytest.mark.parametrize(
@@ -111,19 +111,29 @@ def test_pixels_that_are_not_finite_are_warned_about(tmp_path: Path, suffix: str
     path = tmp_path / f"a{suffix}"
     with pytest.warns(EclatWarning) as caught:
         image.save(path)
-    assert str(caught[0].message) == f"{path}: 2 of 24 pixels are not finite, the first at (2, 1); {treatment}"
+    assert (
+        str(caught[0].message)
+        == f"{path}: 2 of 24 pixels are not finite, the first one at column 2, row 1; {treatment}"
+    )
 
 
 def test_unknown_suffixes(tmp_path: Path) -> None:
-    for name, got in (("a.exe", "'.exe'; did you mean '.exr'?"), ("a", "a name without one"), ("a.tiff", "'.tiff'")):
+    for name, got in (
+        ("a.exe", "'.exe'; did you mean '.exr'?"),
+        ("a", "a name without a suffix"),
+        ("a.tiff", "'.tiff'"),
+    ):
         with pytest.raises(EclatError) as caught:
             picture().save(tmp_path / name)
-        assert str(caught.value) == f"{tmp_path / name}: expected a suffix of .exr, .png, .pfm, .npy, got {got}"
+        assert (
+            str(caught.value)
+            == f"{tmp_path / name}: expected an image file with one of the suffixes .exr, .png, .pfm, .npy, got {got}"
+        )
 
 
 def test_metadata_that_json_cannot_hold(tmp_path: Path) -> None:
     for suffix in (".exr", ".png"):
-        with pytest.raises(EclatError, match="image metadata: expected what JSON can hold"):
+        with pytest.raises(EclatError, match="image metadata: expected values that JSON can represent"):
             Image(np.zeros((1, 1, 3), dtype=np.float32), metadata={"what": object()}).save(tmp_path / f"a{suffix}")
     assert os.listdir(tmp_path) == []
 
@@ -140,7 +150,7 @@ def test_a_full_disk_leaves_the_old_picture(tmp_path: Path, monkeypatch: pytest.
     monkeypatch.setattr(os, "fsync", full)
     with pytest.raises(EclatError) as caught:
         picture(8, 8).save(path)
-    assert str(caught.value) == f"{path}: cannot be written: No space left on device"
+    assert str(caught.value) == f"{path}: the file cannot be written: No space left on device"
     assert path.read_bytes() == before
     assert os.listdir(tmp_path) == [path.name]
 

@@ -59,9 +59,9 @@ def test_damaged_npy(tmp_path: Path) -> None:
     path.write_bytes(b"not numpy")
     assert message_of(path).startswith("expected a .npy file of numbers: ")
     np.save(path, np.zeros((2, 3)))
-    assert message_of(path) == "expected numbers of shape (height, width, 3), got float64 (2, 3)"
+    assert message_of(path) == "expected numbers of the shape (height, width, 3), got float64 of the shape (2, 3)"
     np.save(path, np.array([[["a", "b", "c"]]]))
-    assert message_of(path) == "expected numbers of shape (height, width, 3), got <U1 (1, 1, 3)"
+    assert message_of(path) == "expected numbers of the shape (height, width, 3), got <U1 of the shape (1, 1, 3)"
     np.save(path, np.array([object()]), allow_pickle=True)
     assert message_of(path).startswith("expected a .npy file of numbers: ")
 
@@ -71,7 +71,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "folder.exr").mkdir()
     assert message_of(tmp_path / "folder.exr") == "expected a file, got a folder"
     assert message_of(tmp_path / "a.png") == (
-        "expected radiance (.exr, .pfm, .npy); this format holds display values only"
+        "expected a file with radiance (.exr, .pfm or .npy), got a format that only contains display values"
     )
 
 

@@ -70,5 +70,5 @@ def test_no_records_no_marks() -> None:
 
 
 def test_a_picture_made_without_records_is_refused() -> None:
-    with pytest.raises(EclatError, match="expected a picture made with records"):
+    with pytest.raises(EclatError, match="expected an image with the layer 'record_density'"):
         picture(4.0).show_records()

@@ -14,10 +14,10 @@ from eclat.images.tone import (
     MID_GREY,
     NOT_FINITE,
     auto_exposure,
+    exposure_stops,
     filmic,
     srgb_decode,
     srgb_encode,
-    stops_of,
     to_display,
 )
 
@@ -90,7 +90,7 @@ def test_pixels_that_are_not_finite_are_magenta() -> None:
 def test_bad_exposures(exposure: float) -> None:
     with pytest.raises(EclatError) as caught:
         to_display(np.zeros((1, 1, 3)), exposure=exposure)
-    assert str(caught.value) == f"exposure: expected stops between −64 and 64, got {exposure}"
+    assert str(caught.value) == f"exposure: expected a number of stops between −64 and 64, got {exposure}"
 
 
 def test_an_unknown_tone_mapping_gets_a_hint() -> None:
@@ -110,7 +110,7 @@ def test_exposure_takes_the_log_average_to_mid_grey() -> None:
 
 def test_exposure_by_word() -> None:
     pixels = np.full((1, 1, 3), 0.09, dtype=np.float32)
-    assert stops_of("auto", pixels) == 1.0
-    assert stops_of(-2.5, pixels) == -2.5
+    assert exposure_stops("auto", pixels) == 1.0
+    assert exposure_stops(-2.5, pixels) == -2.5
     with pytest.raises(EclatError, match="expected a number of stops or 'auto', got 'best'"):
-        stops_of("best", pixels)  # type: ignore[arg-type]
+        exposure_stops("best", pixels)  # type: ignore[arg-type]

@@ -59,7 +59,7 @@ def test_damaged_files(photons: eclat.Photons, tmp_path: Path) -> None:
     photons.save(file)
     whole = file.read_bytes()
     file.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or is damaged"):
+    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or it is damaged"):
         eclat.Photons.load(file)
     eclat.solve(build("furnace"), points=([[0.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])).save(file)
     with pytest.raises(eclat.EclatError, match="expected a photon map, got a cache"):

@@ -64,9 +64,9 @@ def test_damaged_files(solution: eclat.RadiositySolution, scene: eclat.Scene, tm
     solution.save(file)
     whole = file.read_bytes()
     file.write_bytes(whole[: len(whole) // 2])
-    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or is damaged"):
+    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or it is damaged"):
         eclat.RadiositySolution.load(file)
-    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or is damaged"):
+    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or it is damaged"):
         eclat.load_solved(file, scene)
     with np.load(_saved(solution, file)) as data:
         arrays = dict(data)

@@ -55,7 +55,7 @@ def test_what_is_saved_is_loaded(scene: eclat.Scene, solution: eclat.Solution, t
 
 
 def test_a_file_that_cannot_be_written_is_told(solution: eclat.Solution, tmp_path: Path) -> None:
-    with pytest.raises(eclat.EclatError, match=r"cannot be written: the folder .* does not exist"):
+    with pytest.raises(eclat.EclatError, match=r"the file cannot be written, because the folder .* does not exist"):
         solution.save(tmp_path / "no" / "a.npz")
 
 
@@ -97,7 +97,7 @@ def test_damage_is_named(solution: eclat.Solution, tmp_path: Path, changes: dict
 def test_files_that_are_no_archives_are_refused(tmp_path: Path, content: bytes) -> None:
     path = tmp_path / "a.npz"
     path.write_bytes(content)
-    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or is damaged") as error:
+    with pytest.raises(eclat.EclatError, match="the file was not saved by Éclat, or it is damaged") as error:
         eclat.Solution.load(path)
     assert "pickle" not in str(error.value)
     np.save(tmp_path / "array.npy", np.zeros(3))
