@@ -77,7 +77,7 @@ def array_from(data: bytes, where: str) -> NDArray[Any]:
     except Exception as error:  # The header is a Python expression, whose parser raises exceptions of many types.
         raise EclatError(f"{where}: expected a .npy file of numbers: {_short(error)}") from None
     if dtype.kind not in "biufU" or dtype.itemsize == 0:
-        raise EclatError(f"{where}: expected a .npy file of numbers: got an array of type {str(dtype)[:60]}")
+        raise EclatError(f"{where}: expected a .npy file of numbers, got an array of type {str(dtype)[:60]}")
     count = 1
     for length in shape:
         count *= int(length)

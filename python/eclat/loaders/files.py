@@ -25,7 +25,7 @@ _CONTROL = re.compile(r"[\x00-\x1f\x7f]")
 
 
 class TextureOptions(TypedDict, total=False):
-    """The fields of `Texture` that a caller may set beside the image and `srgb`."""
+    """The fields of `Texture` that a caller may set, in addition to the image and `srgb`."""
 
     wrap_u: Literal["repeat", "mirror", "clamp"]
     wrap_v: Literal["repeat", "mirror", "clamp"]

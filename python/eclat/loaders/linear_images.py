@@ -47,7 +47,7 @@ def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
         raise
     except (RuntimeError, ValueError, TypeError, LookupError, OSError, ArithmeticError, MemoryError) as error:
         raise EclatError(f"the image cannot be decoded: {error}") from None
-    with np.errstate(all="ignore"):  # Texels may be infinite or NaN; whoever asked for them says what becomes of these.
+    with np.errstate(all="ignore"):  # Texels may be infinite or NaN. The caller replaces them.
         outside = (image[..., :3] < -_GAMUT * np.abs(image[..., :3]).max(axis=-1, keepdims=True)).any(axis=-1)
     if found.converted:
         if outside.any():

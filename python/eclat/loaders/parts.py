@@ -55,6 +55,6 @@ class Parts:
         if self._errors and not self._good:
             raise self._errors[0]
         for error in self._errors[:MOST_NAMED]:
-            warn(f"{error}; it is left out")
+            warn(f"{error}; this part of the scene is left out")
         if len(self._errors) > MOST_NAMED:
             warn(f"{len(self._errors) - MOST_NAMED} more parts of the scene are left out, because they are invalid too")

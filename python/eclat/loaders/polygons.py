@@ -96,7 +96,7 @@ def _find_ear(points: list[Point], left: list[int], flat: float) -> int:
     """The index in `left` of the corner to cut off: an ear if there is one, otherwise the flattest corner."""
     n = len(left)
     turns = [_cross(points[left[i - 1]], points[left[i]], points[left[(i + 1) % n]]) for i in range(n)]
-    # Only corners that do not turn left can lie inside an ear.
+    # Only a corner that is not convex (a right turn) can lie inside an ear.
     obstacles = [points[left[i]] for i in range(n) if turns[i] <= flat]
     for i in range(n):
         if turns[i] > flat and not _covers_any(

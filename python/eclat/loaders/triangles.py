@@ -76,7 +76,7 @@ def check_positions(positions: FloatArray, where: str, *, numbers: list[int] | N
 def finite_rows(values: FloatArray, what: str, where: str) -> FloatArray:
     """Convert the rows of `values` to float32, and replace each row that is not finite by zeros, with a warning.
 
-    The warning names the file `where` and says `what` the values are.
+    The warning names the file, `where`, and the kind of values, `what`.
     """
     with np.errstate(over="ignore", invalid="ignore"):
         single = values.astype(np.float32)

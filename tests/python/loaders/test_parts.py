@@ -43,7 +43,7 @@ def test_a_bad_part_of_a_mitsuba_scene_is_left_out_aloud(folder: Path, kind: str
         scene = eclat.load_dict({"type": "scene", "one": GOOD, "bad": BAD[kind], "two": GOOD}, folder)
     assert len(scene.meshes) == 2
     (message,) = (str(warning.message) for warning in record)
-    assert message.endswith("; it is left out")
+    assert message.endswith("; this part of the scene is left out")
     assert "bad" in message or "flat.obj" in message or "nan.obj" in message or "empty.ply" in message
 
 

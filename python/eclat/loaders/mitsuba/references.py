@@ -68,7 +68,7 @@ def _resolve(node: Node, identifiers: Identifiers, heights: dict[int, int], dept
     """
     known = heights.get(id(node))
     if known == -1:
-        raise EclatError(f"{node.where}: an object refers to itself")
+        raise EclatError(f"{node.where}: expected references without cycles, but this object refers to itself")
     height = 0
     if known is None:
         heights[id(node)] = -1

@@ -118,7 +118,7 @@ def curve(pairs: list[tuple[float, float]], where: str) -> Curve:
     """
     ordered = sorted(pairs, key=lambda pair: pair[0])
     if ordered != pairs:
-        warn(f"{where}: expected wavelengths in increasing order; they are sorted")
+        warn(f"{where}: the wavelengths are not in increasing order, so they are sorted")
     unique = [pair for i, pair in enumerate(ordered) if i == 0 or pair[0] > ordered[i - 1][0]]
     if len(unique) != len(ordered):
         warn(
