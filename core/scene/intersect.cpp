@@ -5,6 +5,7 @@
 
 #include "scene/intersect.h"
 
+#include <algorithm>
 #include <bit>
 #include <cmath>
 
@@ -54,6 +55,17 @@ void reject_backs(const RTCFilterFunctionNArguments* args) {
 
 /// What the eight rays of `transmitted` have passed; null while panes are met like other surfaces.
 thread_local Color* passed = nullptr;
+/// How far along each of them it last went through the edge of a triangle.
+thread_local float edge_passed[8];
+
+/// Whether a ray meets an edge where it went through that of a neighbour: both report it, but it is one surface.
+bool passed_by_neighbor(unsigned ray, float t, float u, float v) {
+    constexpr float on_edge = 1e-6f;  // in barycentric weights and in units of the distance: a few roundings
+    if (std::min({u, v, 1 - u - v}) > on_edge) return false;
+    if (std::abs(edge_passed[ray] - t) <= on_edge * t) return true;
+    edge_passed[ray] = t;
+    return false;
+}
 
 template <unsigned kind>
 void reject_transparent(const RTCFilterFunctionNArguments* args) {
@@ -74,9 +86,10 @@ void reject_transparent(const RTCFilterFunctionNArguments* args) {
     }
 }
 
-/// Candidates come in any order and each once, so panes multiply what passes as they are found.
+/// Candidates come in any order and each once, so panes, and surfaces that are there in part, multiply what passes as they are
+/// found: a sun through half a surface is half a sun at every point, and not all of it at half of the points.
 template <unsigned kind>
-void pass_panes(const RTCFilterFunctionNArguments* args) {
+void pass_light(const RTCFilterFunctionNArguments* args) {
     if (kind & 2) reject_backs(args);
     if (passed == nullptr) {
         if (kind & 1) reject_transparent<kind>(args);
@@ -90,9 +103,11 @@ void pass_panes(const RTCFilterFunctionNArguments* args) {
         const Vec3 w{RTCRayN_dir_x(args->ray, args->N, i), RTCRayN_dir_y(args->ray, args->N, i),
                      RTCRayN_dir_z(args->ray, args->N, i)};
         const float opacity = impl.opacity(triangle, u, v);
-        const Color through = impl.pane(triangle, u, v, w) * opacity + Color(1 - opacity);
+        Color through(1 - opacity);
+        if (kind & 4) through += impl.pane(triangle, u, v, w) * opacity;
         if (is_black(through)) continue;
-        passed[RTCRayN_id(args->ray, args->N, i)] *= through;
+        const unsigned ray = RTCRayN_id(args->ray, args->N, i);
+        if (!passed_by_neighbor(ray, RTCRayN_tfar(args->ray, args->N, i), u, v)) passed[ray] *= through;
         args->valid[i] = 0;
     }
 }
@@ -108,8 +123,8 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
     if (id > 0) {
         const RTCFilterFunctionN met[] = {nullptr, reject_transparent<1>, reject_backs, reject_transparent<3>,
                                           nullptr, reject_transparent<5>, reject_backs, reject_transparent<7>};
-        const RTCFilterFunctionN hiding[] = {met[0],        met[1],        met[2],        met[3],
-                                             pass_panes<4>, pass_panes<5>, pass_panes<6>, pass_panes<7>};
+        const RTCFilterFunctionN hiding[] = {met[0],        pass_light<1>, met[2],        pass_light<3>,
+                                             pass_light<4>, pass_light<5>, pass_light<6>, pass_light<7>};
         rtcSetGeometryUserData(geometry, &impl);
         rtcSetGeometryIntersectFilterFunction(geometry, met[id]);
         rtcSetGeometryOccludedFilterFunction(geometry, hiding[id]);
@@ -255,6 +270,7 @@ void Intersector::transmitted(std::span<const Ray> rays, std::span<Color> out) c
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
         fill(packet, some, valid);
         std::fill(std::begin(through), std::end(through), Color(1));
+        std::fill(std::begin(edge_passed), std::end(edge_passed), -infinity);
         passed = through;
         query(valid, impl_->scene, &packet);
         passed = nullptr;

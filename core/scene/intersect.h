@@ -60,7 +60,7 @@ class Intersector {
                    Backs backs = Backs::culled) const;
     /// out[i] = 1 where anything lies between t_min and t_max.
     void occluded(std::span<const Ray> rays, std::span<uint8_t> out, Backs backs = Backs::culled) const;
-    /// out[i] = what panes let straight through between t_min and t_max; black where anything else lies there.
+    /// out[i] = what panes and partial opacity let straight through between t_min and t_max; black where more lies there.
     void transmitted(std::span<const Ray> rays, std::span<Color> out) const;
 
     /// Whether any triangle's back is culled.

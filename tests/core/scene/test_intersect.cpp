@@ -167,6 +167,13 @@ TEST_CASE("a translucent triangle stops that part of rays that its opacity says"
             CHECK(hits[i].triangle == 1);
     }
     CHECK(stopped.agrees(0.3));
+    // Light that is asked for passes each of them in part.
+    std::vector<Ray> short_rays(rays.begin(), rays.begin() + 100);
+    for (Ray& ray : short_rays) ray.t_max = 1.5f;
+    std::vector<Color> passed(short_rays.size());
+    rays_in.transmitted(short_rays, passed);
+    for (size_t i = 0; i < short_rays.size(); ++i)
+        CHECK(passed[i].g == doctest::Approx(rays[i].origin.x + rays[i].origin.y < 1 ? 0.7f : 0.0f));
     // The answer belongs to the ray: asked again, alone, it is the same.
     Hit again;
     for (size_t i = 0; i < 100; ++i) {
