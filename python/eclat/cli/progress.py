@@ -108,7 +108,7 @@ class ProgressBar:
         assert self._bar is not None
         self._bar.update(
             self._task,
-            description=phase,
+            description=phase_text(phase, statistics.get("error")),
             completed=fraction,
             rate=rate_text(self._meter.rays_per_second),
             left=left_text(self._meter.seconds_left),
@@ -179,6 +179,11 @@ def rate_text(rays_per_second: float | None) -> str:
         if rays_per_second >= size:
             return f"{rays_per_second / size:.1f} {unit}rays/s"
     return f"{rays_per_second:.0f} rays/s"
+
+
+def phase_text(phase: str, error: float | None) -> str:
+    """`render, error 4.2 %`; the phase alone as long as no error is known."""
+    return phase if error is None or not math.isfinite(error) else f"{phase}, error {100 * error:.2g} %"
 
 
 def left_text(seconds: float | None) -> str:

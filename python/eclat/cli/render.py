@@ -14,6 +14,7 @@ from eclat.cli.command import Command, option, together
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import CROP, REPLAY, Name
 from eclat.cli.partial import keep_partial_option, keeping_partial
+from eclat.cli.previews import Previews, wants_previews
 from eclat.cli.quality_options import (
     QUALITY,
     cache_option,
@@ -108,7 +109,7 @@ _output_options = together(
 
 _quality_options = together(
     cache_option(),
-    max_error_option("Stop when the estimated relative error of the picture is below this value"),
+    max_error_option("Stop when the estimated relative error of the picture is below this value", 0.03),
     samples_option("Take this many paths per pixel, instead of as many as --max-error needs"),
     time_option("Stop after about this many seconds, instead of when --max-error is reached."),
     option(
@@ -159,7 +160,8 @@ _quality_options = together(
     help="""Render a picture of SCENE: a .gltf, .glb, .obj, .ply or Mitsuba .xml file, or the name of a built-in scene.
 
     All options have defaults. Without any, the light is computed by irradiance caching until the estimated error of
-    the picture is below 1 %, and the picture is written to SCENE.png in the current folder.""",
+    the picture is below 3 %, and the picture is written to SCENE.png in the current folder. Unless --samples, --time or
+    --crop is given, the file holds a rough picture after a few seconds, and better ones until the last.""",
 )
 @scene_argument
 @_output_options
@@ -201,8 +203,16 @@ def command(context: click.Context, /, **flags: Any) -> None:
                 _say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata), chosen)
                 say_replay_of_bad_samples(reporter, image, flags["scene"], outputs)
 
+        previews = Previews(outputs, exposure, flags["tone_mapping"])
+        if wants_previews(flags):
+            common["preview"] = previews
         with keeping_partial(flags["keep_partial"], keep, reporter):
-            image = eclat.render(scene, what, **common)
+            try:
+                image = eclat.render(scene, what, **common)
+            except KeyboardInterrupt:
+                if previews.written and not flags["keep_partial"]:
+                    reporter.note(f"{', '.join(outputs)}: holds an unfinished picture")
+                raise
         keep(image)
 
 

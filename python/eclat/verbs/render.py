@@ -4,8 +4,10 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time as clock
+from collections.abc import Callable
 from dataclasses import replace
 
 from eclat import _core
@@ -31,10 +33,15 @@ from eclat.sampling.convergence import Goal, Sampling
 from eclat.sampling.halves import Halves, Region, seed_of_half
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
+from eclat.verbs.first_look import first_look
 from eclat.verbs.picture import Picture, SampleTaker
 from eclat.verbs.solve import require_check
 
 FILTERS = ("box", "tent")
+
+PREVIEW_SECONDS = 4.0
+"""Least time between two previews: the picture is then written anew often enough for a viewer, and seldom enough that writing
+it costs little."""
 
 
 def render(
@@ -42,7 +49,7 @@ def render(
     what: Source | type[Method] | str | None = None,
     *,
     samples: int | None = None,
-    max_error: float = 0.01,
+    max_error: float = 0.03,
     time: float | None = None,
     size: tuple[int, int] | None = None,
     crop: tuple[int, int, int, int] | None = None,
@@ -58,6 +65,7 @@ def render(
     check: bool = True,
     refine: bool = False,
     progress: ProgressReport | None = None,
+    preview: Callable[[Image], None] | None = None,
     tile_order: list[int] | None = None,
 ) -> Image:
     """Render a picture of the scene.
@@ -109,6 +117,9 @@ def render(
     refine : whether records that are solved for this picture are refined until their estimated error is below their
         `max_error`.
     progress : a function that is called with the progress of the work, or None.
+    preview : a function that is called with unfinished pictures, or None: first with a rough one of fewer pixels, before
+        anything is solved, and then between passes, at most once in `PREVIEW_SECONDS`. The metadata of the first hold
+        `unfinished`, those of the others `samples_done` as well.
     tile_order : the order in which tiles are rendered, as a permutation of their indices. The order does not change
         the picture; tests use this argument to check that.
 
@@ -151,6 +162,8 @@ def render(
     source = as_method(what, IrradianceCache(max_error=max_error), max_error=max_error)
     if refine and source.options.for_whole_scene:
         raise EclatError(f"refine: expected a method with records, got {source.options.name}")
+    if preview is not None:
+        preview(first_look(scene, source, view, work))
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
     # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
@@ -160,12 +173,7 @@ def render(
         adaptive = prepared.options.has_records and crop is None
     pixels = _ranges(region, work, halves, _checked_filter(filter), tile_order or [])
     picture = Picture(scene, prepared, view, region, work, adaptive, denoise, estimate, started)
-    films = [_core.Film(*view.size) for _ in pixels]
-    take = SampleTaker(scene, prepared, view, work, films, pixels)
-    film = Halves(films[0], films[1], region) if halves else films[0]
-    sampling = Sampling(
-        film, take.samples, keep_partial, progress, AdaptiveSamples(view.size, region) if adaptive else None
-    )
+    sampling = _sampling(picture, pixels, keep_partial, preview)
     with picture.kept(sampling):
         sampling.run(goal)
     if samples is None and deadline is None:
@@ -209,6 +217,42 @@ def _ranges(
         )
         for half in range(1 + halves)
     ]
+
+
+def _sampling(
+    picture: Picture,
+    pixels: list[_core.RenderRange],
+    keep_partial: bool,
+    preview: Callable[[Image], None] | None,
+) -> Sampling:
+    """Make what takes the samples of the picture, in one film or in two halves."""
+    view, region, work = picture.view, picture.region, picture.work
+    films = [_core.Film(*view.size) for _ in pixels]
+    take = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels)
+    film = films[0] if len(films) == 1 else Halves(films[0], films[1], region)
+    adaptive = AdaptiveSamples(view.size, region) if picture.adaptive else None
+    sampling = Sampling(film, take.samples, keep_partial, work.progress, adaptive)
+    if preview is not None:
+        sampling.after_pass = _previewing(picture, sampling, preview)
+    return sampling
+
+
+def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image], None]) -> Callable[[], None]:
+    """What to do between passes: to show the picture as it is, unless another was shown just before."""
+    last = -math.inf
+
+    def show() -> None:
+        nonlocal last
+        if clock.perf_counter() - last < PREVIEW_SECONDS:
+            return
+        shown = sampling.denoised or not picture.denoise
+        film, taken = sampling.film, sampling.taken
+        image = picture.finished(sampling) if shown else picture.unfinished(film, sampling, taken)
+        image.metadata.update(unfinished=True, samples_done=sampling.taken)
+        preview(image)
+        last = clock.perf_counter()
+
+    return show
 
 
 def _warn_of_noise(sampling: Sampling, goal: Goal) -> None:

@@ -1,0 +1,35 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Unfinished pictures in the output files of `eclat render`, so that there is something to look at while it works."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any, Literal
+
+if TYPE_CHECKING:
+    from eclat.images.image import Image
+
+
+class Previews:
+    """Writes each picture that it is called with to the output files, each of which is replaced as a whole.
+
+    Parameters
+    ----------
+    outputs : names of the files.
+    exposure : stops, or "auto", which is chosen anew for each picture.
+    """
+
+    def __init__(self, outputs: Sequence[str], exposure: float | Literal["auto"], tone_mapping: str) -> None:
+        self._outputs, self._exposure, self._tone_mapping = outputs, exposure, tone_mapping
+        self.written = False
+
+    def __call__(self, image: Image) -> None:
+        for output in self._outputs:
+            image.save(output, exposure=self._exposure, tone_mapping=self._tone_mapping)
+            self.written = True
+
+
+def wants_previews(flags: dict[str, Any]) -> bool:
+    """Whether it is not known when the picture will be finished: neither samples nor time are given."""
+    return flags["samples"] is None and flags["time"] is None and not flags["replay"] and flags["crop"] is None
