@@ -69,7 +69,7 @@ def test_no_flag_is_needed(api: FakeApi, capsys: Output) -> None:
     assert os.listdir() == ["cornell-box.png"]
     call = api.calls[0]
     assert type(call["what"]).__name__ == "IrradianceCache"
-    assert (call["samples"], call["max_error"], call["size"], call["seed"]) == (None, 0.01, None, 0)
+    assert (call["samples"], call["max_error"], call["size"], call["seed"]) == (None, 0.03, None, 0)
     out = capsys.readouterr()
     assert out.out == "cornell-box.png: 512x512, path, 0.3 s, 32 samples, 3,200 rays\n"
     assert out.err == ""
@@ -528,7 +528,9 @@ def test_ctrl_c_in_each_phase_of_the_real_thing(phase: str) -> None:
         _, complaint = process.communicate(timeout=20)
     assert process.returncode == 130
     assert complaint == "eclat: interrupted\n"
-    assert Path("cornell-box.png").read_bytes() == b"old"
+    # Where nobody knows how long it takes, the file holds an unfinished picture; with --samples, what it held before.
+    unfinished = Path("cornell-box.png").read_bytes()
+    assert unfinished == b"old" if phase == "render" else unfinished.startswith(b"\x89PNG")
     assert os.listdir() == ["cornell-box.png"]
 
 
