@@ -175,7 +175,7 @@ def test_damaged_images_are_refused_or_read(tmp_path: Path, data: st.DataObject)
 def test_exr_files_that_end_in_their_pixels_say_so(tmp_path: Path) -> None:
     path = exr(NUMBERS.random((40, 40, 3), dtype=np.float32), tmp_path / "a.exr")
     data = path.read_bytes()
-    with pytest.raises(EclatError, match="expected the pixels that the header promises"):
+    with pytest.raises(EclatError, match="expected the pixels that the header announces"):
         read_image_file(path, data[: len(data) // 2])
 
 
