@@ -10,6 +10,7 @@ import pickle
 import sys
 import time
 from collections import Counter
+from collections.abc import Iterator
 from pathlib import Path
 
 from eclat.errors import printable
@@ -65,8 +66,30 @@ def _try_one(seeds: dict[str, list[corpus.Files]], seed: int, number: int, keep:
 def _try_many(seeds: dict[str, list[corpus.Files]], seed: int, numbers: range, keep: Path) -> int:
     counts: dict[str, Counter[str]] = {name: Counter() for name in seeds}
     findings: Counter[tuple[str, str]] = Counter()
+    try:
+        _count(workers.outcomes(seeds, seed, numbers), counts, findings, seeds, seed, len(numbers), keep)
+    except KeyboardInterrupt:
+        print("  interrupted")
+    for name, count in counts.items():
+        words = ", ".join(f"{count[word]} {word}" for word in ("loaded", "rendered", "refused", "findings"))
+        print(f"  {name}: {count.total()} inputs: {words}")
+    for (word, place), number in findings.most_common():
+        print(f"  {number} × {word} in {place}")
+    return int(bool(findings))
+
+
+def _count(
+    outcomes: Iterator[workers.Outcome],
+    counts: dict[str, Counter[str]],
+    findings: Counter[tuple[str, str]],
+    seeds: dict[str, list[corpus.Files]],
+    seed: int,
+    total: int,
+    keep: Path,
+) -> None:
+    """Add what becomes of the inputs to `counts` and `findings`, and keep the first findings of each kind."""
     said = began = time.monotonic()
-    for done, outcome in enumerate(workers.outcomes(seeds, seed, numbers), 1):
+    for done, outcome in enumerate(outcomes, 1):
         counts[outcome.format]["findings" if outcome.is_finding else outcome.word] += 1
         if outcome.is_finding:
             kind = outcome.word, outcome.place
@@ -75,13 +98,7 @@ def _try_many(seeds: dict[str, list[corpus.Files]], seed: int, numbers: range, k
                 _keep(workers.make_input(seeds, seed, outcome.number), outcome, seed, keep)
         if time.monotonic() - said > SAID_EVERY:
             said = time.monotonic()
-            print(f"  {done} of {len(numbers)} inputs, {findings.total()} findings, {said - began:.0f} s", flush=True)
-    for name, count in counts.items():
-        words = ", ".join(f"{count[word]} {word}" for word in ("loaded", "rendered", "refused", "findings"))
-        print(f"  {name}: {count.total()} inputs: {words}")
-    for (word, place), count in findings.most_common():
-        print(f"  {count} × {word} in {place}")
-    return int(bool(findings))
+            print(f"  {done} of {total} inputs, {findings.total()} findings, {said - began:.0f} s", flush=True)
 
 
 def _keep(one: workers.Input, outcome: workers.Outcome, seed: int, keep: Path) -> None:
