@@ -110,7 +110,8 @@ def _columns(vertex: Columns, names: tuple[str, ...]) -> FloatArray | None:
     if len(arrays) < len(names):
         return None
     single = all(column.dtype == np.float32 for column in arrays)
-    return np.stack(arrays, axis=1).astype(np.float32 if single else np.float64)
+    with np.errstate(invalid="ignore"):  # NaN, which is the callers' matter
+        return np.stack(arrays, axis=1, dtype=np.float32 if single else np.float64)
 
 
 def _uvs(vertex: Columns, where: str, *, flip_v: bool) -> NDArray[np.float32] | None:

@@ -97,7 +97,8 @@ def instances(node: Element, accessors: Accessors) -> Matrix:
 
     def of(name: str, default: tuple[float, ...]) -> Matrix:
         values = found[name]
-        return np.tile(np.array(default, np.float64), (count, 1)) if values is None else values.astype(np.float64)
+        with np.errstate(invalid="ignore"):  # NaN, which is refused with the transforms
+            return np.tile(np.array(default, np.float64), (count, 1)) if values is None else values.astype(np.float64)
 
     return _trs(of("TRANSLATION", (0, 0, 0)), of("ROTATION", (0, 0, 0, 1)), of("SCALE", (1, 1, 1)), attributes)
 

@@ -161,7 +161,8 @@ class _Attributes:
         positions = accessors.floats(attributes, "POSITION", ("VEC3",))
         assert positions is not None, "the caller has checked that there are positions"
         self.count = len(positions)
-        self.positions = self._morphed(positions, "POSITION").astype(np.float64)
+        with np.errstate(invalid="ignore"):  # NaN, which is refused below
+            self.positions = self._morphed(positions, "POSITION").astype(np.float64)
         _check_finite(self.positions, element.where)
 
     def read(self, name: str, types: tuple[str, ...]) -> Floats | None:

@@ -186,7 +186,7 @@ def _cylinder(node: Node, segments: int) -> tuple[primitives.Surface, Matrix] | 
     matrix = np.eye(4)
     matrix[:3, 0], matrix[:3, 1] = across * radius, np.cross(normalize(axis), across) * radius
     matrix[:3, 2], matrix[:3, 3] = axis, start
-    if np.allclose(axis / np.linalg.norm(axis), (0, 0, 1)):
+    if np.allclose(normalize(axis), (0, 0, 1)):
         matrix[:3, :2] = np.array([[radius, 0], [0, radius], [0, 0]])  # so that u starts at +x, as in Mitsuba
     return primitives.cylinder(segments), matrix
 

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import json
 import math
+import warnings
 from base64 import b64encode
 from dataclasses import dataclass
 
@@ -232,6 +233,13 @@ def test_normals_stay_unit_where_a_transform_leaves_no_area() -> None:
     normals = scene.meshes[0].normals
     assert normals is not None
     np.testing.assert_allclose(np.linalg.norm(normals, axis=1), 1, atol=1e-6)
+
+
+def test_the_shortest_cylinders_have_an_axis() -> None:
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        scene = load_dict({"type": "scene", "s": {"type": "cylinder", "p1": [0, 0, 1e-200]}})
+    assert len(scene.meshes) == 1
 
 
 def test_a_million_copies_are_refused_before_they_fill_the_memory() -> None:
