@@ -89,7 +89,7 @@ def _mesh(
     reflectance = grey(0.5 if colors is None else 1.0)
     return faces, Mesh(
         positions=positions,
-        triangles=triangles.astype(np.int32),
+        triangles=triangles.astype(np.int32, copy=False),
         material=Material(parameters={"reflectance": reflectance}, vertex_colors=colors is not None),
         normals=None
         if face_normals
@@ -169,14 +169,14 @@ def _white(vertex: Columns, names: tuple[str, ...], values: FloatArray, where: s
 
 def _triangles(
     elements: dict[str, Columns], positions: FloatArray, where: str
-) -> tuple[NDArray[np.int64], FaceCorners]:
+) -> tuple[geometry.IntArray, FaceCorners]:
     """Collect the triangles of all faces and strips, except those without area.
 
     Returns
     -------
     (T, 3) vertex indices, and the face corners that the triangles were cut from.
     """
-    parts: list[NDArray[np.int64]] = []
+    parts: list[geometry.IntArray] = []
     places, polygons, counts = np.zeros((0, 3), np.int64), np.zeros(0, np.int64), np.zeros(0, np.int64)
     short = 0
     faces = _index_lists(elements.get("face", {}))
@@ -185,7 +185,8 @@ def _triangles(
         counts = faces.counts
         short = int((counts < 3).sum())
         places, polygons = geometry.triangulate(positions, indices, counts, where)
-        parts.append(indices[places])
+        # Where all are triangles, as in most large files, nothing is cut.
+        parts.append(indices.reshape(-1, 3) if (counts == 3).all() else indices[places])
     strips = _index_lists(elements.get("tristrips", {}))
     if strips is not None:
         parts.append(_from_strips(_checked(strips, len(positions), "tristrips", where), strips.counts))
@@ -194,8 +195,10 @@ def _triangles(
             f"{where}: expected a mesh with faces or triangle strips, got only {len(positions)} vertices; "
             "point clouds are not supported"
         )
-    triangles = np.concatenate(parts)
+    triangles = parts[0] if len(parts) == 1 else np.concatenate(parts)
     keep = geometry.triangles_with_area(positions, triangles, where, short_polygons=short)
+    if keep.all():
+        return triangles, FaceCorners(places, polygons, counts)
     own = keep[: len(places)]
     return triangles[keep], FaceCorners(places[own], polygons[own], counts)
 
@@ -209,27 +212,21 @@ def _index_lists(columns: Columns) -> Lists | None:
     return None
 
 
-def _checked(lists: Lists, vertices: int, element: str, where: str) -> NDArray[np.int64]:
-    """The items of `lists` as int64. Raises EclatError if one is not a vertex index (or −1 in a strip)."""
-    # Without the limit, an unsigned 64-bit index beyond the range of int64 would become negative.
-    items = (
-        np.minimum(lists.items, np.array(vertices, lists.items.dtype))
-        if lists.items.dtype == np.uint64
-        else lists.items
-    )
-    indices = items.astype(np.int64)
+def _checked(lists: Lists, vertices: int, element: str, where: str) -> geometry.IntArray:
+    """The items of `lists`. Raises EclatError if one is not a vertex index (or −1 in a strip)."""
+    items = lists.items
     least = -1 if element == "tristrips" else 0
-    wrong = (indices < least) | (indices >= vertices)
-    if wrong.any():
-        place = int(np.argmax(wrong))
+    if len(items) and (int(items.min()) < least or int(items.max()) >= vertices):
+        place = int(np.argmax((items < least) | (items >= vertices)))
         row = int(np.searchsorted(np.cumsum(lists.counts), place, side="right"))
         raise EclatError(
-            f"{where}, {element} {row}: expected vertex indices in {least}..{vertices - 1}, got {lists.items[place]}"
+            f"{where}, {element} {row}: expected vertex indices in {least}..{vertices - 1}, got {items[place]}"
         )
-    return indices
+    # Small or unsigned types could not hold −1, or the sum of two.
+    return items if items.dtype in (np.int32, np.int64) else items.astype(np.int64)
 
 
-def _from_strips(indices: NDArray[np.int64], counts: NDArray[np.int64]) -> NDArray[np.int64]:
+def _from_strips(indices: geometry.IntArray, counts: NDArray[np.int64]) -> geometry.IntArray:
     """The triangles (T, 3) of triangle strips. Every second triangle of a strip is reversed.
 
     A list of `counts[i]` indices contains one strip, or several strips that are separated by −1.

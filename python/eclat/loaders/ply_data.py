@@ -109,14 +109,14 @@ def _alike_rows(data: bytes, place: int, element: Element, order: str) -> tuple[
     table = np.frombuffer(data, row, element.count, place)
     columns: Columns = {}
     for i, p in enumerate(element.properties):
-        values = np.ascontiguousarray(table[f"items {i}"]).astype(p.type)
+        if p.count_type is not None and (table[f"count {i}"] != table[f"count {i}"][0]).any():
+            return None
+        values = table[f"items {i}"].astype(p.type)
         if p.count_type is None:
             columns[p.name] = values
-            continue
-        counts = table[f"count {i}"].astype(np.int64)
-        if (counts != counts[0]).any():
-            return None
-        columns[p.name] = Lists(values.ravel(), counts)
+        else:
+            counts = np.broadcast_to(np.int64(table[f"count {i}"][0]), element.count)
+            columns[p.name] = Lists(values.ravel(), counts)
     return columns, place + element.count * row.itemsize
 
 

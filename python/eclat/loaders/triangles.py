@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -44,6 +46,8 @@ def triangulate(
     (T, 3) indices into `corners`, and (T,) the polygon that each triangle was cut from.
     """
     counts = np.asarray(counts, dtype=np.int64)
+    if len(counts) and (counts == 3).all():
+        return np.arange(len(corners)).reshape(-1, 3), np.arange(len(counts))
     starts = np.cumsum(counts) - counts
     pieces = np.maximum(counts - 2, 0)
     first = np.cumsum(pieces) - pieces
@@ -107,11 +111,11 @@ def triangles_with_area(
     ------
     EclatError : no triangle has an area.
     """
-    p = np.asarray(positions, dtype=np.float64)[triangles]
-    edges = p[:, (1, 2, 0)] - p
-    twice_area = np.linalg.norm(np.cross(edges[:, 0], edges[:, 1]), axis=1)
-    longest = (edges**2).sum(axis=2).max(axis=1, initial=0)
-    keep: NDArray[np.bool_] = (twice_area > _SLIVER * longest) & (twice_area > 0)
+    keep = np.empty(len(triangles), dtype=bool)
+    for rows, edges in _edges_by_parts(positions, triangles):
+        twice_area = _length(_cross(edges[0], edges[1]))
+        longest = np.einsum("kcn,kcn->kn", edges, edges).max(axis=0)
+        keep[rows] = (twice_area > _SLIVER * longest) & (twice_area > 0)
     if not keep.any():
         raise EclatError(
             f"{where}: expected at least one triangle with an area, got {len(keep)} triangles of zero area"
@@ -147,22 +151,67 @@ def smooth_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.flo
     Mitsuba 3 uses the same weights. If the normals at a vertex cancel, the vertex gets the normal of one of its
     triangles. A vertex that no triangle uses gets +z.
     """
-    faces = face_normals(positions, triangles)
-    p = np.asarray(positions, dtype=np.float64)[triangles]
-    sums = np.zeros((len(positions), 3))
-    fallback = np.tile((0.0, 0.0, 1.0), (len(positions), 1))
-    for corner in range(3):
-        a = normalized(p[:, (corner + 1) % 3] - p[:, corner])
-        b = normalized(p[:, (corner + 2) % 3] - p[:, corner])
-        # This formula is accurate for small angles, unlike the arc cosine.
-        angle = 2 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
-        vertices = triangles[:, corner]
-        for axis in range(3):
-            sums[:, axis] += np.bincount(vertices, angle * faces[:, axis], minlength=len(positions))
-        fallback[vertices] = faces
-    cancelled = np.linalg.norm(sums, axis=1) < 1e-6
-    sums[cancelled] = fallback[cancelled]
-    return normalized(sums).astype(np.float32)
+    sums = np.zeros((3, len(positions)))
+    for rows, edges in _edges_by_parts(positions, triangles):
+        faces, twice_area = _unit(_cross(edges[0], edges[1]))
+        for corner in range(3):
+            # The arc tangent keeps small angles exact where the arc cosine does not.
+            angle = np.arctan2(twice_area, -np.einsum("cn,cn->n", edges[corner], edges[corner - 1]))
+            _add_to(sums, triangles[rows, corner], angle * faces)
+    cancelled = np.flatnonzero(_length(sums) < 1e-6)
+    if len(cancelled):
+        fallback = np.tile((0.0, 0.0, 1.0), (len(positions), 1))
+        fallback[triangles] = face_normals(positions, triangles)[:, None]
+        sums[:, cancelled] = fallback[cancelled].T
+    normals = np.empty((len(positions), 3), np.float32)
+    normals[:] = _unit(sums)[0].T
+    return normals
+
+
+_PART = 1 << 14
+"""Triangles that are worked on at a time: their numbers stay in the processor's cache, so that ten million take a tenth
+of the time and of the memory."""
+
+
+def _edges_by_parts(positions: FloatArray, triangles: IntArray) -> Iterator[tuple[slice, NDArray[np.float64]]]:
+    """Rows of some triangles and their edges (3 edges from one corner to the next, 3 axes, rows), scaled such that the
+    longest of a triangle is about 1: no product of them overflows or vanishes."""
+    for start in range(0, len(triangles), _PART):
+        rows = slice(start, start + _PART)
+        corners = np.asarray(positions[triangles[rows]], dtype=np.float64).transpose(1, 2, 0)
+        edges = np.empty(corners.shape)
+        for k in range(3):
+            np.subtract(corners[(k + 1) % 3], corners[k], out=edges[k])
+        largest = np.abs(edges).max(axis=(0, 1))
+        edges /= np.where(largest > 0, largest, 1)
+        yield rows, edges
+
+
+def _cross(a: NDArray[np.float64], b: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Cross products of vectors in columns, (3, N)."""
+    return np.stack([a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]])
+
+
+def _length(vectors: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Lengths of vectors in columns."""
+    lengths: NDArray[np.float64] = np.sqrt(np.einsum("cn,cn->n", vectors, vectors))
+    return lengths
+
+
+def _unit(vectors: NDArray[np.float64]) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Vectors in columns made unit (zero ones stay zero), and their lengths."""
+    lengths = _length(vectors)
+    return vectors / np.where(lengths > 0, lengths, 1), lengths
+
+
+def _add_to(sums: NDArray[np.float64], places: IntArray, vectors: NDArray[np.float64]) -> None:
+    """Add vectors in columns to the columns `places` of `sums`, of which one may come many times."""
+    low, high = int(places.min()), int(places.max()) + 1
+    for total, values in zip(sums, vectors, strict=True):
+        if high - low <= 8 * len(places):
+            total[low:high] += np.bincount(places - low, values, minlength=high - low)
+        else:
+            np.add.at(total, places, values)
 
 
 def vertex_normals(

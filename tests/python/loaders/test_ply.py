@@ -331,3 +331,33 @@ def test_text_of_windows(tmp_path: Path) -> None:
     data = data.replace(b"0 0 1\n", b"-nan(ind) 1.#QNAN 0\n", 1)
     with pytest.warns(EclatWarning, match="1 normals are not finite"):
         load(tmp_path, data.decode().encode("utf-16"))
+
+
+@pytest.mark.parametrize("encoding", ENCODINGS)
+def test_a_quad_beside_a_face_of_two_corners_is_cut(tmp_path: Path, encoding: str) -> None:
+    faces: Rows = [((0, 1, 2, 3),), ((0, 1),)]
+    with pytest.warns(EclatWarning, match="1 faces of fewer than three corners"):
+        mesh = load(tmp_path, ply(encoding, ("vertex", XYZ, VERTICES), ("face", FACE, faces)))
+    assert mesh.triangles.tolist() == [[0, 1, 2], [0, 2, 3]]
+
+
+def test_many_triangles_are_read_in_proportion_to_their_file(tmp_path: Path) -> None:
+    size = 300
+    rows, columns = np.mgrid[0:size, 0:size]
+    points = np.stack([rows, columns, 0.3 * np.sin(rows)], axis=-1).reshape(-1, 3).astype("<f4")
+    first = (rows * size + columns)[:-1, :-1].ravel()
+    table = np.zeros(2 * len(first), [("count", "u1"), ("items", "<i4", 3)])
+    table["count"] = 3
+    table["items"] = np.concatenate(
+        [np.stack([first, first + size, first + 1], 1), np.stack([first + 1, first + size, first + size + 1], 1)]
+    )
+    header = ply("binary_little_endian", ("vertex", XYZ, []), ("face", FACE, []))
+    header = header.replace(b"vertex 0", b"vertex %d" % len(points)).replace(b"face 0", b"face %d" % len(table))
+    (tmp_path / "a.ply").write_bytes(header + points.tobytes() + table.tobytes())
+    load_ply(tmp_path / "a.ply")
+    tracemalloc.start()
+    mesh = load_ply(tmp_path / "a.ply")
+    kept, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    check_mesh(mesh)
+    assert kept < 40 * len(table) and peak < 200 * len(table)
