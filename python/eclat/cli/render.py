@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -201,6 +202,8 @@ def command(context: click.Context, /, **flags: Any) -> None:
                 say_replayed_sample(reporter, image, flags["replay"])
             else:
                 _say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata), chosen)
+                if why := why_above(flags, image.metadata.get("statistics", {})):
+                    reporter.note(why)
                 say_replay_of_bad_samples(reporter, image, flags["scene"], outputs)
 
         previews = Previews(outputs, exposure, flags["tone_mapping"])
@@ -263,6 +266,17 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
             flag = "replay" if flags["replay"] else "crop"
             got = ",".join(map(str, flags[flag]))
             raise EclatError(f"--{flag}: expected pixels inside the picture of {size[0]}x{size[1]}, got {got}")
+
+
+def why_above(flags: Mapping[str, Any], statistics: Mapping[str, float]) -> str:
+    """Say why the stated error is above `--max-error` although the noise is small enough; empty if it is not above, or if
+    the samples or the time were given."""
+    error, records = statistics.get("estimated_error", 0.0), statistics.get("cache_error", 0.0)
+    steered = flags["samples"] is None and flags["time"] is None
+    if not steered or error <= flags["max_error"] or records == 0 or statistics.get("light_by_chance"):
+        return ""
+    share = f"the records alone have {100 * records:.2g} %"
+    return f"the error is above --max-error {flags['max_error']:g}, because {share}; --refine makes them finer"
 
 
 def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:

@@ -612,3 +612,16 @@ def test_a_closed_standard_output_is_no_crash() -> None:
         assert process.wait(timeout=20) in (0, 1)
         assert process.stderr is not None
         assert process.stderr.read() == ""
+
+
+def test_an_error_above_the_wanted_one_has_a_reason() -> None:
+    from eclat.cli.render import why_above
+
+    flags = {"samples": None, "time": None, "max_error": 0.03}
+    high = {"estimated_error": 0.04, "cache_error": 0.035}
+    assert why_above(flags, high) == (
+        "the error is above --max-error 0.03, because the records alone have 3.5 %; --refine makes them finer"
+    )
+    assert not why_above(flags, {**high, "estimated_error": 0.03})
+    assert not why_above(flags, {"estimated_error": 0.04}) and not why_above(flags, {})
+    assert not why_above({**flags, "samples": 4}, high) and not why_above({**flags, "time": 4.0}, high)
