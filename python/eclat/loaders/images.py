@@ -25,8 +25,8 @@ from eclat.loaders.linear_images import DECODERS, MAX_PIXELS, check_size
 # Pillow would otherwise also try formats for which it starts other programs, such as EPS.
 FORMATS = ("PNG", "JPEG", "BMP", "TGA", "TIFF", "GIF", "WEBP", "AVIF", "PPM", "DDS", "PCX")
 
-_ALLOWANCE = 1 << 30
-"""The number of bytes that the decoded images of a scene may take in any case (1 GiB)."""
+_ALLOWANCE = 1 << 29
+"""The number of bytes that the decoded images of a scene may take in any case (512 MiB). Decoders need as much again."""
 _GROWTH = 256
 """The number of further bytes that the decoded images may take for each byte of their files. A decoded photograph is 10
 to 50 times as large as its JPEG file."""

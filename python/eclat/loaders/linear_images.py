@@ -14,6 +14,11 @@ from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
 
+_ALLOWANCE = 1 << 29
+"""The number of bytes that one image may take whatever the size of its file (512 MiB)."""
+_GROWTH = 256
+"""The number of further bytes that it may take for each byte of its file."""
+
 MAX_PIXELS = 1 << 27
 """The largest number of texels in an image: 16384 × 8192."""
 
@@ -39,6 +44,7 @@ def decode_exr(path: Path, data: bytes) -> NDArray[np.float32]:
     def check(width: int, height: int) -> None:
         # Even a constant image takes a byte for some thousand texels in the best lossless compression.
         check_size(width, height, len(data), texels_per_byte=1 << 14)
+        check_growth(12 * width * height, len(data))
 
     try:
         found = read_planes(data, path.name, check)
@@ -71,6 +77,7 @@ def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
     height, width = int(size[2]), int(size[3])
     # A run of two bytes encodes at most 127 values, and each texel has four values.
     check_size(width, height, len(data), texels_per_byte=64)
+    check_growth(12 * width * height, len(data))
     texels = np.empty((height, width, 4), np.uint8)
     offset = line_end + 1
     for row in texels if size[1] == b"-" else texels[::-1]:
@@ -138,6 +145,15 @@ DECODERS: dict[str, Callable[[Path, bytes], NDArray[np.float32]]] = {
     ".pfm": decode_pfm,
 }
 """The decoder of each file suffix in lower case. It takes the path and the bytes of a file and returns (H, W, C)."""
+
+
+def check_growth(taken: int, file_size: int) -> None:
+    """Raise EclatError if an image would take many more bytes than its file has: a few kilobytes must not fill gigabytes."""
+    if taken > _ALLOWANCE + _GROWTH * file_size:
+        raise EclatError(
+            f"the image would take {taken >> 20} MiB, more than {_ALLOWANCE >> 20} MiB plus {_GROWTH} times the "
+            f"{file_size} bytes of its file"
+        )
 
 
 def check_size(width: int, height: int, file_size: int, texels_per_byte: int) -> None:

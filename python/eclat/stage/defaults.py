@@ -16,6 +16,7 @@ from eclat.errors import EclatError, warn
 from eclat.images.tone import srgb_decode
 from eclat.loaders.files import read_bytes
 from eclat.loaders.images import read_image_file
+from eclat.loaders.linear_images import check_growth
 from eclat.measure.photometry import LUMENS_PER_WATT
 from eclat.scene import (
     Camera,
@@ -200,6 +201,8 @@ def _environment(source: Path | Point, up: Point) -> Environment:
     data = read_bytes(path, where="environment")
     try:
         image, linear = read_image_file(path, data)
+        # As an environment each texel takes three floats beside what was decoded.
+        check_growth(12 * image.shape[0] * image.shape[1], len(data))
     except EclatError as error:
         raise EclatError(f"environment: {path}: {error}") from None
     image = np.repeat(image, 3, axis=2) if image.shape[2] == 1 else image[..., :3]

@@ -209,3 +209,10 @@ def test_images_of_one_scene_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> 
         with pytest.raises(EclatError, match="the image would take 0 MiB, and all images of the scene together"):
             images.decode_image(data)
     images.decode_image(data)
+
+
+def test_small_files_of_linear_images_must_not_fill_gigabytes() -> None:
+    rows = b"\2\2\x20\0" + (b"\xff\x60" * 64 + b"\xc0\x60") * 4
+    data = b"#?RADIANCE\n\n-Y 16000 +X 8192\n" + rows * 4000
+    with pytest.raises(EclatError, match="would take 1500 MiB, more than 512 MiB plus 256 times"):
+        read_image_file(Path("a.hdr"), data[:3_000_000])
