@@ -83,7 +83,8 @@ def test_patches_are_linked_as_finely_beside_stray_parts(distance: float) -> Non
     def on_the_floor(scene: Scene) -> np.ndarray:
         solution = eclat.solve(scene, eclat.Radiosity(patches=1000))
         floor = (np.abs(solution.corners[..., 2]).max(axis=1) < 1e-3) & (solution.triangles < 12) & ~solution.is_back
-        return np.average(solution.irradiance[floor], axis=0, weights=solution.areas[floor])
+        mean: np.ndarray = np.average(solution.irradiance[floor], axis=0, weights=solution.areas[floor])
+        return mean
 
     beside = room(np.zeros(3), stray((0, 0, distance)), stray((distance, 0, 0)))
     assert on_the_floor(beside) == pytest.approx(on_the_floor(room(np.zeros(3))), rel=0.01)
