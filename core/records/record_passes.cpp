@@ -108,15 +108,17 @@ std::vector<IrradianceRecord> thinned(std::span<const IrradianceRecord> records)
 
 /// Rows of a gather at the candidate, by the noise that finished records around it found. Not by its own: to repeat gathers
 /// that look noisy would lose the light that made them so.
-int rows_for(const Candidate& candidate, const RecordCache& cache, const IrradianceCacheOptions& options) {
+int rows_for(const Candidate& candidate, const RecordCache& cache, const IrradianceCacheOptions& options, float share) {
+    const auto rows = [&](float factor) {
+        return std::max(2, static_cast<int>(std::lround(static_cast<float>(options.rows) * share * factor)));
+    };
     const auto noise = cache.noise_around(candidate.position, candidate.normal);
-    if (!noise) return options.rows;
+    if (!noise) return rows(1);
     // Both bounds and the noise are set by judgement. A lower noise would cost rays everywhere, a higher one leaves splotches;
     // the bounds keep a gather between about half (0.75²) and four times (2²) of its rays, since noise is itself uncertain.
     constexpr float fewest_rows = 0.75f, most_rows = 2;
     constexpr float wanted_noise = 0.04f;
-    const float factor = clamp(std::pow(*noise / wanted_noise, 2 / 3.0f), fewest_rows, most_rows);
-    return std::max(2, static_cast<int>(std::lround(static_cast<float>(options.rows) * factor)));
+    return rows(clamp(std::pow(*noise / wanted_noise, 2 / 3.0f), fewest_rows, most_rows));
 }
 
 }  // namespace
@@ -217,7 +219,7 @@ void solve_far(const World& world, std::span<const Candidate> seen, const Irradi
 }
 
 size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
-                RecordSolve& solve, Progress& progress) {
+                RecordSolve& solve, Progress& progress, float share) {
     SolvedCaches& caches = solve.caches;
     const auto missed = unserved(caches.near, candidates, options.threads);
     const auto wanted = solve.direct.worth_records(candidates, missed);
@@ -226,7 +228,7 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto records = remembered(
         gather_each(
             {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
-            [&](const Candidate& c) { return rows_for(c, caches.near, options); }, caches.near.mean_luminance()),
+            [&](const Candidate& c) { return rows_for(c, caches.near, options, share); }, caches.near.mean_luminance()),
         solve.bright);
     caches.near.insert(records, options.spacing, options.threads);
     if (options.disagreement < infinity)

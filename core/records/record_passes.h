@@ -54,8 +54,8 @@ void solve_far(const World& world, std::span<const Candidate> seen, const Irradi
 uint64_t far_passes(const IrradianceCacheOptions& options);
 
 /// A pass of the near cache against its frozen state: the candidates that are not served get records where that pays.
-/// Returns how many were not served.
+/// Returns how many were not served. `share`: rows of its gathers in units of the usual number.
 size_t add_near(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
-                RecordSolve& solve, Progress& progress);
+                RecordSolve& solve, Progress& progress, float share = 1);
 
 }  // namespace eclat

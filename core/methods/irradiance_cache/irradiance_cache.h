@@ -36,7 +36,7 @@ void solve_near_for_camera(const World& world, const Camera& camera, const Irrad
 /// `pass(pixels)` for pixel centres (x, y) from coarse to fine: each pixel once in all. Where records may be smaller than
 /// pixels, also for places between them, or what changes inside of a pixel would never get a record on both sides.
 void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
-                      const std::function<void(std::span<const Vec2>)>& pass);
+                      const std::function<void(std::span<const Vec2>, float step)>& pass);
 
 /// Paths that go on from a vertex that the camera sees where no record serves it: beside pixels without noise a single one
 /// would show as a bright dot. In a furnished room two reach the same noise in 0.92 of one's time, and four need 1.04; in two

@@ -169,7 +169,7 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
     const RadianceProjection projection(options.order, Rows::balanced, options.rows);
     caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
-    for_each_lattice(camera, irradiance, [&](std::span<const Vec2> pixels) {
+    for_each_lattice(camera, irradiance, [&](std::span<const Vec2> pixels, float) {
         add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
                      projection, options, solve, progress);
     });
