@@ -36,7 +36,7 @@ Camera camera_in_room() {
 
 IrradianceCacheOptions small_solve(int threads) {
     IrradianceCacheOptions options;
-    options.rows = 4;
+    options.rows = 6;
     options.far_rows = 3;
     options.far_records = 50;
     options.seed = 5;
