@@ -33,7 +33,7 @@ _WINDOWS = {"hanning": _core.Window.hanning, "lanczos": _core.Window.lanczos}
 
 
 def evaluate(basis: Basis, order: int, directions: ArrayLike) -> Doubles:
-    """Evaluate all harmonics up to `order` in each direction, (N, order²).
+    """Evaluate all harmonics of degrees below `order` in N directions, as an array (N, order²).
 
     Hemispherical harmonics are 0 below the horizon.
 

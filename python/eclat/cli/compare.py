@@ -53,7 +53,7 @@ EXAMPLES = {
     help="""Render SCENE by several methods and write one self-contained HTML page.
 
     The page shows pictures, signed error maps and FLIP, and the error, time, rays and records of each method at several
-    levels of effort. Each level takes four times the samples (or seconds) of the level before and asks for half its
+    levels of effort. Each level takes four times the samples (or seconds) of the previous level and aims at half the
     error. The reference is the mean of two independent path-traced pictures.""",
 )
 @scene_argument

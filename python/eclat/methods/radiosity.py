@@ -196,7 +196,7 @@ def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySo
 
 
 def _tell_of_gloss(scene: Scene) -> None:
-    """Warn which materials radiosity treats as diffuse, and which it treats as opaque."""
+    """Warn about the materials that radiosity treats as diffuse and about those that it treats as opaque."""
     reflecting, transmitting = set(), set()
     for mesh in scene.meshes:
         for material in _parts(mesh.material):

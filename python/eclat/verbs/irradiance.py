@@ -77,8 +77,8 @@ def irradiance(
     ----------
     points, normals : (N, 3) positions in metres and directions of any length. Points need not lie on a surface.
     what : a method, its class or its name, a solution, or None. None means irradiance caching, or path tracing if there
-        are so few points that paths take fewer rays (`paths_for_few`). For a class or a name, the method's option
-        `max_error`, if it has one, is set to `max_error`.
+        are so few points that paths take fewer rays (`paths_for_few`). If it is a class or a name, the argument
+        `max_error` is passed on to the method, provided that the method has an option of that name.
 
         ====================  ==================================================================================
         `Solution`            Indirect light is read from its records. At points that no record covers, it is

@@ -258,9 +258,9 @@ def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image],
 def _warn_of_noise(sampling: Sampling, goal: Goal) -> None:
     """Say that sampling was given up before it met the goal, if it was."""
     if sampling.error > goal.max_error:
-        what = "noise after denoising" if sampling.denoised else "noise"
+        what = "relative noise after denoising" if sampling.denoised else "relative noise"
         noise = f"the {what} is still {sampling.error:.2g}, above the wanted {goal.max_error:.2g}"
-        warn(f"render: stopped after {sampling.taken:,} samples, where {noise}")
+        warn(f"render: stopped after {sampling.taken:,} samples per pixel; {noise}")
 
 
 def _checked_filter(name: str) -> _core.Filter:

@@ -174,7 +174,7 @@ def test_a_crop_is_denoised_alone(cornell: eclat.Scene) -> None:
 def test_giving_up_is_told(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(convergence, "MOST_SAMPLES", 8)
     with pytest.warns(
-        eclat.EclatWarning, match=r"the noise after denoising is still \d+\.\d+, above the wanted 0\.001"
+        eclat.EclatWarning, match=r"the relative noise after denoising is still \d+\.\d+, above the wanted 0\.001"
     ):
         image = denoised(cornell, max_error=0.001)
     assert image.metadata["statistics"]["samples"] == 8

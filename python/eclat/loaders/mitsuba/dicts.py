@@ -42,7 +42,7 @@ def parse_dict(scene: Mapping[str, Any], folder: Path) -> Node:
 
 
 def parse_bsdf(bsdf: Mapping[str, Any], folder: Path) -> Node:
-    """Read a BSDF from a dict into a tree of nodes. Otherwise as `parse_dict`."""
+    """Read a BSDF from a dict into a tree of nodes. File names and errors are treated as in `parse_dict`."""
     identifiers = Identifiers()
     root = _node(bsdf, "bsdf", "", folder, identifiers, 0)
     resolve_references(root, identifiers)

@@ -74,7 +74,7 @@ def read_elements(path: Path, where: str) -> Element:
 
 
 def parse_elements(data: bytes, name: str) -> Element:
-    """Parse `data`, the bytes of the XML file called `name`. Otherwise as `read_elements`."""
+    """Parse `data`, the bytes of the XML file called `name`. Errors are raised as in `read_elements`."""
     builder = _Builder(name)
     try:
         for begin in range(0, len(data), _CHUNK):

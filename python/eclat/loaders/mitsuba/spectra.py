@@ -122,8 +122,8 @@ def curve(pairs: list[tuple[float, float]], where: str) -> Curve:
     unique = [pair for i, pair in enumerate(ordered) if i == 0 or pair[0] > ordered[i - 1][0]]
     if len(unique) != len(ordered):
         warn(
-            f"{where}: expected different wavelengths, got {len(ordered) - len(unique)} repeated ones; the first value "
-            "of each is used"
+            f"{where}: expected each wavelength once, but {len(ordered) - len(unique)} of {len(ordered)} entries repeat "
+            "an earlier one; the first value of each wavelength is used"
         )
     if not unique:
         raise EclatError(f"{where}: expected wavelength:value pairs, got none")
