@@ -47,12 +47,6 @@ class SphereTree {
     /// The index of the sphere in each slot, `vacant` for none: what lookups name is the slot.
     const std::vector<uint32_t>& order() const { return order_; }
 
-    /// Calls `f(slot, squared distance)` for each sphere that holds `p`.
-    template <class F>
-    void for_each_around(Vec3 p, F&& f) const {
-        for_each_near(p, 0, std::forward<F>(f));
-    }
-
     /// Calls `f(slot, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`; of those that
     /// are cut by planes, for some that are a little farther as well.
     template <class F>

@@ -104,11 +104,12 @@ def seen(shade: Material, parts: Parts, method: Method) -> np.ndarray:
     return mean
 
 
-@pytest.mark.parametrize("method", METHODS)
-@pytest.mark.parametrize("light", LAMPS)
+# Radiosity passes no light of patches through panes, and says so.
+CASES = [(light, method) for light in LAMPS for method in METHODS if (light, method) != ("lamp-in-a-bulb", "patches")]
+
+
+@pytest.mark.parametrize(("light", "method"), CASES)
 def test_a_closed_shade_shines_with_the_sum_of_all_bounces(light: str, method: str) -> None:
-    if light == "lamp-in-a-bulb" and method == "patches":
-        pytest.skip("radiosity passes no light of patches through panes, and says so")
     assert seen(SHADE, LAMPS[light], METHODS[method]) == pytest.approx(LAMPS[light][-1], rel=0.05)
 
 

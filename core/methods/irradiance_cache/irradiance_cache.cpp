@@ -59,7 +59,7 @@ float finest_step(const IrradianceCacheOptions& options) {
 /// picture as the pass's step, so its noise is seen in step² pixels. The sum over records of that area times the variance,
 /// which falls with N^{-3/2} (records/record_passes.cpp), is least for a sum of rays N where N^{5/2} ∝ step², so M ∝ step^{2/5}.
 /// The step that gets the usual number and the bounds are tuned: in `living-room` at 640 × 360 the denoised error falls from
-/// 3.9 to 3.4 % with 6 % more rays; fewer rows than 0.7 in the last passes undo that.
+/// 3.9 to 3.5 % with 3 % more rays; fewer rows than 0.7 in the last passes undo that.
 float rows_share(float step) {
     constexpr float usual_step = 2, fewest = 0.7f, most = 2;
     return clamp(std::pow(step / usual_step, 0.4f), fewest, most);

@@ -44,17 +44,13 @@ Found sorted(Found found) {
     return found;
 }
 
-Found around(const SphereTree& tree, Vec3 p) {
-    Found out;
-    tree.for_each_around(p, [&](uint32_t slot, float d2) { out.emplace_back(tree.order()[slot], d2); });
-    return out;
-}
-
 Found near(const SphereTree& tree, Vec3 p, float reach) {
     Found out;
     tree.for_each_near(p, reach, [&](uint32_t slot, float d2) { out.emplace_back(tree.order()[slot], d2); });
     return out;
 }
+
+Found around(const SphereTree& tree, Vec3 p) { return near(tree, p, 0); }
 
 Found by_force(const std::vector<SphereTree::Sphere>& spheres, Vec3 p, float reach) {
     Found out;
