@@ -123,11 +123,11 @@ def arrays_from(data: bytes, where: str) -> dict[str, NDArray[Any]]:
 
 
 def is_array_file(data: bytes) -> bool:
-    """Whether `data` starts like a .npy file."""
+    """Return whether `data` starts like a .npy file."""
     return data.startswith(_MAGIC)
 
 
 def _short(error: Exception) -> str:
-    """The message of an exception on one line, shortened to 120 characters."""
+    """Return the message of an exception on one line, shortened to 120 characters."""
     text = " ".join(str(error).split()) or type(error).__name__
     return text if len(text) <= 120 else text[:117] + "..."

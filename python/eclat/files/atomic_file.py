@@ -142,7 +142,9 @@ def _remove(name: str) -> None:
 
 
 def _mode(target: Path) -> int:
-    """The permissions of the new file: those of the previous file or, if there is none, those that `open` would set."""
+    """Return the permissions of the new file: those of the previous file or, if there is none, those that `open` would
+    set.
+    """
     try:
         return stat.S_IMODE(target.stat().st_mode)
     except OSError:

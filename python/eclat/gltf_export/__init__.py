@@ -98,7 +98,7 @@ def encode_glb(
 
 
 def scene_parts(scene: Scene) -> list[Part]:
-    """The meshes of a scene as parts of a file.
+    """Return the meshes of a scene as parts of a file.
 
     A two-sided mesh whose sides differ becomes two parts, one for each side, because `doubleSided` in glTF makes both
     sides equal.
@@ -111,12 +111,14 @@ def scene_parts(scene: Scene) -> list[Part]:
 
 
 def split_sides(mesh: Mesh) -> list[Part]:
-    """The front side and the back side of a two-sided mesh as separate parts."""
+    """Return the front side and the back side of a two-sided mesh as separate parts."""
     return [Part(mesh, one_of_two=True), Part(back_side(mesh), one_of_two=True, back=True)]
 
 
 def back_side(mesh: Mesh) -> Mesh:
-    """The back side of a two-sided mesh: a mesh with reversed triangles and normals, and the material of that side."""
+    """Return the back side of a two-sided mesh: a mesh with reversed triangles and normals, and the material of that
+    side.
+    """
     material = mesh.material.back or mesh.material
     if mesh.material.back is None and not mesh.material.emission_two_sided:
         material = replace(material, emission=None)
@@ -124,7 +126,7 @@ def back_side(mesh: Mesh) -> Mesh:
 
 
 def sides_differ(material: Material) -> bool:
-    """Whether a two-sided material is different on its back side, which `doubleSided` in glTF cannot express."""
+    """Return whether a two-sided material is different on its back side, which `doubleSided` in glTF cannot express."""
     if not material.two_sided:
         return False
     return material.back is not None or (material.emission is not None and not material.emission_two_sided)

@@ -99,5 +99,5 @@ class Document:
 
 
 def eclat_extras(**values: Any) -> Mapping[str, Json]:
-    """The member `extras` of an element, with `values` that only Éclat reads, under the key "eclat"."""
+    """Return the member `extras` of an element, with `values` that only Éclat reads, under the key "eclat"."""
     return {"extras": {"eclat": values}}

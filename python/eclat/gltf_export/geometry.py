@@ -66,7 +66,7 @@ def with_flat_normals(mesh: Mesh) -> Mesh:
 
 
 def select_vertices(mesh: Mesh, vertices: np.ndarray, triangles: np.ndarray) -> Mesh:
-    """A mesh whose vertices are copies of the vertices of `mesh` with the indices `vertices` (N,).
+    """Return a mesh whose vertices are copies of the vertices of `mesh` with the indices `vertices` (N,).
 
     `triangles` (T, 3) are indices of the copies.
     """
@@ -87,7 +87,7 @@ def select_vertices(mesh: Mesh, vertices: np.ndarray, triangles: np.ndarray) -> 
 
 
 def face_normals(mesh: Mesh) -> FloatArray:
-    """The unit normals (T, 3) of the triangles. A triangle without area gets +z."""
+    """Return the unit normals (T, 3) of the triangles. A triangle without area gets +z."""
     a, b, c = (np.asarray(mesh.positions, np.float64)[np.asarray(mesh.triangles)[:, i]] for i in range(3))
     normals = np.cross(b - a, c - a)
     lengths = np.linalg.norm(normals, axis=1)
@@ -98,7 +98,7 @@ def face_normals(mesh: Mesh) -> FloatArray:
 
 
 def bounding_box(parts: Sequence[Part]) -> FloatArray:
-    """The lowest and the highest corner (2, 3) of all meshes. They are infinite if there are no vertices."""
+    """Return the lowest and the highest corner (2, 3) of all meshes. They are infinite if there are no vertices."""
     found = [np.asarray(part.mesh.positions, np.float64) for part in parts if len(part.mesh.positions)]
     if not found:
         return np.array([[np.inf] * 3, [-np.inf] * 3])
@@ -129,7 +129,7 @@ def primitive(document: Document, part: Part, material: int) -> Json:
 
 
 def _uv_sets(mesh: Mesh, lightmap: FloatArray | None) -> list[FloatArray]:
-    """The sets of texture coordinates TEXCOORD_0, TEXCOORD_1 and so on.
+    """Return the sets of texture coordinates TEXCOORD_0, TEXCOORD_1 and so on.
 
     The specification requires consecutive numbers. If the mesh does not have the first set but a later one, a later
     set is also written as the first.

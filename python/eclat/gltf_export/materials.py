@@ -88,7 +88,7 @@ class Materials:
         return {"alphaMode": "MASK", "alphaCutoff": material.alpha_cutoff}
 
     def _emission(self, material: Material) -> Json:
-        """The emission as a factor of at most 1. `_extensions` writes the strength that multiplies it."""
+        """Return the emission as a factor of at most 1. `_extensions` writes the strength that multiplies it."""
         emission = material.emission
         if emission is None or max(constant_of(emission)) <= 0:
             return {}
@@ -182,5 +182,5 @@ def _opaque(material: Material) -> bool:
 
 
 def _channel(value: Value, index: int) -> Value:
-    """One channel of a normal map as a separate value. The constant factor of a normal map is always 1."""
+    """Return one channel of a normal map as a separate value. The constant factor of a normal map is always 1."""
     return Value((1.0, 1.0, 1.0), value.texture, index, value.uv_set, value.uv_transform)

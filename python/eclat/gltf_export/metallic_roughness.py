@@ -45,7 +45,7 @@ def _diffuse(material: Material) -> dict[str, Value]:
 
 
 def _translucent(material: Material) -> dict[str, Value]:
-    """The parameters of a translucent material.
+    """Return the parameters of a translucent material.
 
     glTF splits one diffuse component into reflection and transmission. Its factor is the fraction of the scattered light
     that is transmitted.
@@ -68,7 +68,7 @@ def _translucent(material: Material) -> dict[str, Value]:
 
 
 def _coated(material: Material, alpha: Value) -> dict[str, Value]:
-    """The parameters of a diffuse base with a specular GGX lobe.
+    """Return the parameters of a diffuse base with a specular GGX lobe.
 
     `alpha` is the GGX roughness α. The reflectance of the lobe at normal incidence is `specular_reflectance`. In glTF,
     it is 4 % of the specular colour.

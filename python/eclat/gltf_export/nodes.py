@@ -47,7 +47,7 @@ def camera_node(document: Document, camera: Camera, bounds: FloatArray) -> int:
 
 
 def _farthest(place: FloatArray, bounds: FloatArray) -> float:
-    """The distance from `place` (3,) to the farthest corner of the bounds, or 1 if the bounds are infinite."""
+    """Return the distance from `place` (3,) to the farthest corner of the bounds, or 1 if the bounds are infinite."""
     distance = float(np.linalg.norm(np.abs(bounds - place).max(axis=0)))
     return distance if 0 < distance < math.inf else 1.0
 
@@ -91,7 +91,7 @@ def _colored(power: tuple[float, float, float]) -> Json:
 
 
 def _towards(position: tuple[float, float, float], direction: tuple[float, float, float]) -> FloatArray:
-    """A 4×4 matrix that maps the origin to `position` and the direction −z to `direction`."""
+    """Return a 4×4 matrix that maps the origin to `position` and the direction −z to `direction`."""
     d = np.asarray(direction, np.float64)
     d /= np.linalg.norm(d)
     matrix = look_at((0.0, 0.0, 0.0), (float(d[0]), float(d[1]), float(d[2])))

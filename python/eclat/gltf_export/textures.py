@@ -32,7 +32,7 @@ _IDENTITY = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))
 
 
 def texels(value: Value) -> Floats:
-    """The linear texels (H, W, C) that multiply the constant of `value`, with C = 1 or 3."""
+    """Return the linear texels (H, W, C) that multiply the constant of `value`, with C = 1 or 3."""
     assert value.texture is not None
     image = np.asarray(value.texture.image)
     image = image if image.ndim == 3 else image[:, :, None]
@@ -49,7 +49,7 @@ def texels(value: Value) -> Floats:
 
 
 def constant_of(value: Value) -> tuple[float, float, float]:
-    """The constant RGB factor of `value`, squared if `value.square`."""
+    """Return the constant RGB factor of `value`, squared if `value.square`."""
     r, g, b = value.constant
     return (r * r, g * g, b * b) if value.square else (r, g, b)
 
@@ -151,7 +151,7 @@ class Textures:
         return info
 
     def _name(self, value: Value | None) -> object:
-        """A hashable key that is equal for two values if they have the same texels."""
+        """Return a hashable key that is equal for two values if they have the same texels."""
         if value is None or value.texture is None:
             return None
         self._kept.append(value.texture)
@@ -159,7 +159,7 @@ class Textures:
 
 
 def _same_mapping(a: Value, b: Value) -> bool:
-    """Whether two textures have the same texture coordinates and wrap modes."""
+    """Return whether two textures have the same texture coordinates and wrap modes."""
     if a.texture is None or b.texture is None:
         return True
     wraps = [(t.wrap_u, t.wrap_v) for t in (a.texture, b.texture)]
@@ -207,7 +207,7 @@ def _channel_bytes(values: Mapping[int, Value], neutral: int) -> Bytes:
 
 
 def _is_plain(value: Value, texture: Texture) -> bool:
-    """Whether the image can be written unchanged as a colour texture, which in glTF consists of sRGB bytes."""
+    """Return whether the image can be written unchanged as a colour texture, which in glTF consists of sRGB bytes."""
     image = np.asarray(texture.image)
     grey = image.ndim == 2 or image.shape[2] == 1
     one_of_many = value.channel is not None and not grey
@@ -255,7 +255,7 @@ def _transform(matrix: tuple[tuple[float, float, float], tuple[float, float, flo
 
 
 def square_root(value: Value) -> Value:
-    """The square root of `value`. If `value.square`, this is the same value without the square."""
+    """Return the square root of `value`. If `value.square`, this is the same value without the square."""
     if value.square:
         return replace(value, square=False)
     if value.texture is None:

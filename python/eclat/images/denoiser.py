@@ -24,7 +24,7 @@ PACKAGE = "pyoidn"
 
 
 def has_denoiser() -> bool:
-    """Whether Open Image Denoise is installed."""
+    """Return whether Open Image Denoise is installed."""
     return importlib.util.find_spec(PACKAGE) is not None
 
 

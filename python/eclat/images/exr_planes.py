@@ -86,7 +86,7 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
 
 
 def rgb_to_xyz(chromaticities: tuple[float, ...]) -> Float64 | None:
-    """The 3×3 matrix from RGB to XYZ for which white has Y = 1 [SMPTE RP 177].
+    """Return the 3×3 matrix from RGB to XYZ for which white has Y = 1 [SMPTE RP 177].
 
     `chromaticities` are x and y of red, green, blue and white. The result is None if they are not valid primaries.
     """
@@ -101,7 +101,7 @@ def rgb_to_xyz(chromaticities: tuple[float, ...]) -> Float64 | None:
 
 
 def _rgb_to_xyz(chromaticities: Any, where: str) -> Float64:
-    """The 3×3 matrix from RGB to XYZ for the header attribute `chromaticities`.
+    """Return the 3×3 matrix from RGB to XYZ for the header attribute `chromaticities`.
 
     It is the matrix of Rec. 709 if the attribute is absent, nearly equal or, with a warning, invalid.
     """
@@ -120,7 +120,7 @@ def _rgb_to_xyz(chromaticities: Any, where: str) -> Float64:
 
 
 def _window(corners: Any) -> tuple[int, int, int, int]:
-    """The corners of a window as (x0, y0, x1, y1), where x1 and y1 are exclusive."""
+    """Return the corners of a window as (x0, y0, x1, y1), where x1 and y1 are exclusive."""
     (x0, y0), (x1, y1) = corners
     return int(x0), int(y0), int(x1) + 1, int(y1) + 1
 
@@ -167,7 +167,7 @@ def _cropped(plane: NDArray[Any], window: tuple[int, int, int, int], display: tu
 
 
 def _layers_of(channels: dict[str, Float32], letters: tuple[str, ...]) -> list[str]:
-    """The prefix of each layer that has a channel for each of the `letters`: "", or the layer's name with a dot."""
+    """Return the prefix of each layer that has a channel for each of the `letters`: "", or the layer's name with a dot."""
     starts = [name.removesuffix(letters[0]) for name in channels if name.rpartition(".")[2] == letters[0]]
     return [start for start in starts if all(f"{start}{letter}" in channels for letter in letters)]
 

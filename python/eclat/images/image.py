@@ -186,7 +186,7 @@ class Image:
         return Image(content.pixels, content.layers, content.metadata)
 
     def _repr_png_(self) -> bytes:
-        """The image as a PNG file, for notebooks."""
+        """Return the image as a PNG file, for notebooks."""
         return image_files.encode_png(image_files.Content(self.pixels, {}, {}), LAYERS, 0.0, "none")
 
     def _warn_if_not_finite(self, name: str, treatment: str) -> None:
@@ -200,7 +200,7 @@ class Image:
 
 
 def check_output(path: str | os.PathLike[str]) -> image_files.Format:
-    """The format of the image file `path`.
+    """Return the format of the image file `path`.
 
     Raises EclatError if its suffix is unknown or the file cannot be written.
     """

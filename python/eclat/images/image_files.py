@@ -48,7 +48,7 @@ class Format:
 
 
 def format_of(path: str | os.PathLike[str]) -> Format:
-    """The format of the file `path`, by its suffix. Raises EclatError if the suffix is not in `FORMATS`."""
+    """Return the format of the file `path`, by its suffix. Raises EclatError if the suffix is not in `FORMATS`."""
     suffix = Path(path).suffix
     if suffix.lower() not in FORMATS:
         got = f"{suffix!r}{did_you_mean(suffix.lower(), FORMATS)}" if suffix else "a name without a suffix"

@@ -45,7 +45,7 @@ def project(camera: Camera, points: FloatArray, size: tuple[int, int]) -> tuple[
 
 
 def visible_pixels(image: Image, camera: Camera, positions: FloatArray) -> NDArray[np.intp]:
-    """The columns and rows (M, 2) of the pixels that contain visible records.
+    """Return the columns and rows (M, 2) of the pixels that contain visible records.
 
     `positions` (N, 3) are the records. A record is hidden if it is behind the depth in the layer `depth` of the image.
     """
@@ -60,7 +60,7 @@ def visible_pixels(image: Image, camera: Camera, positions: FloatArray) -> NDArr
 
 
 def record_density(image: Image, camera: Camera, positions: FloatArray) -> NDArray[np.float32]:
-    """The number (H, W) of visible records in each pixel. `positions` (N, 3) are the records."""
+    """Return the number (H, W) of visible records in each pixel. `positions` (N, 3) are the records."""
     pixels = visible_pixels(image, camera, positions)
     density = np.zeros((image.height, image.width), dtype=np.float32)
     np.add.at(density, (pixels[:, 1], pixels[:, 0]), np.float32(1))

@@ -86,7 +86,7 @@ def auto_exposure(pixels: FloatArray) -> float:
 
 
 def exposure_stops(exposure: float | Literal["auto"], pixels: FloatArray) -> float:
-    """The exposure in stops: `exposure`, or `auto_exposure(pixels)` if it is "auto".
+    """Return the exposure in stops: `exposure`, or `auto_exposure(pixels)` if it is "auto".
 
     Raises EclatError if it is another word.
     """

@@ -165,7 +165,7 @@ def _resolve_anywhere(folder: Path, text: str, where: str) -> Path:
 
 
 def _find(folder: Path, text: str) -> Path | None:
-    """The path `folder / text` if it exists, otherwise a path that differs only in case, otherwise None."""
+    """Return the path `folder / text` if it exists, otherwise a path that differs only in case, otherwise None."""
     exact = folder / text
     if exact.exists():
         return exact
@@ -186,7 +186,7 @@ def _find(folder: Path, text: str) -> Path | None:
 
 
 def _checker() -> NDArray[np.uint8]:
-    """A checkerboard (16, 16, 3) of mauve and grey squares in sRGB bytes.
+    """Return a checkerboard (16, 16, 3) of mauve and grey squares in sRGB bytes.
 
     Each square has 2 × 2 texels, so that bilinear filtering does not blur it away.
     """

@@ -59,7 +59,7 @@ class Entry:
     statements: dict[str, tuple[int, str]] = field(default_factory=dict)
 
     def where(self, key: str) -> str:
-        """The file, line and material of the statement `key`, for messages."""
+        """Return the file, line and material of the statement `key`, for messages."""
         return f"{self.path.name}, line {self.statements[key][0]}, material {self.name!r}"
 
 
@@ -130,7 +130,7 @@ def load_library(obj_path: Path, names: list[tuple[int, str]]) -> Library:
 
 
 def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None]:
-    """The paths of the files that one `mtllib` statement names, with None for each missing file.
+    """Return the paths of the files that one `mtllib` statement names, with None for each missing file.
 
     The argument may be one file name with spaces or several file names.
     """
@@ -152,7 +152,7 @@ def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None
 
 
 def _library_path(obj_path: Path, name: str, where: str) -> Path | None:
-    """The path of the file called `name`, or None if it does not exist."""
+    """Return the path of the file called `name`, or None if it does not exist."""
     try:
         path = resolve(obj_path.parent, name, where=where, allow_parent=True)
         return path if path.is_file() else None
@@ -207,7 +207,7 @@ def find_entry(library: Library, name: str) -> Entry | None:
 
 
 def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) -> float | None:
-    """The first number of the statement `key`, or None if the statement is absent.
+    """Return the first number of the statement `key`, or None if the statement is absent.
 
     Raises EclatError if there is no number or it is not in `least`..`most`.
     """
@@ -218,7 +218,7 @@ def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) ->
 
 
 def color(entry: Entry, key: str) -> tuple[float, float, float] | None:
-    """The linear RGB colour of the statement `key`, or None if the statement is absent. One number means grey.
+    """Return the linear RGB colour of the statement `key`, or None if the statement is absent. One number means grey.
 
     Raises EclatError if a number is malformed, negative or not finite.
     """

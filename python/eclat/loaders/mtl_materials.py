@@ -121,7 +121,7 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
 
 
 def _lobes(library: Library, entry: Entry) -> tuple[Value, Value]:
-    """The diffuse and the specular reflectance, scaled down with a warning if they add up to more than 1."""
+    """Return the diffuse and the specular reflectance, scaled down with a warning if they add up to more than 1."""
     illum = number(entry, "illum")
     diffuse, specular = _kd(library, entry), grey(0)
     if illum is None or illum >= 2:
@@ -149,7 +149,7 @@ def _scaled(value: Value, factor: float) -> Value:
 
 
 def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
-    """A mirror and a diffuse material in a blend.
+    """Return a mirror and a diffuse material in a blend.
 
     A blend multiplies each material by its weight. The reflectances are divided by the weights here, so that the
     blend reflects `diffuse` plus `specular`.
@@ -171,7 +171,7 @@ def _mirror(common: Material, diffuse: Value, specular: Value) -> Material:
 
 
 def _is_glass(entry: Entry, illum: float) -> bool:
-    """Whether the material is glass, as far as one can tell from the statements besides illum (see the module)."""
+    """Return whether the material is glass, as far as one can tell from the statements besides illum (see the module)."""
     ior, d, tr = (number(entry, key) for key in ("ni", "d", "tr"))
     if ior is not None and abs(ior - 1) > _SAME_INDEX:
         return True
@@ -240,7 +240,7 @@ def _emission(library: Library, entry: Entry) -> Value | None:
 
 
 def _opacity(library: Library, entry: Entry, *, solid: bool) -> Value:
-    """The opacity: d, or without d 1 − Tr, multiplied by map_d or by 1 − map_Tr.
+    """Return the opacity: d, or without d 1 − Tr, multiplied by map_d or by 1 − map_Tr.
 
     If the material is not `solid`, it is glass. Only the map counts then, because d describes how clear the glass is.
     """
@@ -297,7 +297,9 @@ def _normal_map(library: Library, entry: Entry) -> NormalMap | None:
 
 
 def _looks_like_normals(texture: Texture) -> bool:
-    """Whether the average colour of the image is close to (0.5, 0.5, 1), as in normal maps and never in height maps."""
+    """Return whether the average colour of the image is close to (0.5, 0.5, 1), as in normal maps and never in height
+    maps.
+    """
     if texture.image.shape[2] < 3 or texture.image.shape[:2] == (1, 1):
         return False
     r, g, b = (float(c) for c in texture.image[..., :3].reshape(-1, 3).mean(axis=0, dtype=np.float64))
@@ -306,7 +308,7 @@ def _looks_like_normals(texture: Texture) -> bool:
 
 
 def _color(library: Library, entry: Entry, key: str, default: float) -> Value:
-    """The colour of the statement `key`, or `default`, multiplied by its map."""
+    """Return the colour of the statement `key`, or `default`, multiplied by its map."""
     constant = color(entry, key) or (default, default, default)
     found = texture_map(entry, f"map_{key}")
     if found is None:
@@ -329,7 +331,7 @@ def _warn_hidden(entry: Entry, key: str) -> None:
 
 
 def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: int | None = None) -> Value:
-    """The number `constant`, multiplied by the map of the statement `key`."""
+    """Return the number `constant`, multiplied by the map of the statement `key`."""
     found = texture_map(entry, key)
     if found is None:
         return grey(constant)
@@ -343,6 +345,6 @@ def _scalar(library: Library, entry: Entry, key: str, constant: float, channel: 
 
 
 def _channel(found: Map, texture: Texture) -> int:
-    """The number of the image channel that the option -imfchan selects, or 0 if the image does not have it."""
+    """Return the number of the image channel that the option -imfchan selects, or 0 if the image does not have it."""
     channel = _CHANNELS.get(found.channel, 0)
     return channel if channel < texture.image.shape[2] else 0

@@ -219,7 +219,7 @@ def _grouped(values: IntArray) -> list[IntArray]:
 
 
 def _part(vertices: _Vertices, which: IntArray, name: str) -> Mesh:
-    """A mesh of the triangles with the indices `which`, with Éclat's default material."""
+    """Return a mesh of the triangles with the indices `which`, with Éclat's default material."""
     used, inverse = np.unique(vertices.triangles[which], return_inverse=True)
     normals = vertices.normals[used]
     return Mesh(
@@ -234,7 +234,7 @@ def _part(vertices: _Vertices, which: IntArray, name: str) -> Mesh:
 
 
 def _grey(mesh: Mesh, name: str = "") -> Material:
-    """The material of triangles without one: a diffuse reflectance of 0.5, or the vertex colours."""
+    """Return the material of triangles without one: a diffuse reflectance of 0.5, or the vertex colours."""
     return Material(parameters={"reflectance": grey(0.5 if mesh.colors is None else 1.0)}, name=name)
 
 
@@ -268,7 +268,9 @@ def _is_textured(material: Material) -> bool:
 
 
 def _texture_width(mesh: Mesh, value: Value) -> float:
-    """The width of the texture on the mesh in metres, on average over the area of the mesh, or 1 if it is unknown."""
+    """Return the width of the texture on the mesh in metres, on average over the area of the mesh, or 1 if it is
+    unknown.
+    """
     if mesh.uvs is None:
         return 1.0
     corners = np.asarray(mesh.positions, dtype=np.float64)[mesh.triangles]

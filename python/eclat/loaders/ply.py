@@ -101,7 +101,7 @@ def _mesh(
 
 
 def _columns(vertex: Columns, names: tuple[str, ...]) -> FloatArray | None:
-    """The columns of the properties `names`, shape (V, len(names)), or None if one of them is missing.
+    """Return the columns of the properties `names`, shape (V, len(names)), or None if one of them is missing.
 
     The type is float32 if all columns have it in the file, otherwise float64.
     """
@@ -126,7 +126,7 @@ def _uvs(vertex: Columns, where: str, *, flip_v: bool) -> NDArray[np.float32] | 
 
 
 def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
-    """The vertex colours (V, 4) in linear RGBA, or None if the file has none."""
+    """Return the vertex colours (V, 4) in linear RGBA, or None if the file has none."""
     for names in _COLOR_NAMES:
         rgb = _columns(vertex, names)
         if rgb is None:
@@ -147,7 +147,7 @@ def _colors(vertex: Columns, where: str) -> NDArray[np.float32] | None:
 
 
 def _white(vertex: Columns, names: tuple[str, ...], values: FloatArray, where: str) -> float | None:
-    """The number that stands for white in sRGB colours, or None if the colours are linear in 0..1.
+    """Return the number that stands for white in sRGB colours, or None if the colours are linear in 0..1.
 
     White is the largest number of an integer type. It is 255, with a warning, if the colours have a larger integer type
     or a floating-point type but look like bytes.
@@ -204,7 +204,7 @@ def _triangles(
 
 
 def _index_lists(columns: Columns) -> Lists | None:
-    """The lists of vertex indices in an element, or None if it has none."""
+    """Return the lists of vertex indices in an element, or None if it has none."""
     for name in _INDEX_NAMES:
         found = columns.get(name)
         if isinstance(found, Lists) and found.items.dtype.kind in "iu":
@@ -213,7 +213,7 @@ def _index_lists(columns: Columns) -> Lists | None:
 
 
 def _checked(lists: Lists, vertices: int, element: str, where: str) -> geometry.IntArray:
-    """The items of `lists`. Raises EclatError if one is not a vertex index (or −1 in a strip)."""
+    """Return the items of `lists`. Raises EclatError if one is not a vertex index (or −1 in a strip)."""
     items = lists.items
     least = -1 if element == "tristrips" else 0
     if len(items) and (int(items.min()) < least or int(items.max()) >= vertices):
@@ -227,7 +227,7 @@ def _checked(lists: Lists, vertices: int, element: str, where: str) -> geometry.
 
 
 def _from_strips(indices: geometry.IntArray, counts: NDArray[np.int64]) -> geometry.IntArray:
-    """The triangles (T, 3) of triangle strips. Every second triangle of a strip is reversed.
+    """Return the triangles (T, 3) of triangle strips. Every second triangle of a strip is reversed.
 
     A list of `counts[i]` indices contains one strip, or several strips that are separated by −1.
     """

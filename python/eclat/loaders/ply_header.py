@@ -102,7 +102,7 @@ def read_header(data: bytes, where: str) -> Header:
 
 
 def _data_start(data: bytes, end: re.Match[bytes]) -> int:
-    """The offset of the first byte after the header.
+    """Return the offset of the first byte after the header.
 
     In a file whose first line ends with CR alone, the header ends with CR alone too: an LF after it is data.
     """

@@ -82,7 +82,7 @@ def _texture(path: Path, name: str) -> Texture:
 
 
 def _corner_uvs(corners: FaceCorners, face: Columns, where: str) -> NDArray[np.float32] | None:
-    """The texture coordinates (C, 2) of the corners of all faces, with v downwards, or None if faces have none."""
+    """Return the texture coordinates (C, 2) of the corners of all faces, with v downwards, or None if faces have none."""
     found = face.get("texcoord")
     if not isinstance(found, Lists) or not found.counts.any():
         return None
@@ -122,7 +122,7 @@ def _split(mesh: Mesh, corners: FaceCorners, uvs: NDArray[np.float32]) -> Mesh:
 def _texture_numbers(
     triangles: int, textures: int, corners: FaceCorners, face: Columns, where: str
 ) -> NDArray[np.int64]:
-    """The texture number (T,) of each triangle, which is 0 if the file does not give one."""
+    """Return the texture number (T,) of each triangle, which is 0 if the file does not give one."""
     numbers = np.zeros(triangles, np.int64)
     found = face.get("texnumber")
     if found is None or isinstance(found, Lists):
@@ -144,7 +144,7 @@ def _texture_numbers(
 
 
 def _compact(mesh: Mesh, which: NDArray[np.bool_]) -> Mesh:
-    """The mesh of the triangles that the mask `which` selects, without the vertices that they do not use."""
+    """Return the mesh of the triangles that the mask `which` selects, without the vertices that they do not use."""
     used, inverse = np.unique(mesh.triangles[which], return_inverse=True)
     return replace(
         mesh,

@@ -93,7 +93,7 @@ def _ears(points: list[Point]) -> list[tuple[int, int, int]]:
 
 
 def _find_ear(points: list[Point], left: list[int], flat: float) -> int:
-    """The index in `left` of the corner to cut off: an ear if there is one, otherwise the flattest corner."""
+    """Return the index in `left` of the corner to cut off: an ear if there is one, otherwise the flattest corner."""
     n = len(left)
     turns = [_cross(points[left[i - 1]], points[left[i]], points[left[(i + 1) % n]]) for i in range(n)]
     # Only a corner that is not convex (a right turn) can lie inside an ear.
@@ -107,7 +107,7 @@ def _find_ear(points: list[Point], left: list[int], flat: float) -> int:
 
 
 def _covers_any(a: Point, b: Point, c: Point, obstacles: list[Point]) -> bool:
-    """Whether one of the `obstacles`, except the triangle's own corners, lies in the triangle or on its edges."""
+    """Return whether one of the `obstacles`, except the triangle's own corners, lies in the triangle or on its edges."""
     return any(
         q not in (a, b, c) and _cross(a, b, q) >= 0 and _cross(b, c, q) >= 0 and _cross(c, a, q) >= 0 for q in obstacles
     )

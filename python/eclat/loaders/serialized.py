@@ -107,7 +107,7 @@ def _checked(triangles: NDArray[Any], vertices: int, where: str) -> NDArray[np.i
 
 
 def _shape_range(data: bytes, index: int, where: str) -> tuple[int, int]:
-    """The offsets of the first byte of the shape `index` and of the first byte after it."""
+    """Return the offsets of the first byte of the shape `index` and of the first byte after it."""
     if len(data) < 8:
         raise EclatError(f"{where}: expected a .serialized file, got {len(data)} bytes")
     magic, version = struct.unpack_from("<HH", data)
@@ -148,7 +148,7 @@ class _Inflated:
 
     @classmethod
     def of_shape(cls, data: bytes, index: int, where: str) -> tuple[int, _Inflated]:
-        """The version in the header of the shape `index`, and the stream of the shape."""
+        """Return the version in the header of the shape `index`, and the stream of the shape."""
         begin, end = _shape_range(data, index, where)
         magic, version = struct.unpack_from("<HH", data, begin)
         if magic != _MAGIC or version not in (3, 4):

@@ -67,7 +67,7 @@ def _welded(positions: Floats, triangles: Ints) -> tuple[Ints, Floats]:
 
 
 def _pieces(corners: Ints, count: int) -> Ints:
-    """The label (T,) of each triangle's connected piece. Triangles that share a vertex belong to the same piece."""
+    """Return the label (T,) of each triangle's connected piece. Triangles that share a vertex belong to the same piece."""
     labels = connected_components(count, np.repeat(corners[:, 0], 2), corners[:, 1:].reshape(-1))
     return labels[corners[:, 0]]
 
@@ -92,7 +92,7 @@ def _encloses(corners: Ints, places: Floats) -> bool:
 
 
 def _open_ends(corners: Ints) -> tuple[Ints, Ints]:
-    """The start and end vertices of the edges that triangles do not use equally often in both directions."""
+    """Return the start and end vertices of the edges that triangles do not use equally often in both directions."""
     start, end = corners.reshape(-1), np.roll(corners, -1, axis=1).reshape(-1)
     low, high = np.minimum(start, end), np.maximum(start, end)
     edges, which = np.unique(np.column_stack((low, high)), axis=0, return_inverse=True)

@@ -128,7 +128,7 @@ def triangles_with_area(
 
 
 def face_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.float64]:
-    """The unit normals (T, 3) of triangles, on the side from which the corners appear counter-clockwise.
+    """Return the unit normals (T, 3) of triangles, on the side from which the corners appear counter-clockwise.
 
     A triangle without area has a zero normal.
     """

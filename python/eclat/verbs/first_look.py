@@ -50,12 +50,12 @@ def first_look(scene: Scene, source: Source, view: View, work: Work) -> Image:
 
 
 def _small(size: tuple[int, int]) -> tuple[int, int]:
-    """The size with the same proportions and at most `PIXELS` pixels."""
+    """Return the size with the same proportions and at most `PIXELS` pixels."""
     scale = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))
     return max(1, int(scale * size[0])), max(1, int(scale * size[1]))
 
 
 def _enlarged(picture: NDArray[np.float32], size: tuple[int, int]) -> NDArray[np.float32]:
-    """The picture (h, w, 3) with bilinear interpolation at another size (width, height)."""
+    """Return the picture (h, w, 3) with bilinear interpolation at another size (width, height)."""
     channels = [PillowImage.fromarray(picture[..., k]).resize(size, PillowImage.Resampling.BILINEAR) for k in range(3)]
     return np.stack([np.asarray(channel, dtype=np.float32) for channel in channels], axis=-1)

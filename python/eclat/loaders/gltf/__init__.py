@@ -102,7 +102,7 @@ class _Builder:
         )
 
     def _photometric(self) -> bool:
-        """Whether the scene has photometric units.
+        """Return whether the scene has photometric units.
 
         It has if there are lights or emission, because glTF defines their units, unless the file was written by Éclat
         and states the units.
@@ -196,7 +196,7 @@ class _Builder:
 
 
 def _weights(node: Element, mesh: Element) -> tuple[float, ...]:
-    """The weights of morph targets: those of the node or, if it has none, those of the mesh."""
+    """Return the weights of morph targets: those of the node or, if it has none, those of the mesh."""
     owner = node if node.data.get("weights") is not None else mesh
     values = owner.data.get("weights")
     return owner.numbers("weights", len(values) if isinstance(values, list) else 0, ())

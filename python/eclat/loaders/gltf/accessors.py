@@ -40,12 +40,16 @@ class Accessors:
         self._arrays: dict[int, Numbers] = {}
 
     def count(self, owner: Element, member: str) -> int:
-        """The number of elements of the accessor whose index is the member `member` of `owner`, or 0 without one."""
+        """Return the number of elements of the accessor whose index is the member `member` of `owner`, or 0 without
+        one.
+        """
         accessor = self._document.element(owner, member, "accessors")
         return 0 if accessor is None else accessor.integer("count")
 
     def has_data(self, owner: Element, member: str) -> bool:
-        """Whether the accessor whose index is the member `member` of `owner` exists and has data other than zeros."""
+        """Return whether the accessor whose index is the member `member` of `owner` exists and has data other than
+        zeros.
+        """
         accessor = self._document.element(owner, member, "accessors")
         return accessor is not None and ("bufferView" in accessor.data or "sparse" in accessor.data)
 

@@ -68,7 +68,7 @@ def _size(lens: Element, aspect: float) -> tuple[int, int] | None:
 
 
 def _rigid(to_world: NDArray[np.float64], camera: Element) -> NDArray[np.float64]:
-    """The transform of a node without its scale, which the specification excludes. A reflection is kept."""
+    """Return the transform of a node without its scale, which the specification excludes. A reflection is kept."""
     right, up, backward = to_world[:3, :3].T
     axes = [backward, up - backward * (up @ backward) / max(float(backward @ backward), 1e-300)]
     lengths = [float(np.linalg.norm(axis)) for axis in axes]

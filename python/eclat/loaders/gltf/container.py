@@ -48,13 +48,13 @@ class Document:
         self.second_uv_set = 1 if self.eclat_extras is None or self.eclat_extras.data.get("lightmap") is None else 2
 
     def elements(self, kind: str) -> list[Element]:
-        """The elements of the top-level list `kind`, such as "nodes" or "meshes"."""
+        """Return the elements of the top-level list `kind`, such as "nodes" or "meshes"."""
         if kind not in self._elements:
             self._elements[kind] = self.root.children(kind)
         return self._elements[kind]
 
     def element(self, owner: Element, member: str, kind: str) -> Element | None:
-        """The element of the top-level list `kind` whose index is the member `member` of `owner`.
+        """Return the element of the top-level list `kind` whose index is the member `member` of `owner`.
 
         The result is None if `owner` has no such member. Raises EclatError if the index is invalid.
         """
@@ -62,7 +62,7 @@ class Document:
         return None if index is None else self.elements(kind)[index]
 
     def buffer_view(self, owner: Element) -> tuple[memoryview, int | None] | None:
-        """The buffer view that `owner` refers to.
+        """Return the buffer view that `owner` refers to.
 
         Returns
         -------
@@ -90,13 +90,17 @@ class Document:
         return data[start : start + length], stride or None
 
     def uri_bytes(self, uri: str, where: str) -> bytes:
-        """The bytes of a data URI, or of a file in the document's folder. Raises EclatError if they cannot be read."""
+        """Return the bytes of a data URI, or of a file in the document's folder. Raises EclatError if they cannot be
+        read.
+        """
         if uri[:5].lower() == "data:":
             return _data_uri(uri, where)
         return read_bytes(self.uri_path(uri, where), where=where)
 
     def uri_path(self, uri: str, where: str) -> Path:
-        """The path of the file in the document's folder that a URI names. Raises EclatError if the name is invalid."""
+        """Return the path of the file in the document's folder that a URI names. Raises EclatError if the name is
+        invalid.
+        """
         try:
             decoded = unquote(uri, errors="strict")
         except UnicodeDecodeError:
@@ -148,7 +152,7 @@ def _check_version(root: Element) -> None:
 
 
 def _glb_chunks(data: bytes, name: str) -> tuple[memoryview, memoryview | None]:
-    """The JSON and the binary chunk of a GLB file."""
+    """Return the JSON and the binary chunk of a GLB file."""
     if len(data) < 20:
         raise EclatError(f"{name}: expected a GLB header and a JSON chunk, got {len(data)} bytes")
     version, length = struct.unpack_from("<II", data, 4)

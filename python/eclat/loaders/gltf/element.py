@@ -28,11 +28,11 @@ class Element:
     where: str
 
     def at(self, name: str) -> str:
-        """The location of the member `name`, for messages."""
+        """Return the location of the member `name`, for messages."""
         return f"{self.where}.{name}" if "[" in self.where else f"{self.where}, {name}"
 
     def child(self, name: str) -> Element | None:
-        """The object `name`, or None if it is absent."""
+        """Return the object `name`, or None if it is absent."""
         value = self.data.get(name)
         if value is None:
             return None
@@ -41,7 +41,7 @@ class Element:
         return Element(value, self.at(name))
 
     def children(self, name: str) -> list[Element]:
-        """The list of objects `name`, which is empty if it is absent."""
+        """Return the list of objects `name`, which is empty if it is absent."""
         values = self._list(name)
         for i, value in enumerate(values):
             if not isinstance(value, dict):
@@ -49,18 +49,20 @@ class Element:
         return [Element(value, self.at(f"{name}[{i}]")) for i, value in enumerate(values)]
 
     def extension(self, name: str) -> Element | None:
-        """The object of the extension `name`, or None if it is absent."""
+        """Return the object of the extension `name`, or None if it is absent."""
         extensions = self.child("extensions")
         return extensions.child(name) if extensions else None
 
     def eclat_extras(self) -> Element | None:
-        """The object extras.eclat that `eclat.gltf_export` writes, or None if there is none."""
+        """Return the object extras.eclat that `eclat.gltf_export` writes, or None if there is none."""
         extras = self.data.get("extras")
         note = extras.get("eclat") if isinstance(extras, dict) else None
         return Element(note, self.at("extras.eclat")) if isinstance(note, dict) else None
 
     def number(self, name: str, default: float | None = None) -> float:
-        """A finite number. If it is absent, the result is `default`, or EclatError is raised if there is no default."""
+        """Return a finite number. If it is absent, the result is `default`, or EclatError is raised if there is no
+        default.
+        """
         value = self.data.get(name)
         if value is None:
             if default is None:
@@ -69,11 +71,11 @@ class Element:
         return self._finite(value, name)
 
     def clamped(self, name: str, default: float, low: float = 0.0, high: float = 1.0) -> float:
-        """A number, or `default` if it is absent. If it is outside [low, high], it is clamped, with a warning."""
+        """Return a number, or `default` if it is absent. If it is outside [low, high], it is clamped, with a warning."""
         return self._clamp(self.number(name, default), name, low, high)
 
     def numbers(self, name: str, size: int, default: Sequence[float] | None = None) -> tuple[float, ...]:
-        """A list of `size` finite numbers.
+        """Return a list of `size` finite numbers.
 
         If it is absent, the result is `default`, or EclatError is raised if there is no default.
         """
@@ -85,7 +87,7 @@ class Element:
         return tuple(self._finite(value, f"{name}[{i}]") for i, value in enumerate(values))
 
     def levels(self, name: str, default: Sequence[float], high: float = math.inf) -> tuple[float, ...]:
-        """A list of as many numbers as `default` has, or `default` if it is absent.
+        """Return a list of as many numbers as `default` has, or `default` if it is absent.
 
         Numbers outside [0, high] are clamped, with a warning.
         """
@@ -93,12 +95,14 @@ class Element:
         return tuple(self._clamp(value, f"{name}[{i}]", 0.0, high) for i, value in enumerate(values))
 
     def color(self, name: str, default: tuple[float, float, float]) -> tuple[float, float, float]:
-        """A list of three numbers of at least 0, or `default` if it is absent. Negative ones become 0 with a warning."""
+        """Return a list of three numbers of at least 0, or `default` if it is absent. Negative ones become 0 with a
+        warning.
+        """
         r, g, b = self.levels(name, default)
         return r, g, b
 
     def integer(self, name: str, default: int | None = None) -> int:
-        """An integer of at least 0.
+        """Return an integer of at least 0.
 
         If it is absent, the result is `default`, or EclatError is raised if there is no default.
         """
@@ -108,13 +112,13 @@ class Element:
         return self._natural(value, name)
 
     def index(self, name: str, count: int, what: str) -> int | None:
-        """An index into the `count` elements of the file that are called `what`, or None if it is absent."""
+        """Return an index into the `count` elements of the file that are called `what`, or None if it is absent."""
         if self.data.get(name) is None:
             return None
         return self._in_range(self._natural(self.data[name], name), name, count, what)
 
     def indices(self, name: str, count: int, what: str) -> list[int]:
-        """A list of indices into the `count` elements of the file that are called `what`. It is empty if absent."""
+        """Return a list of indices into the `count` elements of the file that are called `what`. It is empty if absent."""
         places = [f"{name}[{i}]" for i in range(len(self._list(name)))]
         return [
             self._in_range(self._natural(value, place), place, count, what)
@@ -122,14 +126,14 @@ class Element:
         ]
 
     def text(self, name: str, default: str = "") -> str:
-        """A string, or `default` if it is absent."""
+        """Return a string, or `default` if it is absent."""
         value = self.data.get(name, default)
         if not isinstance(value, str):
             raise self._expected("a string", name, value)
         return printable(value)
 
     def texts(self, name: str) -> list[str]:
-        """A list of strings, which is empty if it is absent."""
+        """Return a list of strings, which is empty if it is absent."""
         for i, value in enumerate(self._list(name)):
             if not isinstance(value, str):
                 raise self._expected("a string", f"{name}[{i}]", value)

@@ -66,7 +66,7 @@ def warn_about_unsupported(document: Document) -> None:
 
 
 def _found(root: dict[str, Any]) -> set[str]:
-    """The names of all extensions in the objects of the file, whether they are declared or not."""
+    """Return the names of all extensions in the objects of the file, whether they are declared or not."""
     names: set[str] = set()
     stack: list[Any] = [root]
     while stack:

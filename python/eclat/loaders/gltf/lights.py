@@ -62,7 +62,7 @@ def _direction(light: Element, to_world: NDArray[np.float64]) -> tuple[float, fl
 
 
 def _cone(light: Element) -> tuple[float, float]:
-    """The inner and the outer angle of a spot light, in degrees from its axis."""
+    """Return the inner and the outer angle of a spot light, in degrees from its axis."""
     spot = light.child("spot") or Element({}, light.where)
     outer = spot.clamped("outerConeAngle", math.pi / 4, 0.0, math.pi / 2)
     inner = spot.clamped("innerConeAngle", 0.0, 0.0, outer)

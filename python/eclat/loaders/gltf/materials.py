@@ -33,7 +33,7 @@ class Materials:
         self._made: dict[tuple[int | None, bool], Material] = {}
 
     def of(self, primitive: Element, vertex_colors: bool) -> Material:
-        """The material of a primitive. If it refers to none, this is the default material of the specification.
+        """Return the material of a primitive. If it refers to none, this is the default material of the specification.
 
         Raises EclatError if the material is invalid.
         """
@@ -47,7 +47,9 @@ class Materials:
         return self._made[key]
 
     def ignores_alpha(self, primitive: Element) -> bool:
-        """Whether the material of a primitive is opaque, so that the alpha of textures and vertex colours is ignored."""
+        """Return whether the material of a primitive is opaque, so that the alpha of textures and vertex colours is
+        ignored.
+        """
         element = self._document.element(primitive, "material", "materials")
         return element is None or element.text("alphaMode", "OPAQUE") == "OPAQUE"
 
@@ -100,7 +102,7 @@ class Materials:
         }
 
     def _dielectric(self, element: Element) -> dict[str, Value]:
-        """The parameters that the extensions ior, specular, transmission and diffuse_transmission set."""
+        """Return the parameters that the extensions ior, specular, transmission and diffuse_transmission set."""
         parameters: dict[str, Value] = {}
         ior = element.extension("KHR_materials_ior")
         if ior is not None:
@@ -132,7 +134,7 @@ class Materials:
         return parameters
 
     def _glossy(self, glossy: Element | None) -> dict[str, Value]:
-        """The parameters of a specular-glossiness material.
+        """Return the parameters of a specular-glossiness material.
 
         The material becomes non-metallic with a refractive index so high that the specular colour is the reflectance at
         normal incidence.
@@ -158,7 +160,7 @@ class Materials:
         }
 
     def _opacity(self, element: Element, pbr: Element, alpha: float) -> tuple[Value, float | None]:
-        """The opacity, and the alpha cutoff if alphaMode is MASK, otherwise None."""
+        """Return the opacity, and the alpha cutoff if alphaMode is MASK, otherwise None."""
         mode = element.text("alphaMode", "OPAQUE")
         if mode not in ("OPAQUE", "MASK", "BLEND"):
             raise EclatError(f"{element.at('alphaMode')}: expected OPAQUE, MASK or BLEND, got {mode[:20]!r}")
@@ -189,13 +191,13 @@ class Materials:
 
 
 def used_uv_sets(material: Material) -> set[int]:
-    """The numbers of the texture coordinate sets that the textures of a material use."""
+    """Return the numbers of the texture coordinate sets that the textures of a material use."""
     normal = material.normal_map.value if material.normal_map else None
     return uv_sets(*material.parameters.values(), material.opacity, material.emission, normal)
 
 
 def _metallic_roughness(element: Element, glossy: Element | None) -> Element:
-    """The object with the base colour, metalness and roughness of a material.
+    """Return the object with the base colour, metalness and roughness of a material.
 
     For a specular-glossiness material, `glossy`, the diffuse colour takes the place of the base colour.
     """
@@ -211,7 +213,9 @@ def _base_factor(pbr: Element) -> Rgba:
 
 
 def _is_thin(element: Element) -> bool:
-    """Whether the surface is thin-walled, so that it does not refract: KHR_materials_volume or its thickness is absent."""
+    """Return whether the surface is thin-walled, so that it does not refract: KHR_materials_volume or its thickness is
+    absent.
+    """
     volume = element.extension("KHR_materials_volume")
     if volume is None:
         return True

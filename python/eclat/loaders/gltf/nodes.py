@@ -55,7 +55,7 @@ def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
 
 
 def local_matrix(node: Element) -> Matrix:
-    """The 4×4 transform of a node relative to its parent.
+    """Return the 4×4 transform of a node relative to its parent.
 
     It is read from `matrix`, or from translation, rotation and scale. Raises EclatError if it is invalid.
     """
@@ -76,7 +76,7 @@ def local_matrix(node: Element) -> Matrix:
 
 
 def instances(node: Element, accessors: Accessors) -> Matrix:
-    """The transforms (N, 4, 4) of the N instances of a node's mesh, relative to the node.
+    """Return the transforms (N, 4, 4) of the N instances of a node's mesh, relative to the node.
 
     Without EXT_mesh_gpu_instancing there is one instance. Raises EclatError if the attributes are invalid.
     """
@@ -104,7 +104,7 @@ def instances(node: Element, accessors: Accessors) -> Matrix:
 
 
 def _trs(translation: Matrix, rotation: Matrix, scale: Matrix, owner: Element) -> Matrix:
-    """The matrices (N, 4, 4) of N translations, quaternions (x, y, z, w) and scales."""
+    """Return the matrices (N, 4, 4) of N translations, quaternions (x, y, z, w) and scales."""
     lengths = np.linalg.norm(rotation, axis=1, keepdims=True)
     finite = all(np.isfinite(values).all() for values in (translation, rotation, scale))
     if not finite or not (lengths > 0).all():

@@ -166,7 +166,7 @@ class _Attributes:
         _check_finite(self.positions, element.where)
 
     def read(self, name: str, types: tuple[str, ...]) -> Floats | None:
-        """The attribute `name` as finite numbers, shape (V, width), or None if it is absent.
+        """Return the attribute `name` as finite numbers, shape (V, width), or None if it is absent.
 
         Values that are not finite become 0, with a warning.
         """
@@ -188,7 +188,7 @@ class _Attributes:
         return values
 
     def tangents(self) -> Floats | None:
-        """The tangents (V, 4), with unit vectors xyz and w = ±1, or None if they are absent or one has length 0."""
+        """Return the tangents (V, 4), with unit vectors xyz and w = ±1, or None if they are absent or one has length 0."""
         values = self.read("TANGENT", ("VEC4",))
         if values is None:
             return None
@@ -201,7 +201,7 @@ class _Attributes:
         return np.column_stack((_normalized(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
 
     def colors(self) -> Floats | None:
-        """The linear RGBA vertex colours (V, 4), or None if they are absent [glTF 2.0, 3.7.2.1].
+        """Return the linear RGBA vertex colours (V, 4), or None if they are absent [glTF 2.0, 3.7.2.1].
 
         They are clamped to 0..1, as the specification requires. Without alpha in the file, alpha is 1.
         """

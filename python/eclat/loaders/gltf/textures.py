@@ -73,7 +73,7 @@ class Textures:
         return Value(constant, found, channel, uv_set, matrix, square=square)
 
     def _find(self, info: Element | None, srgb: bool, neutral: tuple[float, float, float] | None) -> Texture | None:
-        """The texture that the textureInfo `info` refers to, or None if there is none."""
+        """Return the texture that the textureInfo `info` refers to, or None if there is none."""
         if info is None:
             return None
         element = self._document.element(info, "index", "textures")
@@ -101,7 +101,7 @@ class Textures:
         return Texture(pixels, srgb=srgb, **options)
 
     def _pixels(self, index: int) -> Pixels | str:
-        """The decoded image (H, W, C), or the reason why it cannot be decoded."""
+        """Return the decoded image (H, W, C), or the reason why it cannot be decoded."""
         if index not in self._images:
             data = self._encoded(self._document.elements("images")[index])
             try:
@@ -111,7 +111,7 @@ class Textures:
         return self._images[index]
 
     def _encoded(self, image: Element) -> bytes | str:
-        """The bytes of an image file, or the reason why they cannot be read.
+        """Return the bytes of an image file, or the reason why they cannot be read.
 
         Raises EclatError if a URI leads out of the folder of the document.
         """
@@ -159,7 +159,7 @@ class Textures:
 
 
 def uv_sets(*values: Value | None) -> set[int]:
-    """The numbers of the texture coordinate sets that the textures of `values` use."""
+    """Return the numbers of the texture coordinate sets that the textures of `values` use."""
     return {value.uv_set for value in values if value is not None and value.texture is not None}
 
 
@@ -171,7 +171,7 @@ def _wrap(sampler: Element, name: str) -> Wrap:
 
 
 def _uv_mapping(info: Element, second_uv_set: int) -> tuple[int, Affine]:
-    """The texture coordinate set, 0 or 1, and the affine map of texture coordinates of a textureInfo."""
+    """Return the texture coordinate set, 0 or 1, and the affine map of texture coordinates of a textureInfo."""
     transform = info.extension("KHR_texture_transform")
     uv_set = info.integer("texCoord", 0)
     matrix: Affine = ((1.0, 0.0, 0.0), (0.0, 1.0, 0.0))

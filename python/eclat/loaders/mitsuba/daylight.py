@@ -154,7 +154,7 @@ def mitsuba_sun_sky(
 
 
 def _sun_irradiance(turbidity: float, elevation: float) -> FloatArray:
-    """The RGB irradiance (3,) of the sun on a surface that faces it. `elevation` is in degrees."""
+    """Return the RGB irradiance (3,) of the sun on a surface that faces it. `elevation` is in degrees."""
     elevation = max(elevation, _LEAST_ELEVATION)
     air_mass = 1 / (math.sin(math.radians(elevation)) + 0.15 * (elevation + 3.885) ** -1.253)
     terms = _monomials(np.array([[turbidity / 10], [air_mass]]), 3)
@@ -165,7 +165,7 @@ def _sun_irradiance(turbidity: float, elevation: float) -> FloatArray:
 def _sky_image(
     to_sun: FloatArray, turbidity: float, elevation: float, albedo: float, size: tuple[int, int]
 ) -> FloatArray:
-    """The radiance of the sky as an environment map, (height, width, 3).
+    """Return the radiance of the sky as an environment map, (height, width, 3).
 
     Parameters
     ----------

@@ -104,7 +104,7 @@ def _refuse_misspelt(kind: str, where: str) -> None:
 
 
 def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:
-    """The colour in a dict of type 'rgb', 'srgb' or 'spectrum', or None for other types, which become nodes."""
+    """Return the colour in a dict of type 'rgb', 'srgb' or 'spectrum', or None for other types, which become nodes."""
     kind, value = given["type"], given.get("value", given.get("color"))
     if kind not in ("rgb", "srgb", "spectrum"):
         return None

@@ -93,6 +93,6 @@ def parse_elements(data: bytes, name: str) -> Element:
 
 
 def _label(attributes: dict[str, str]) -> str:
-    """The attributes that identify an element in messages: its type, id and name."""
+    """Return the attributes that identify an element in messages: its type, id and name."""
     shown = ((key, attributes[key]) for key in ("type", "id", "name") if key in attributes)
     return "".join(f' {key}="{value[:60]}"' for key, value in shown)

@@ -50,7 +50,7 @@ def make_emitter(node: Node, textures: Textures) -> Emission:
 
 
 def merge_environments(first: Environment | None, second: Environment | None, where: str) -> Environment | None:
-    """The first environment that is not None. If both are given, a warning says that the second one is ignored."""
+    """Return the first environment that is not None. If both are given, a warning says that the second one is ignored."""
     if first is not None and second is not None:
         warn(f"{where}: this second environment is ignored, because a scene can only have one")
     return first if first is not None else second
@@ -94,7 +94,7 @@ def _spot(node: Node, textures: Textures) -> Emission:
 
 
 def _axis(node: Node) -> Vector:
-    """The unit direction of the emitter's +z axis in the world."""
+    """Return the unit direction of the emitter's +z axis in the world."""
     return _unit(transform_directions(node.transform("to_world"), np.array([[0.0, 0.0, 1.0]]))[0], node)
 
 
@@ -136,7 +136,7 @@ def _envmap(node: Node, textures: Textures) -> Emission:
 
 
 def _rotation(node: Node) -> Matrix:
-    """The rotation or reflection (3, 3) in `to_world`, without scale."""
+    """Return the rotation or reflection (3, 3) in `to_world`, without scale."""
     linear = node.transform("to_world")[:3, :3]
     u, values, vt = np.linalg.svd(linear)
     if values[-1] <= 1e-9 * max(values[0], 1e-300):
@@ -150,7 +150,7 @@ def _rotation(node: Node) -> Matrix:
 
 
 def _sun_radius(node: Node) -> float:
-    """The angular radius of the sun in degrees.
+    """Return the angular radius of the sun in degrees.
 
     It is read from `sun_aperture` (an angular diameter in degrees, Mitsuba 3) and `sun_radius_scale` (a factor, Mitsuba
     0.6).

@@ -50,15 +50,15 @@ class Materials:
         return _diffuse(self, node)
 
     def reflectance(self, node: Node, *names: str, default: float = 0.5) -> Value:
-        """The colour in 0..1, or the texture, of the first property in `names` that `node` has."""
+        """Return the colour in 0..1, or the texture, of the first property in `names` that `node` has."""
         return self.textures.value(node, *names, default=default, kind="reflectance")
 
     def scalar(self, node: Node, *names: str, default: float) -> Value:
-        """The number, or the texture, of the first property in `names` that `node` has."""
+        """Return the number, or the texture, of the first property in `names` that `node` has."""
         return self.textures.value(node, *names, default=default, kind="scalar")
 
     def roughness(self, node: Node, default: float) -> dict[str, Value]:
-        """The roughness alpha_u and, if it differs, alpha_v."""
+        """Return the roughness alpha_u and, if it differs, alpha_v."""
         alpha = self.scalar(node, "alpha", default=default)
         u = self.scalar(node, "alpha_u", default=0.0) if node.get("alpha_u") is not None else alpha
         v = self.scalar(node, "alpha_v", default=0.0) if node.get("alpha_v") is not None else alpha
@@ -67,12 +67,12 @@ class Materials:
 
 
 def known_kinds() -> list[str]:
-    """The types of BSDFs that can be converted, exactly or approximately."""
+    """Return the types of BSDFs that can be converted, exactly or approximately."""
     return sorted({*_MAKERS, *wrappers.WRAPPERS})
 
 
 def default_material(*, emissive: bool = False) -> Material:
-    """The material of a shape without a BSDF, as in Mitsuba: diffuse grey, or black if the shape has an emitter."""
+    """Return the material of a shape without a BSDF, as in Mitsuba: diffuse grey, or black if the shape has an emitter."""
     return Material("diffuse", {"reflectance": grey(0.0 if emissive else 0.5)}, two_sided=False)
 
 
@@ -162,7 +162,7 @@ def _ward(materials: Materials, node: Node) -> Material:
 
 
 def _energy(materials: Materials, node: Node) -> dict[str, Value]:
-    """The diffuse and the specular reflectance.
+    """Return the diffuse and the specular reflectance.
 
     Both are scaled down, with a warning, if their sum exceeds 1 at the brightest texels of their textures.
     """
@@ -214,7 +214,7 @@ def _principled(materials: Materials, node: Node) -> Material:
 
 
 def _principled_ior(node: Node) -> float:
-    """The refractive index of a principled BSDF.
+    """Return the refractive index of a principled BSDF.
 
     It is `eta`, or it is computed from `specular`, whose range 0..1 means a reflectance of 0..8 % at normal incidence.
     """
@@ -225,7 +225,7 @@ def _principled_ior(node: Node) -> float:
 
 
 def _distribution(node: Node) -> Literal["ggx", "beckmann"]:
-    """The microfacet distribution. The default is Beckmann, as in Mitsuba."""
+    """Return the microfacet distribution. The default is Beckmann, as in Mitsuba."""
     name = node.string("distribution", default="beckmann").lower()
     if name == "ggx":
         return "ggx"

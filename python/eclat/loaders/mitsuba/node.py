@@ -81,7 +81,9 @@ class Node:
     asked: set[str] = field(default_factory=set)
 
     def get(self, *names: str) -> Any:
-        """The property, or otherwise the child, of the first name in `names` that exists, or None if none exists."""
+        """Return the property, or otherwise the child, of the first name in `names` that exists, or None if none
+        exists.
+        """
         self.asked.update(names)
         for name in names:
             if name in self.properties:
@@ -94,11 +96,11 @@ class Node:
         return None
 
     def of_tag(self, *tags: str) -> list[tuple[str, Node]]:
-        """The names and nodes of the children that have one of these tags."""
+        """Return the names and nodes of the children that have one of these tags."""
         return [(name, child) for name, child in self.children if child.tag in tags]
 
     def number(self, *names: str, default: float) -> float:
-        """The finite number in the first property that exists. Raises EclatError if it is anything else."""
+        """Return the finite number in the first property that exists. Raises EclatError if it is anything else."""
         value = self.get(*names)
         if value is None:
             return default
@@ -113,21 +115,21 @@ class Node:
         return float(value)
 
     def positive(self, *names: str, default: float) -> float:
-        """The number above 0 in the first property that exists. Raises EclatError if it is anything else."""
+        """Return the number above 0 in the first property that exists. Raises EclatError if it is anything else."""
         value = self.number(*names, default=default)
         if value <= 0:
             raise self.mismatch(names[0], "a number above 0", value)
         return value
 
     def integer(self, *names: str, default: int) -> int:
-        """The integer in the first property that exists. Raises EclatError if it is anything else."""
+        """Return the integer in the first property that exists. Raises EclatError if it is anything else."""
         value = self.number(*names, default=default)
         if value != int(value):
             raise self.mismatch(names[0], "an integer", value)
         return int(value)
 
     def boolean(self, *names: str, default: bool) -> bool:
-        """The truth value, also as a number or a string, in the first property that exists.
+        """Return the truth value, also as a number or a string, in the first property that exists.
 
         Raises EclatError if it is anything else.
         """
@@ -141,7 +143,7 @@ class Node:
         raise self.mismatch(names[0], "true or false", value)
 
     def string(self, *names: str, default: str = "") -> str:
-        """The string in the first property that exists. Numbers become strings.
+        """Return the string in the first property that exists. Numbers become strings.
 
         Raises EclatError if it is anything else.
         """
@@ -153,7 +155,7 @@ class Node:
         raise self.mismatch(names[0], "a string", value)
 
     def vector(self, *names: str) -> Vector | None:
-        """The three numbers in the first property that exists, or None if none exists.
+        """Return the three numbers in the first property that exists, or None if none exists.
 
         Raises EclatError if it is anything else.
         """
@@ -165,7 +167,7 @@ class Node:
         raise self.mismatch(names[0], "three numbers", value)
 
     def transform(self, *names: str) -> NDArray[np.float64]:
-        """The 4×4 matrix in the first property that exists, or the identity if none exists.
+        """Return the 4×4 matrix in the first property that exists, or the identity if none exists.
 
         Raises EclatError if it is anything else.
         """
@@ -177,7 +179,7 @@ class Node:
         raise self.mismatch(names[0], "a transform", value)
 
     def file(self, *names: str, default: str = "") -> Path:
-        """The path of the file that the first existing property names. The file need not exist.
+        """Return the path of the file that the first existing property names. The file need not exist.
 
         Relative names are searched in all `folders`. Raises EclatError if no property exists or the name is invalid.
         """

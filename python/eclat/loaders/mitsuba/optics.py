@@ -72,7 +72,7 @@ CONDUCTORS: dict[str, tuple[Vector, Vector]] = {
 
 
 def relative_ior(node: Node, interior: str) -> float:
-    """The interior refractive index of a BSDF, divided by the exterior one.
+    """Return the interior refractive index of a BSDF, divided by the exterior one.
 
     The default of the interior is the medium called `interior`, and the default of the exterior is air.
 
@@ -86,7 +86,8 @@ def relative_ior(node: Node, interior: str) -> float:
 
 
 def conductor_constants(node: Node) -> tuple[Vector, Vector]:
-    """The refractive index η and the extinction coefficient k of a conductor in RGB, relative to the exterior medium.
+    """Return the refractive index η and the extinction coefficient k of a conductor in RGB, relative to the exterior
+    medium.
 
     They are read from `eta` and `k` or, if these are absent, from the name of a `material`. The material "none" is a
     perfect mirror: η = 0 and k = 1.

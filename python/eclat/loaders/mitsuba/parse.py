@@ -173,7 +173,7 @@ class _Parser:
         return expanded
 
     def parameter(self, word: str, element: Element) -> str:
-        """The value of the parameter `word`.
+        """Return the value of the parameter `word`.
 
         If there is no such parameter, the longest parameter name that `word` starts with is replaced and the rest of
         `word` is kept, as in Mitsuba.
@@ -200,7 +200,7 @@ def _is_legacy(root: Element) -> bool:
 
 
 def _needed(element: Element, *names: str) -> str:
-    """The value of the first attribute in `names` that `element` has. Raises EclatError if it has none of them."""
+    """Return the value of the first attribute in `names` that `element` has. Raises EclatError if it has none of them."""
     for name in names:
         if name in element.attributes:
             return element.attributes[name]

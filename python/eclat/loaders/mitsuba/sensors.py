@@ -54,7 +54,7 @@ def make_camera(node: Node) -> Camera | None:
 
 
 def up_axis(camera: Camera) -> tuple[float, float, float]:
-    """The direction among ±x, ±y and ±z in world space that is nearest to the up vector of `camera`."""
+    """Return the direction among ±x, ±y and ±z in world space that is nearest to the up vector of `camera`."""
     up = np.asarray(camera.to_world)[:3, 1]
     index = int(np.argmax(np.abs(up)))
     x, y, z = (float(np.copysign(1.0, up[index])) if i == index else 0.0 for i in range(3))
@@ -62,7 +62,7 @@ def up_axis(camera: Camera) -> tuple[float, float, float]:
 
 
 def _frame(node: Node) -> Matrix:
-    """The matrix (4, 4) from the coordinates of Éclat's camera to world space, without scale.
+    """Return the matrix (4, 4) from the coordinates of Éclat's camera to world space, without scale.
 
     In Mitsuba, a camera looks along +z, and +x points to the left of the image. In Éclat, it looks along −z, and +x
     points to the right.

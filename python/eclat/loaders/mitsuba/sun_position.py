@@ -69,7 +69,7 @@ def horizontal(julian_day: float, hours: float, latitude: float, longitude: floa
 
 
 def _julian_day(year: int, month: int, day: int) -> float:
-    """The Julian day of a date in the Gregorian calendar, at 0 h universal time."""
+    """Return the Julian day of a date in the Gregorian calendar, at 0 h universal time."""
     shift = (14 - month) // 12
     y, m = year + 4800 - shift, month + 12 * shift - 3
     return day + (153 * m + 2) // 5 + 365 * y + y // 4 - y // 100 + y // 400 - 32045 - 0.5

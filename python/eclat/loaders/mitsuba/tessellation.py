@@ -30,7 +30,7 @@ ROUND = ("sphere", "cylinder", "disk")
 
 
 def triangle_count(kind: str, segments: int) -> int:
-    """The number of triangles of a round shape of type `kind` with `segments` segments."""
+    """Return the number of triangles of a round shape of type `kind` with `segments` segments."""
     return {"sphere": segments * (segments - 2), "cylinder": 2 * segments, "disk": segments}[kind]
 
 
@@ -63,7 +63,7 @@ class Tessellation:
         self._segments = {id(node): segments for (node, _, _), segments in zip(found, best, strict=True)}
 
     def segments(self, node: Node) -> int:
-        """The number of segments around the round shape `node`."""
+        """Return the number of segments around the round shape `node`."""
         return self._segments.get(id(node), SEGMENTS)
 
 
@@ -86,7 +86,7 @@ def _round_shapes(tree: Node, copies: int) -> Iterator[tuple[Node, int]]:
 
 
 def _radius(node: Node) -> float:
-    """The approximate radius of a round shape in world space.
+    """Return the approximate radius of a round shape in world space.
 
     It is 0 if a number is invalid, which raises an error later, when the shape is converted.
     """

@@ -113,7 +113,7 @@ class Textures:
 
 
 def uv_transform(node: Node) -> Affine:
-    """The affine map of a texture's coordinates (u, v), as 2 rows of 3 numbers.
+    """Return the affine map of a texture's coordinates (u, v), as 2 rows of 3 numbers.
 
     It is read from `to_uv` or, in version 0.x, from uscale, vscale, uvscale, uoffset and voffset.
     """
@@ -128,12 +128,12 @@ def uv_transform(node: Node) -> Affine:
 
 
 def uses_vertex_colors(node: Node) -> bool:
-    """Whether a texture of the BSDF `node` reads the vertex colours of the mesh."""
+    """Return whether a texture of the BSDF `node` reads the vertex colours of the mesh."""
     return any(child.type in ("mesh_attribute", "vertexcolors") for _, child in node.of_tag("texture"))
 
 
 def peak(value: Value) -> NDArray[Any]:
-    """The largest value of each of the three channels, shape (3,)."""
+    """Return the largest value of each of the three channels, shape (3,)."""
     if value.texture is None:
         return np.array(value.constant)
     texels = _linear(value.texture)[..., :3]
@@ -141,7 +141,7 @@ def peak(value: Value) -> NDArray[Any]:
 
 
 def image_data(node: Node) -> tuple[NDArray[Any], bool] | None:
-    """The image in the property `bitmap` or `data` of a dict.
+    """Return the image in the property `bitmap` or `data` of a dict.
 
     Returns
     -------
@@ -193,7 +193,7 @@ def _bitmap(node: Node, kind: Kind) -> Value:
 
 
 def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
-    """The value of `texture` with the constant factor 1. A scalar is the luminance of a coloured image."""
+    """Return the value of `texture` with the constant factor 1. A scalar is the luminance of a coloured image."""
     if kind != "scalar":
         return Value((1.0, 1.0, 1.0), texture, uv_transform=transform)
     image = texture.image[..., :3]
@@ -204,7 +204,7 @@ def _textured(texture: Texture, kind: Kind, transform: Affine) -> Value:
 
 
 def _linear(texture: Texture) -> NDArray[Any]:
-    """The texels of a texture as linear float32, decoded from sRGB if necessary."""
+    """Return the texels of a texture as linear float32, decoded from sRGB if necessary."""
     image = _unit(texture.image)
     if texture.srgb:
         image = np.concatenate([srgb_to_linear(image[..., :3]).astype(np.float32), image[..., 3:]], axis=2)
@@ -212,7 +212,7 @@ def _linear(texture: Texture) -> NDArray[Any]:
 
 
 def _unit(image: NDArray[Any]) -> NDArray[Any]:
-    """The texels of an image as float32. Bytes are divided by 255."""
+    """Return the texels of an image as float32. Bytes are divided by 255."""
     scale = np.float32(1 / 255 if image.dtype == np.uint8 else 1)
     return image.astype(np.float32) * scale
 
@@ -233,7 +233,7 @@ _SPECTRA = ("rgb", "srgb", "spectrum", "uniform", "d65", "blackbody", "regular",
 
 
 def _spectrum(node: Node) -> Color:
-    """The colour of a spectrum plugin."""
+    """Return the colour of a spectrum plugin."""
     scale = node.number("scale", default=1.0)
     if node.type == "blackbody":
         return Blackbody(node.number("temperature", default=6500.0), scale)

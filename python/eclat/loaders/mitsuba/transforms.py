@@ -79,18 +79,19 @@ def normalize(vectors: Matrix) -> Matrix:
 
 
 def is_mirrored(matrix: Matrix) -> bool:
-    """Whether the matrix contains a reflection, which changes the handedness of the coordinate system."""
+    """Return whether the matrix contains a reflection, which changes the handedness of the coordinate system."""
     return float(np.linalg.det(matrix[:3, :3])) < 0
 
 
 def is_singular(matrix: Matrix) -> bool:
-    """Whether the matrix maps space onto a plane, a line or a point."""
+    """Return whether the matrix maps space onto a plane, a line or a point."""
     values = np.linalg.svd(matrix[:3, :3], compute_uv=False)
     return bool(values[-1] <= 1e-12 * values[0])
 
 
 def look_at_mitsuba(origin: NDArray[Any], target: NDArray[Any], up: NDArray[Any], where: str) -> Matrix:
-    """The matrix (4, 4) of a camera at `origin` in Mitsuba's convention: +z to the target, +x to the left, +y up.
+    """Return the matrix (4, 4) of a camera at `origin` in Mitsuba's convention: +z to the target, +x to the left, +y
+    up.
 
     Raises EclatError if `origin` and `target` are equal.
     """
@@ -111,7 +112,7 @@ def look_at_mitsuba(origin: NDArray[Any], target: NDArray[Any], up: NDArray[Any]
 
 
 def _components(step: Element, default: float) -> Matrix:
-    """The x, y and z of a step.
+    """Return the x, y and z of a step.
 
     They are read from the attribute `value`, which holds three numbers or one for all, or from the attributes x, y, z.
     """

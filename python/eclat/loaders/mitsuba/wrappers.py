@@ -32,17 +32,17 @@ class MaterialReader(Protocol):
         """Convert the BSDF `node` to a material."""
 
     def reflectance(self, node: Node, *names: str, default: float = 0.5) -> Value:
-        """The colour in 0..1, or the texture, of the first property in `names` that `node` has."""
+        """Return the colour in 0..1, or the texture, of the first property in `names` that `node` has."""
 
     def scalar(self, node: Node, *names: str, default: float) -> Value:
-        """The number, or the texture, of the first property in `names` that `node` has."""
+        """Return the number, or the texture, of the first property in `names` that `node` has."""
 
     def roughness(self, node: Node, default: float) -> dict[str, Value]:
-        """The roughness alpha_u and, if it differs, alpha_v."""
+        """Return the roughness alpha_u and, if it differs, alpha_v."""
 
 
 def nested(node: Node) -> list[Node]:
-    """The BSDFs inside a BSDF."""
+    """Return the BSDFs inside a BSDF."""
     return [child for _, child in node.of_tag("bsdf")]
 
 
@@ -56,7 +56,7 @@ def _one(node: Node) -> Node:
 
 
 def _texture(node: Node, name: str) -> Node:
-    """The texture of a bump or normal map: the property `name`, or the first nested texture of any name."""
+    """Return the texture of a bump or normal map: the property `name`, or the first nested texture of any name."""
     given = node.get(name)
     if isinstance(given, Node):
         return given
