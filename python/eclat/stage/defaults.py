@@ -30,7 +30,8 @@ from eclat.scene import (
     look_at,
 )
 from eclat.scenes.geometry import icosphere
-from eclat.stage.framing import framed_camera, sky_above, sphere_directions, surface
+from eclat.stage.framing import framed_camera, free_distances, sky_above, sphere_directions
+from eclat.stage.surface import is_part, surface
 
 Point = tuple[float, float, float]
 
@@ -236,15 +237,14 @@ def _with_light(scene: Scene) -> Scene:
 def _lamp(scene: Scene, camera: Camera) -> Mesh:
     """Make a small spherical lamp. Its position is reached from the camera along rays that hit nothing, so it cannot be
     inside a wall."""
-    corners = surface(scene)
     matrix = np.asarray(camera.to_world, dtype=np.float64)
     up = upright_frame(scene.up)[:, 1]
     place = matrix[:3, 3]
     ahead = -matrix[:3, 2] / np.linalg.norm(matrix[:3, 2])
     for direction, part in ((ahead, 0.12), (up, 0.72)):
-        free = float(_distances(corners, place, direction[None])[0])
+        free = float(_free(scene, place, direction[None])[0])
         place = place + direction * (part * free if math.isfinite(free) else 0.0)
-    distances = _distances(corners, place, sphere_directions(128))
+    distances = _free(scene, place, sphere_directions(128))
     distances = distances[np.isfinite(distances)]
     radius = 0.15 * float(distances.min())
     # In a cavity of area A and reflectance ½, a flux of π A gives a radiance near 1. A is about 4π times the mean
@@ -257,11 +257,22 @@ def _lamp(scene: Scene, camera: Camera) -> Mesh:
 
 def _openness(scene: Scene, camera: Camera) -> float:
     """Return the share of the rays from the camera that leave the scene, 0..1."""
-    corners = surface(scene)
-    if len(corners) == 0:
+    if len(surface(scene)) == 0:
         return 1.0
     origin = np.asarray(camera.to_world, dtype=np.float64)[:3, 3]
-    return float(np.isinf(_distances(corners, origin, sphere_directions(64))).mean())
+    if not is_part(scene):
+        return float(np.isinf(_free(scene, origin, sphere_directions(64))).mean())
+    share = float(np.isinf(_free(scene, origin, sphere_directions(1024))).mean())
+    # A smaller share of rays may have passed through cracks between cells.
+    return share if share > 0.005 else 0.0
+
+
+def _free(scene: Scene, origin: FloatArray, directions: FloatArray) -> FloatArray:
+    """Return the free distances (N,) in metres from a point along unit directions (N, 3); they are infinite for rays
+    that leave the scene. In scenes of many triangles they are those of a grid."""
+    if is_part(scene):
+        return free_distances(scene, origin, directions)
+    return _distances(surface(scene), origin, directions)
 
 
 def _rays_escape(scene: Scene, camera: Camera) -> bool:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from eclat.daylight.sky import upright_frame
 from eclat.scene import Camera, FloatArray, Scene, look_at
+from eclat.stage.surface import surface
 
 CELLS = 96
 """Number of cells of the grid along the longest side of the scene."""
@@ -60,12 +61,27 @@ class Grid:
         return distance, facing
 
 
-def surface(scene: Scene) -> FloatArray:
-    """Return the corners (T, 3, 3) of all triangles whose coordinates are finite."""
-    corners = [m.positions[m.triangles].astype(np.float64) for m in scene.meshes if len(m.triangles)]
-    everything = np.concatenate(corners) if corners else np.zeros((0, 3, 3))
-    finite: FloatArray = everything[np.isfinite(everything).all(axis=(1, 2))]
-    return finite
+def free_distances(scene: Scene, origin: FloatArray, directions: FloatArray) -> FloatArray:
+    """Return the distances (N,) in metres from a point along unit directions (N, 3) that are free of surface for sure.
+
+    They are found on the grid, so they are up to three cells too short, and infinite where a ray leaves the scene.
+    """
+    upright = upright_frame(scene.up)
+    corners = _without_strays(surface(scene) @ upright)
+    grid = _grid(corners, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
+    if grid is None:
+        return np.full(len(directions), np.inf)
+    place = (np.asarray(origin, dtype=np.float64) @ upright - grid.low) / grid.cell
+    distance, _ = grid.march(np.tile(place, (len(directions), 1)), directions @ upright)
+    # A ray has entered the cell up to half a step before, and the surface may be nearer than the cell's middle.
+    free: FloatArray = np.maximum(distance - 2.0, 0.1) * grid.cell
+    return free
+
+
+def _place_in(grid: Grid, camera: Camera, upright: FloatArray) -> FloatArray:
+    """Return the camera's place in the grid's cells."""
+    place: FloatArray = (np.asarray(camera.to_world, dtype=np.float64)[:3, 3] @ upright - grid.low) / grid.cell
+    return place
 
 
 def framed_camera(scene: Scene) -> tuple[Camera, str]:
@@ -111,7 +127,7 @@ def sky_above(scene: Scene, camera: Camera) -> bool:
     grid = _grid(corners, corners.min(axis=(0, 1)), corners.max(axis=(0, 1)))
     if grid is None:
         return True
-    eye = (np.asarray(camera.to_world, dtype=np.float64)[:3, 3] @ upright - grid.low) / grid.cell
+    eye = _place_in(grid, camera, upright)
     around = sphere_directions(512)
     distance, _ = grid.march(np.tile(eye, (512, 1)), around)
     seen = np.isfinite(distance) & (distance > 2)
