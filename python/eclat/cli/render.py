@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -73,6 +74,9 @@ REACHING_RENDER = (
     "refine",
 )
 """Flags that are passed to `eclat.render` unchanged, as arguments of the same names."""
+
+LARGE_PART_OF_ERROR = 0.5
+"""Part of the stated error from which on that of the records is named as its reason."""
 
 EXAMPLES = {
     "eclat render cornell-box": "Render a built-in scene to cornell-box.png in the current folder:",
@@ -269,14 +273,18 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
 
 
 def why_above(flags: Mapping[str, Any], statistics: Mapping[str, float]) -> str:
-    """Say why the stated error is above `--max-error` although the noise is small enough; empty if it is not above, or if
-    the samples or the time were given."""
+    """Say why the stated error is above `--max-error` although the noise is small enough; empty if it is not above, if the
+    samples or the time were given, or if a warning said it."""
     error, records = statistics.get("estimated_error", 0.0), statistics.get("cache_error", 0.0)
     steered = flags["samples"] is None and flags["time"] is None
-    if not steered or error <= flags["max_error"] or records == 0 or statistics.get("light_by_chance"):
+    if not steered or error <= flags["max_error"] or statistics.get("light_by_chance"):
         return ""
-    share = f"the records alone have {100 * records:.2g} %"
-    return f"the error is above --max-error {flags['max_error']:g}, because {share}; --refine makes them finer"
+    above = f"the error is above --max-error {flags['max_error']:g}"
+    if records > LARGE_PART_OF_ERROR * error:
+        return f"{above}, because the records alone have {100 * records:.2g} %; --refine makes them finer"
+    if statistics.get("noise_left", math.inf) <= flags["max_error"]:
+        return f"{above}: it was measured anew after the last sample, and the estimate that ended sampling was lower"
+    return ""
 
 
 def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:

@@ -14,6 +14,12 @@ CHECK_SHARE = 0.25
 SIGMAS = 1.96
 """Half the width of a 95 % confidence interval, in standard errors."""
 
+ERROR_IN_ONE_TILE = "error_in_one_tile"
+"""Name, in statistics, of the share of the squared error that one tile of the picture carries."""
+
+MOST_IN_ONE_TILE = 0.2
+"""Share of the squared error in one tile up to which the estimate is stated with its margin; above it, as "at least"."""
+
 RESOLVED = 1.5
 """Largest ratio of the upper end of the interval to the estimate at which the estimate is quoted; above it, the upper
 end is quoted as a bound."""
@@ -24,6 +30,9 @@ class ErrorEstimate:
     """An estimate of a relative error as in `metrics.relative_rmse`, which is between `low` and `high` with 95 %
     confidence.
 
+    `in_one_tile` is the share of the squared error that one tile of the picture carries, 0 if that is unknown. Where it is
+    large there are likely to be more such places that no probe met.
+
     `unserved` is the share of the tested points at which no record is used: either the light is traced there, with
     noise instead of an error, or no diffuse surface is visible.
     """
@@ -32,6 +41,7 @@ class ErrorEstimate:
     low: float
     high: float
     unserved: float = 0.0
+    in_one_tile: float = 0.0
 
     @staticmethod
     def of_squared(squared: float, deviation: float, unserved: float) -> ErrorEstimate:
@@ -49,10 +59,11 @@ class ErrorEstimate:
 
     def statistics(self) -> dict[str, float]:
         """Return the estimate as entries for the statistics of a Solution or a picture."""
-        return {
+        statistics = {
             "estimated_error": self.quoted, "estimated_error_low": self.low, "estimated_error_high": self.high,
             "unserved": self.unserved,
         }  # fmt: skip
+        return statistics | ({ERROR_IN_ONE_TILE: self.in_one_tile} if self.in_one_tile else {})
 
     def noise_statistics(self) -> dict[str, float]:
         """Return the estimate of the noise that remains in a picture, as entries for its statistics."""
@@ -118,7 +129,12 @@ def error_text(statistics: Mapping[str, float]) -> str:
         return f"estimated error {least:.2g} % or more: {by_chance}, {found}; for all other light: {error_text(rest)}"
     if statistics.get("gloss_estimated") == 0 and statistics.get("radiance_records"):
         return error_text({**statistics, "gloss_estimated": 1.0}) + " of irradiance, gloss not included"
-    return _interval_text("estimated error", *_percents(statistics, "estimated_error"))
+    quoted, low, high = _percents(statistics, "estimated_error")
+    share = statistics.get(ERROR_IN_ONE_TILE, 0.0)
+    if share > MOST_IN_ONE_TILE and low > 0:
+        likely = f"about {quoted:.2g} %" if quoted < high else f"perhaps {high:.2g} %"
+        return f"estimated error at least {low:.2g} % (95 %), {likely}: {100 * share:.0f} % of its square lies in one place"
+    return _interval_text("estimated error", quoted, low, high)
 
 
 def _percents(statistics: Mapping[str, float], name: str) -> list[float]:

@@ -50,7 +50,6 @@ class Prepared(ABC):
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
         """Raise EclatError if this was prepared for another scene or another `max_depth`."""
-        return
 
     @abstractmethod
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
@@ -75,6 +74,10 @@ class Prepared(ABC):
         """Whether noise is the only error of a picture, so that two independent halves of its samples measure all of
         it."""
         return False
+
+    def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator | None:
+        """Make an unbiased estimator that reads nothing of what was prepared and judges pictures; None if there is none."""
+        return None
 
     @property
     def record_positions(self) -> FloatArray | None:
@@ -245,7 +248,6 @@ class Method(ABC):
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
         """Accept every scene and depth, because nothing was solved."""
-        return
 
     def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Solved:
         """Compute a solution, which can be kept in a file. Raises EclatError if the method has nothing to solve."""

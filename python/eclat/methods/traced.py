@@ -35,6 +35,9 @@ class Traced(Prepared):
             compiled(scene).core, max_depth=self._depth(work), roulette_depth=self.roulette_depth
         )
 
+    def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        return self.radiance_estimator(scene, work)
+
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
         return _core.path_point_estimator(compiled(scene).core, max_depth=self._depth(work))
 

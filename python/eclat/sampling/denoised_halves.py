@@ -56,6 +56,8 @@ class DenoisedHalves:
     `deviation` is the standard error of `squared_error`, computed from the differences between windows.
     `raw_squared_error` is the estimated squared error of the picture before denoising, (A + B) / 2.
     `local_error`, (H, W), is the error of the window around a pixel and of the neighbouring windows.
+    `squared`, (H, W), is the estimate at each pixel, whose mean is `squared_error`; noise makes many of them negative.
+    `scale`, (H, W, 3), is R² + c.
     """
 
     pixels: Float64
@@ -64,6 +66,8 @@ class DenoisedHalves:
     deviation: float
     raw_squared_error: float
     local_error: Float64
+    squared: Float64
+    scale: Float64
 
     @property
     def error(self) -> float:
@@ -105,8 +109,9 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
     pixels = weight[..., None] * (denoised_a + denoised_b) / 2 + (1 - weight[..., None]) * (a + b) / 2
     raw = _squared_error(halves, 0.0, scale)
     return DenoisedHalves(
-        pixels, weight, float(squared.mean()), _deviation(squared), float(raw.mean()), _local_error(squared)
-    )
+        pixels, weight, float(squared.mean()), _deviation(squared), float(raw.mean()), _local_error(squared),
+        squared, scale,
+    )  # fmt: skip
 
 
 def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
@@ -117,10 +122,13 @@ def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
     EclatError : shapes differ.
     """
     first, last = _of_one_shape(a, b)
-    squared = _squared_error((first, last, first, last), 0.0, _scale(first * last, first * last, 0.0))
+    scale = _scale(first * last, first * last, 0.0)
+    squared = _squared_error((first, last, first, last), 0.0, scale)
     mean = float(squared.mean())
     weight = np.zeros(squared.shape)
-    return DenoisedHalves((first + last) / 2, weight, mean, _deviation(squared), mean, _local_error(squared))
+    return DenoisedHalves(
+        (first + last) / 2, weight, mean, _deviation(squared), mean, _local_error(squared), squared, scale
+    )
 
 
 def _of_one_shape(*pictures: ArrayLike) -> tuple[Float64, ...]:

@@ -25,7 +25,8 @@ chooses for two pictures hardly ever have."""
 
 
 def seed_of_half(seed: int, half: int) -> int:
-    """Return the seed of the even half (0) or the odd half (1) of a picture."""
+    """Return the seed of the even half (0) or the odd half (1) of a picture; greater numbers give further seeds, for what
+    judges the halves."""
     return (seed + half * ODD_SEED) % (1 << 32)
 
 
@@ -81,7 +82,11 @@ class Halves:
         ]
         return judged_halves(*sampled, *clean)
 
-    def pasted(self, values: NDArray[np.floating]) -> NDArray[np.float32]:
+    def within(self, layer: NDArray[np.float32]) -> NDArray[np.float32]:
+        """Return the pixels of the region out of an array over the whole picture."""
+        return layer[self._inside]
+
+    def pasted(self, values: NDArray[np.floating] | NDArray[np.uint32]) -> NDArray[np.float32]:
         """Place an array over the pixels of the region into one over the whole picture, which is 0 elsewhere."""
         size = (self.even.radiance.shape[0], self.even.radiance.shape[1])
         whole = np.zeros((*size, *values.shape[2:]), np.float32)

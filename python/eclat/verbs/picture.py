@@ -26,8 +26,12 @@ from eclat.methods.work import View, Work
 from eclat.sampling.adaptive_sampling import Counts
 from eclat.sampling.convergence import Sampling
 from eclat.sampling.denoised_halves import DenoisedHalves
-from eclat.sampling.halves import Halves, Region
+from eclat.sampling.halves import Halves, Region, seed_of_half
+from eclat.sampling.picture_probes import ProbedError, joined, number_of_paths, probed_error
 from eclat.scene import Scene
+
+FIRST_SEED_OF_PROBES = 2
+"""The halves have the first two seeds of a picture, its probes the next ones."""
 
 
 class SampleTaker:
@@ -95,6 +99,7 @@ class Picture:
     work: Work
     adaptive: bool
     denoise: bool
+    filter: _core.Filter
     estimate: ErrorEstimate | None
     """The estimated error of the records that were solved for this view, or None."""
     started: float
@@ -111,9 +116,39 @@ class Picture:
                 stop.partial = image  # type: ignore[attr-defined]
             raise
 
-    def finished(self, sampling: Sampling) -> Image:
-        """Make the Image of all samples, as the last look at it found it."""
-        return self._image(sampling.film, sampling, sampling.taken, sampling.found)
+    def finished(self, sampling: Sampling, probed: ProbedError | None = None) -> Image:
+        """Make the Image of all samples, as the last look at it found it, with the error that the probes found."""
+        return self._image(sampling.film, sampling, sampling.taken, sampling.found, probed)
+
+    def probed(self, sampling: Sampling) -> ProbedError | None:
+        """Measure the error of the picture at some pixels by paths of their own, once all samples are taken.
+
+        Return None if the picture was not taken in halves, or if the method has no estimator that could judge it.
+        """
+        film, found = sampling.film, sampling.found
+        reference = self.prepared.reference_estimator(self.scene, self.work)
+        if reference is None or found is None or not isinstance(film, Halves):
+            return None
+        camera = compiled(self.scene).camera(self.view.camera, self.view.size)
+
+        def take(counts: Counts, number: int) -> NDArray[np.float32]:
+            taken, counted = _core.Film(*self.view.size), _core.Progress()
+            end = film.pasted(counts).astype(np.uint32)
+            seed = seed_of_half(self.work.seed, FIRST_SEED_OF_PROBES + number)
+            pixels = _core.RenderRange(
+                crop=self.region, seed=seed, threads=self.work.threads, filter=self.filter, tile_order=[]
+            )
+            first = np.zeros(end.size, dtype=np.uint32)
+
+            def work(progress: _core.Progress) -> None:
+                _core.render(camera, taken, reference, pixels, first, end.ravel(), progress)
+
+            run("check", work, self.work.progress, counted)
+            sampling.rays += float(counted.rays)
+            return film.within(taken.radiance)
+
+        paths = number_of_paths(found.squared.size, sampling.taken)
+        return probed_error(found, take, paths, self.work.seed)
 
     def unfinished(self, film: _core.Film | Halves, sampling: Sampling, taken: int) -> Image:
         """Make the Image of a film, or of a copy of it, that holds `taken` samples per pixel, denoised if it may be."""
@@ -122,7 +157,10 @@ class Picture:
             found = film.denoised() if self.denoise else film.sampled()
         return self._image(film, sampling, taken, found)
 
-    def _image(self, film: _core.Film | Halves, sampling: Sampling, taken: int, found: DenoisedHalves | None) -> Image:
+    def _image(
+        self, film: _core.Film | Halves, sampling: Sampling, taken: int, found: DenoisedHalves | None,
+        probed: ProbedError | None = None,
+    ) -> Image:  # fmt: skip
         whole = film.whole() if isinstance(film, Halves) else film
         radiance, direct = whole.radiance, whole.direct
         layers = {
@@ -135,7 +173,7 @@ class Picture:
             "scene": self.scene.name, "method": options.name, "options": asdict(options),
             "seed": self.work.seed, "max_depth": self.work.max_depth, "adaptive": self.adaptive,
             "halves": isinstance(film, Halves), "denoised": denoised,
-            "version": eclat.__version__, "statistics": self._statistics(whole, sampling, taken, found),
+            "version": eclat.__version__, "statistics": self._statistics(whole, sampling, taken, found, probed),
         }  # fmt: skip
         pixels = radiance
         if isinstance(film, Halves) and found is not None:
@@ -160,7 +198,12 @@ class Picture:
         return inside
 
     def _statistics(
-        self, film: _core.Film, sampling: Sampling, taken: int, found: DenoisedHalves | None
+        self,
+        film: _core.Film,
+        sampling: Sampling,
+        taken: int,
+        found: DenoisedHalves | None,
+        probed: ProbedError | None,
     ) -> dict[str, float]:
         rays = sampling.rays + self.prepared.statistics.get("rays", 0.0)
         statistics = {"samples": float(taken), "rays": rays, "seconds": clock.perf_counter() - self.started}
@@ -176,6 +219,8 @@ class Picture:
             statistics["cache_error"] = self.estimate.quoted
         elif self.prepared.errs_by_noise_alone:
             whole = own
+        if probed is not None:
+            whole = joined(probed, whole)
         if whole is not None:
             statistics |= whole.statistics()
             statistics |= with_light_by_chance(statistics, self.prepared.statistics.get(LIGHT_BY_CHANCE, 0.0))

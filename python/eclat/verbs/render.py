@@ -39,6 +39,10 @@ from eclat.verbs.solve import require_check
 
 FILTERS = ("box", "tent")
 
+SHARE_OF_PROBES = 0.15
+"""Share of the time for samples that is left to the probes of the finished picture. They take as many paths as 0.15 of
+the samples."""
+
 PREVIEW_SECONDS = 4.0
 """Least time between two previews: the picture is then written anew often enough for a viewer, and seldom enough that writing
 it costs little."""
@@ -110,9 +114,12 @@ def render(
     keep_partial : whether Ctrl-C keeps what is finished. The KeyboardInterrupt then has an attribute `partial`, an
         Image of the samples taken so far, whose metadata give their number as `samples_done`. The attribute is absent
         until every pixel has a sample.
-    check : whether the error of records that are solved for this picture is estimated, as `solve` does. The statistics
-        of the picture then hold `cache_error`, the error of the records alone, and `estimated_error`, the error of the
-        whole picture, with `estimated_error_low` and `estimated_error_high`, the ends of its 95 % confidence interval.
+    check : whether the error of records that are solved for this picture is estimated, as `solve` does, and that of a
+        picture in halves at some of its pixels, by paths that never end in a cache and that are drawn after the last
+        sample (`sampling.picture_probes`). The statistics of the picture then hold `cache_error`, the error of the
+        records alone, and `estimated_error`, the error of the whole picture, with `estimated_error_low` and
+        `estimated_error_high`, the ends of its 95 % confidence interval. `error_in_one_tile` is the share of its square
+        that one tile of the picture carries; if it is large there are likely to be more such places that no probe met.
         The error of the whole picture includes the noise of the samples if there are at least two samples.
     refine : whether records that are solved for this picture are refined until their estimated error is below their
         `max_error`.
@@ -172,13 +179,14 @@ def render(
     if adaptive is None:
         adaptive = prepared.options.has_records and crop is None
     pixels = _ranges(region, work, halves, _checked_filter(filter), tile_order or [])
-    picture = Picture(scene, prepared, view, region, work, adaptive, denoise, estimate, started)
+    picture = Picture(scene, prepared, view, region, work, adaptive, denoise, _core.Filter[filter], estimate, started)
     sampling = _sampling(picture, pixels, keep_partial, preview)
     with picture.kept(sampling):
-        sampling.run(goal)
+        sampling.run(_leaving_time(goal, halves and check))
+        probed = picture.probed(sampling) if check else None
     if samples is None and deadline is None:
         _warn_of_noise(sampling, goal)
-    image = picture.finished(sampling)
+    image = picture.finished(sampling, probed)
     picture.tell_bad_samples(image)
     return image
 
@@ -189,6 +197,14 @@ def _refuse_contradictions(samples: int | None, time: float | None, refine: bool
     if refine and time is not None:
         raise EclatError("render: expected refine or time, got both")
     require_check(check, refine)
+
+
+def _leaving_time(goal: Goal, probes: bool) -> Goal:
+    """Return the goal with an earlier deadline, if there is one and probes are taken after it."""
+    if goal.deadline is None or not probes:
+        return goal
+    now = clock.perf_counter()
+    return replace(goal, deadline=now + (1 - SHARE_OF_PROBES) * (goal.deadline - now))
 
 
 def _checked_halves(halves: bool | None, denoise: bool) -> bool:

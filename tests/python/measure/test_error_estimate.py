@@ -16,6 +16,16 @@ from eclat.measure.error_estimate import ErrorEstimate, error_text
         (ErrorEstimate(0.12, 0.10, 0.14), "estimated error 12 % ± 2 (95 %)"),
         (ErrorEstimate(0.005, 0.0, 0.009), "estimated error at most 0.9 % (95 %)"),
         (ErrorEstimate(0.0, 0.0, 0.0), "estimated error 0 % (95 %)"),
+        (ErrorEstimate(0.03, 0.02, 0.04, in_one_tile=0.2), "estimated error 3.0 % ± 1.0 (95 %)"),
+        (
+            ErrorEstimate(0.03, 0.02, 0.04, in_one_tile=0.31),
+            "estimated error at least 2 % (95 %), about 3 %: 31 % of its square lies in one place",
+        ),
+        (
+            ErrorEstimate(0.03, 0.02, 0.06, in_one_tile=0.31),
+            "estimated error at least 2 % (95 %), perhaps 6 %: 31 % of its square lies in one place",
+        ),
+        (ErrorEstimate(0.03, 0.0, 0.06, in_one_tile=0.5), "estimated error at most 6 % (95 %)"),
     ],
 )
 def test_text(estimate: ErrorEstimate, text: str) -> None:

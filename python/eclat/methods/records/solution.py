@@ -17,6 +17,7 @@ from eclat.methods.method import Common, DamagedArrayError, Solved
 from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
+from eclat.methods.traced import ROULETTE_DEPTH
 from eclat.methods.work import Work
 from eclat.scene import FloatArray, Scene
 
@@ -171,6 +172,9 @@ class Solution(Solved):
         if isinstance(self.options, RadianceOptions):
             tables = radiance_tables(scene, self.options, threads=work.threads or None, progress=work.progress)
         return _core.cached_path_estimator(compiled(scene).core, self.core(), tables, max_depth=work.max_depth)
+
+    def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        return _core.path_estimator(compiled(scene).core, max_depth=work.max_depth, roulette_depth=ROULETTE_DEPTH)
 
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
         settings = core_options(self.options, max_depth=work.max_depth, seed=work.seed, threads=work.threads)

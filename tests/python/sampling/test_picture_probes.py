@@ -1,0 +1,107 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""What probes say of a picture whose error is known: unbiased, wherever it lies, with a margin that holds."""
+
+from __future__ import annotations
+
+import math
+
+import numpy as np
+import pytest
+
+from eclat.measure.error_estimate import ErrorEstimate
+from eclat.measure.metrics import RELATIVE_C
+from eclat.sampling import picture_probes
+from eclat.sampling.adaptive_sampling import Counts
+from eclat.sampling.denoised_halves import DenoisedHalves, sampled_halves
+from eclat.sampling.picture_probes import PATHS, ProbedError, joined, number_of_paths, probed_error
+
+SIZE = (96, 64)
+TRUTH = np.random.default_rng(1).uniform(0.3, 1.0, (*SIZE, 3))
+
+
+def biased(bias: np.ndarray | float, noise: float, seed: int) -> DenoisedHalves:
+    """Halves that share a relative bias, (height, width, 1), and have noise of their own."""
+    random = np.random.default_rng(seed)
+    a, b = (TRUTH * (1 + bias + noise * random.normal(size=TRUTH.shape)) for _ in range(2))
+    return sampled_halves(a, b)
+
+
+class Paths:
+    """Noisy estimates of the truth: the samples of a pixel have an exponential distribution, as skew as light."""
+
+    def __init__(self, seed: int) -> None:
+        self._seed, self.taken = seed, 0
+
+    def __call__(self, counts: Counts, number: int) -> np.ndarray:
+        self.taken += int(counts.sum())
+        random = np.random.default_rng((self._seed, number))
+        mean = random.gamma(np.maximum(counts, 1)[..., None], size=TRUTH.shape) / np.maximum(counts, 1)[..., None]
+        return np.where(counts[..., None] > 0, TRUTH * mean, np.nan)
+
+
+def true_squared(pixels: np.ndarray) -> float:
+    scale = TRUTH**2 + RELATIVE_C * (TRUTH**2).mean()
+    return float(((pixels - TRUTH) ** 2 / scale).mean())
+
+
+@pytest.mark.parametrize("everywhere", [True, False])
+def test_probes_see_what_the_halves_share(everywhere: bool) -> None:
+    # A bias of 10 % everywhere, or of 30 % in a strip that holds a tenth of the pixels, which the halves cannot see.
+    bias = np.full((*SIZE, 1), 0.1)
+    if not everywhere:
+        bias[:, :6], bias[:, 6:] = 0.3, 0.0
+    ratios, inside = [], 0
+    for seed in range(60):
+        found = biased(bias, 0.05, seed)
+        true = true_squared(found.pixels)
+        probed = probed_error(found, Paths(seed), 300 * 3 * PATHS, seed)
+        assert found.squared_error < 0.4 * true
+        ratios.append(probed.squared / true)
+        inside += abs(probed.squared - true) < 1.96 * probed.deviation
+    error = np.std(ratios, ddof=1) / len(ratios) ** 0.5
+    assert abs(np.mean(ratios) - 1) < 0.03 + 5 * error and error < 0.1
+    assert inside >= 48  # of 60; 57 are expected, and 47 or fewer come once in twenty thousand runs
+
+
+def test_about_as_many_paths_as_asked_for() -> None:
+    for probes in (10, 200, 10**6):
+        paths = Paths(0)
+        probed_error(biased(0.1, 0.05, 0), paths, probes * 3 * PATHS, 0)
+        pixels = min(probes, TRUTH.shape[0] * TRUTH.shape[1])
+        assert 0.7 * pixels <= paths.taken / (3 * PATHS) <= pixels + 1
+    assert number_of_paths(100, 4) == picture_probes.LEAST_PATHS
+    assert number_of_paths(10**6, 64) > number_of_paths(10**6, 4) > 10**6
+
+
+def test_one_place_that_carries_the_error_is_told() -> None:
+    bias = np.zeros((*SIZE, 1))
+    bias[:8, :8] = 1.0
+    local = probed_error(biased(bias, 0.02, 0), Paths(0), 2000 * 3 * PATHS, 0)
+    even = probed_error(biased(np.full((*SIZE, 1), 0.1), 0.02, 0), Paths(0), 2000 * 3 * PATHS, 0)
+    assert local.in_one_tile > 0.8 and even.in_one_tile < 0.1
+
+
+def test_the_same_seed_probes_the_same_pixels() -> None:
+    found = biased(0.1, 0.05, 0)
+    first, again, other = (probed_error(found, Paths(0), 100 * 3 * PATHS, seed) for seed in (0, 0, 1))
+    assert first == again != other
+
+
+def test_a_black_picture_and_one_pixel() -> None:
+    black = np.zeros((4, 4, 3))
+    found = probed_error(sampled_halves(black, black), lambda counts, number: black, 10**6, 0)
+    assert found.squared == 0 and found.deviation == 0
+    one = probed_error(sampled_halves(black[:1, :1], black[:1, :1]), lambda counts, number: black[:1, :1], 10**6, 0)
+    assert joined(one, ErrorEstimate(0.02, 0.01, 0.03)).error == pytest.approx(0.02)
+
+
+def test_what_is_known_better_counts_more() -> None:
+    known = ErrorEstimate(0.03, 0.03, 0.03)
+    sure, unsure = (ProbedError(0.05**2, deviation, 0.1) for deviation in (1e-6, 1.0))
+    assert joined(sure, known).error == pytest.approx(0.05, rel=1e-3)
+    assert joined(unsure, known).error == pytest.approx(0.03, rel=1e-3)
+    middle = joined(ProbedError(0.05**2, 0.5 * 0.03**2, 0.1), known)
+    assert middle.error == pytest.approx(math.sqrt((0.05**2 + 0.03**2) / 2))
+    assert middle.low < middle.error < middle.high
+    assert joined(sure, None).error == pytest.approx(0.05)
