@@ -50,11 +50,11 @@ class Prepared(ABC):
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
         """Raise EclatError if this was prepared for another scene or another `max_depth`."""
+        return
 
     @abstractmethod
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
-        """Make the estimator of radiance along camera rays. `estimators.radiance_from` makes one from a Python
-        function."""
+        """Make the estimator of radiance along camera rays; `estimators.radiance_from` makes one from a function."""
 
     @abstractmethod
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
@@ -71,8 +71,7 @@ class Prepared(ABC):
 
     @property
     def errs_by_noise_alone(self) -> bool:
-        """Whether noise is the only error of a picture, so that two independent halves of its samples measure all of
-        it."""
+        """Whether noise is the only error of a picture, so that two halves of its samples measure all of it."""
         return False
 
     def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator | None:
@@ -248,6 +247,7 @@ class Method(ABC):
 
     def require_match(self, scene: Scene, max_depth: int) -> None:
         """Accept every scene and depth, because nothing was solved."""
+        return
 
     def solve(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Solved:
         """Compute a solution, which can be kept in a file. Raises EclatError if the method has nothing to solve."""
