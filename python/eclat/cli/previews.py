@@ -31,5 +31,8 @@ class Previews:
 
 
 def wants_previews(flags: dict[str, Any]) -> bool:
-    """Whether it is not known when the picture will be finished: neither samples nor time are given."""
+    """Whether it is not known when the picture will be finished: neither samples nor time are given. A picture that is
+    continued stays in its file until the better one is finished."""
+    if flags["continued"]:
+        return False
     return flags["samples"] is None and flags["time"] is None and not flags["replay"] and flags["crop"] is None

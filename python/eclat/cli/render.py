@@ -33,6 +33,7 @@ from eclat.cli.quality_options import (
 from eclat.cli.replay import (
     REPEATED,
     chosen_by_clock,
+    continued_flags,
     replayed_flags,
     say_replay_of_bad_samples,
     say_replayed_sample,
@@ -64,6 +65,8 @@ REACHING_RENDER = (
     "adaptive",
     "denoise",
     "halves",
+    "continued",
+    "continuable",
     "size",
     "crop",
     "max_depth",
@@ -86,6 +89,9 @@ EXAMPLES = {
     ),
     "eclat render room.glb --time 30": "Render the best picture that half a minute allows:",
     "eclat render room.glb --method path --samples 1024 -o truth.exr": "Render an unbiased reference:",
+    "eclat render room.glb --max-error 0.01 --continue room.exr": (
+        "Improve a picture that was rendered with --continuable:"
+    ),
     "eclat render room.glb --cache room.npz --camera 1": "Render another view from a file that `eclat solve` wrote:",
 }
 
@@ -142,6 +148,20 @@ _quality_options = together(
     no_check_option(),
     refine_option("Refine the records until their estimated error is below --max-error."),
     option(
+        "--continuable",
+        is_flag=True,
+        section=QUALITY,
+        help="Write what --continue needs to an .exr file, which is then about three times as large.",
+    ),
+    option(
+        "--continue",
+        "continued",
+        metavar="FILE",
+        section=QUALITY,
+        help="Add samples to this .exr file, which was written with --continuable; its settings stay, and --max-error, --time, "
+        "--denoise, --cache, or --samples for the total number, may differ. Without --output the file itself is replaced.",
+    ),
+    option(
         "--replay-settings",
         metavar="FILE",
         section=QUALITY,
@@ -186,6 +206,8 @@ def command(context: click.Context, /, **flags: Any) -> None:
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         if flags["replay_settings"]:
             flags.update(replayed_flags(flags["replay_settings"], context))
+        if flags["continued"]:
+            flags.update(_continued(flags, context))
         outputs = _outputs(flags)
         options = _options(flags, context)
         scene, exposure = load_scene_to_show(flags)
@@ -223,12 +245,22 @@ def command(context: click.Context, /, **flags: Any) -> None:
         keep(image)
 
 
+def _continued(flags: dict[str, Any], context: click.Context) -> dict[str, Any]:
+    """Return the flags of the picture that is continued. Raises EclatError if that cannot be combined with others."""
+    for name in ("replay", "replay_settings", "keep_partial"):
+        if flags[name]:
+            raise EclatError(f"--continue cannot be combined with --{name.replace('_', '-')}: give one of them")
+    return continued_flags(flags["continued"], context)
+
+
 def _outputs(flags: dict[str, Any]) -> list[str]:
     """List the files to write, after checking that each can be written."""
     from eclat.images.image import check_output
 
-    default = [] if flags["replay"] else [f"{scene_stem(flags['scene'])}.png"]
+    default = [] if flags["replay"] else [flags["continued"] or f"{scene_stem(flags['scene'])}.png"]
     outputs = list(flags["output"]) or default
+    if flags["continuable"] and not any(output.lower().endswith(".exr") for output in outputs):
+        raise EclatError(f"--continuable: expected an .exr file with --output, got {', '.join(outputs) or 'none'}")
     for output in outputs:
         check_output(output)
     return outputs
@@ -247,7 +279,7 @@ def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
     if flags["refine"] and not flags["check"]:
         raise EclatError("--refine cannot be combined with --no-check: refining stops at an estimated error")
     given = context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT
-    check_cache_alone(flags, given and not flags["replay_settings"])
+    check_cache_alone(flags, given and not (flags["replay_settings"] or flags["continued"]))
     options = None
     if not flags["cache"]:
         options = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])

@@ -72,18 +72,33 @@ def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> li
     return [f"{name}={str(value).lower()}" for name, value in options.items()]
 
 
-def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
-    """Read the flags that are stored in a picture.
+FREE_WHEN_CONTINUED = ("cache", "max_error", "refine", "samples", "denoise", "time")
+"""Names of the flags among `REPEATED` that may differ when a picture is continued."""
+
+
+def continued_flags(path: str, context: click.Context) -> dict[str, Any]:
+    """Read the flags with which a picture that is continued was made, without those that say how far to go.
+
+    Raises EclatError as `replayed_flags` does.
+    """
+    fixed = tuple(name for name in REPEATED if name not in FREE_WHEN_CONTINUED)
+    return replayed_flags(path, context, fixed, "--continue")
+
+
+def replayed_flags(
+    path: str, context: click.Context, names: tuple[str, ...] = REPEATED, by: str = "--replay-settings"
+) -> dict[str, Any]:
+    """Read the flags of the given names that are stored in a picture; `by` is the flag that asks for it, for messages.
 
     Raises
     ------
     EclatError : the file holds no settings, or one of these flags is also given on the command line.
     """
     given = click.core.ParameterSource.COMMANDLINE
-    for name in REPEATED:
+    for name in names:
         if context.get_parameter_source(name) is given:
             flag = next(parameter.opts[-1] for parameter in context.command.params if parameter.name == name)
-            raise EclatError(f"--replay-settings cannot be combined with {flag}: the file holds the value to use")
+            raise EclatError(f"{by} cannot be combined with {flag}: the file holds the value to use")
     settings = _metadata(path).get("settings")
     if not isinstance(settings, dict) or not set(REPEATED) <= set(settings):
         raise EclatError(
@@ -91,7 +106,7 @@ def replayed_flags(path: str, context: click.Context) -> dict[str, Any]:
         )
     flags: dict[str, Any] = {}
     for parameter in context.command.params:
-        if parameter.name in REPEATED:
+        if parameter.name in names:
             flags[parameter.name] = _checked(path, parameter, settings[parameter.name], context)
     return flags
 

@@ -109,9 +109,34 @@ class AdaptiveSamples:
             # The last pass has the largest weight, because samples are stratified, so their variance decreases with
             # their number.
             blended = variance if self._variance is None else (self._variance + 3 * variance) / 4
-            self._variance = np.where(seen, blended, variance if self._variance is None else self._variance)
-            self._contrast = _contrast(mean, scale)
+            kept = np.where(seen, blended, variance if self._variance is None else self._variance)
+            # Files hold these with single precision, and a picture that is taken up from one must go on in the same way.
+            self._variance, self._contrast = _single(kept), _single(_contrast(mean, scale))
         self.counts, self._mean = counts, mean
+
+    def state(self) -> dict[str, NDArray[np.float32]]:
+        """Return what `restore` needs besides the picture: `counts`, and `variance` and `contrast` if there are any, over the
+        whole picture (height, width)."""
+        known = {"counts": self.counts[self._region], "variance": self._variance, "contrast": self._contrast}
+        state = {}
+        for name, values in known.items():
+            if values is not None:
+                state[name] = np.zeros(self.counts.shape, np.float32)
+                state[name][self._region] = values
+        return state
+
+    def restore(
+        self,
+        counts: NDArray[np.float32],
+        mean: Picture,
+        variance: NDArray[np.float32] | None,
+        contrast: NDArray[np.float32] | None,
+    ) -> None:
+        """Go on from a picture (height, width, 3) and from what `state` gave for it."""
+        self.counts = counts.astype(np.uint32)
+        self._mean = np.asarray(mean[self._region], dtype=np.float64)
+        if variance is not None and contrast is not None:
+            self._variance, self._contrast = (v[self._region].astype(np.float64) for v in (variance, contrast))
 
     def noise(self) -> float:
         """Estimate the relative error of the last picture from its noise, as in `metrics.relative_rmse`; NaN before the
@@ -130,6 +155,11 @@ def _neighbourhood(values: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]
     padded = np.pad(values, ((1, 1), (1, 1), *((0, 0) for _ in values.shape[2:])), mode="edge")
     for dy, dx in itertools.product(range(3), range(3)):
         yield padded[dy : dy + height, dx : dx + width]
+
+
+def _single(values: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Round to single precision."""
+    return values.astype(np.float32).astype(np.float64)
 
 
 def _blurred(values: NDArray[np.float64]) -> NDArray[np.float64]:

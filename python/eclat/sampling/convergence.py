@@ -128,13 +128,19 @@ class Sampling:
             return
         self._look(goal.denoised)
 
+    def take_up(self, taken: int) -> None:
+        """Go on from a film, and from adaptive sampling, that already have `taken` samples per pixel."""
+        self._rounds = taken // self._each
+        if self.adaptive is not None:
+            self._counts = self.adaptive.counts
+
     def _until_samples(self, rounds: int) -> None:
         self._expected = rounds
         if self.adaptive is not None:
             while self._rounds < rounds:
                 self._pass(min(rounds, max(self._first, 2 * self._rounds)))
         else:
-            if rounds > 1:
+            if rounds // 2 > self._rounds:
                 self._pass(rounds // 2)
             self._pass(rounds)
 

@@ -4,11 +4,13 @@
 
 from __future__ import annotations
 
+import inspect
 import math
 import os
 import time as clock
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 from eclat import _core
 from eclat.bridge.arguments import (
@@ -26,13 +28,15 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.images import denoiser
 from eclat.images.image import Image
+from eclat.measure.error_estimate import ErrorEstimate
 from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.methods.work import Care, View, Work
 from eclat.sampling.adaptive_sampling import AdaptiveSamples
 from eclat.sampling.convergence import Goal, Sampling
-from eclat.sampling.halves import Halves, Region, seed_of_half
+from eclat.sampling.halves import Halves, seed_of_half
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
+from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
 from eclat.verbs.first_look import first_look
 from eclat.verbs.picture import Picture, SampleTaker
 from eclat.verbs.solve import require_check
@@ -65,6 +69,8 @@ def render(
     adaptive: bool | None = None,
     denoise: bool | None = None,
     halves: bool | None = None,
+    continued: Image | str | os.PathLike[str] | None = None,
+    continuable: bool = False,
     keep_partial: bool = False,
     check: bool = True,
     refine: bool = False,
@@ -111,6 +117,13 @@ def render(
     halves : whether the picture is the mean of two halves with half of the samples each and random numbers of their
         own, which is what measures a denoised picture. An odd number of `samples` is then rounded up. None means the
         same as `denoise`.
+    continued : a picture that was rendered with `continuable`, or the name of its .exr file, to which samples are added;
+        `samples` is the total number. Size, crop, depth, seed, filter, adaptive and halves are those of the picture; scene,
+        camera and method must be the same. With the same options, the picture has the same bits as one that took all samples at
+        once (with adaptive sampling, if the first number of samples was a power of two). The options of the method may differ:
+        records that are finer then serve the new samples. Rays and seconds in the statistics are those of this call.
+    continuable : whether the picture gets layers with what was added up (`sums_*`, `sample_*`), so that it can be continued
+        later; an .exr file is about three times as large then. Continued pictures can be continued again.
     keep_partial : whether Ctrl-C keeps what is finished. The KeyboardInterrupt then has an attribute `partial`, an
         Image of the samples taken so far, whose metadata give their number as `samples_done`. The attribute is absent
         until every pixel has a sample.
@@ -145,7 +158,8 @@ def render(
     Raises
     ------
     EclatError : an argument is out of range, the method is unknown, a solution belongs to another scene or another
-        `max_depth`, or a picture is to be denoised and Open Image Denoise is not installed.
+        `max_depth`, a picture is to be denoised and Open Image Denoise is not installed, or `continued` cannot be continued or
+        shows another scene.
 
     Examples
     --------
@@ -157,6 +171,9 @@ def render(
     _refuse_contradictions(samples, time, refine, check)
     scene = staged(scene)
     started = clock.perf_counter()
+    begun = None if continued is None else Begun.of(continued)
+    given = (size, crop, max_depth, seed, filter, adaptive, halves)
+    size, crop, max_depth, seed, filter, adaptive, halves = _settings(begun, given)
     deadline = None if checked_time(time) is None else started + float(time or 0)
     if denoise is None:
         denoise = denoiser.has_denoiser() and samples is None and crop is None and halves is not False
@@ -166,25 +183,49 @@ def render(
     view = View(chosen, picture_size(chosen, size))
     region = checked_crop(crop, *view.size)
     work = Work(checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), progress)
-    source = as_method(what, IrradianceCache(max_error=max_error), max_error=max_error)
-    if refine and source.options.for_whole_scene:
-        raise EclatError(f"refine: expected a method with records, got {source.options.name}")
-    if preview is not None:
+    source = _source(what, max_error, refine)
+    if begun is not None:
+        begun.require_match(scene, chosen, source.options.name, samples)
+    elif preview is not None:
         preview(first_look(scene, source, view, work))
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
     # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
-    if estimate is not None:
-        goal = replace(goal, max_error=max_error * max(0.5, 1 - (estimate.quoted / max_error) ** 2) ** 0.5)
-    if adaptive is None:
-        adaptive = prepared.options.has_records and crop is None
-    pixels = _ranges(region, work, halves, _checked_filter(filter), tile_order or [])
-    picture = Picture(scene, prepared, view, region, work, adaptive, denoise, _core.Filter[filter], estimate, started)
-    sampling = _sampling(picture, pixels, keep_partial, preview)
+    adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
+    pixel_filter = _checked_filter(filter)
+    picture = Picture(scene, prepared, view, region, work, adaptive, denoise, pixel_filter, estimate, started)
+    sampling = _sampling(picture, 1 + halves, tile_order or [], keep_partial, preview)
+    if begun is not None:
+        begun.restore(sampling)
+    image = _rendered(picture, sampling, _goal_of_samples(goal, estimate, halves and check), check)
+    if continuable or begun is not None:
+        settings = (view.size, crop, max_depth, seed, filter, adaptive, halves)
+        make_continuable(image, begun, sampling, scene, chosen, settings)
+    return image
+
+
+def _settings(begun: Begun | None, given: tuple[Any, ...]) -> tuple[Any, ...]:
+    """Return the arguments that a continued picture determines: its own, or else those that were given."""
+    if begun is None:
+        return given
+    parameters = inspect.signature(render).parameters
+    return begun.settings(tuple(parameters[name].default for name in FROM_PICTURE), given)
+
+
+def _source(what: Source | type[Method] | str | None, max_error: float, refine: bool) -> Source:
+    """Return what computes the light. Raises EclatError if it is unknown or cannot be refined as it should be."""
+    source = as_method(what, IrradianceCache(max_error=max_error), max_error=max_error)
+    if refine and source.options.for_whole_scene:
+        raise EclatError(f"refine: expected a method with records, got {source.options.name}")
+    return source
+
+
+def _rendered(picture: Picture, sampling: Sampling, goal: Goal, check: bool) -> Image:
+    """Take all samples, measure the error, and make the Image. Warn of noise that is left, and of bad samples."""
     with picture.kept(sampling):
-        sampling.run(_leaving_time(goal, halves and check))
+        sampling.run(goal)
         probed = picture.probed(sampling) if check else None
-    if samples is None and deadline is None:
+    if goal.samples is None and goal.deadline is None:
         _warn_of_noise(sampling, goal)
     image = picture.finished(sampling, probed)
     picture.tell_bad_samples(image)
@@ -199,8 +240,12 @@ def _refuse_contradictions(samples: int | None, time: float | None, refine: bool
     require_check(check, refine)
 
 
-def _leaving_time(goal: Goal, probes: bool) -> Goal:
-    """Return the goal with an earlier deadline, if there is one and probes are taken after it."""
+def _goal_of_samples(goal: Goal, estimate: ErrorEstimate | None, probes: bool) -> Goal:
+    """Return the goal for the samples: noise gets what the estimated error of the records leaves of the error, at least half
+    of it, and a deadline leaves time for the probes, if there are any."""
+    if estimate is not None:
+        share = max(0.5, 1 - (estimate.quoted / goal.max_error) ** 2) ** 0.5
+        goal = replace(goal, max_error=goal.max_error * share)
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()
@@ -219,30 +264,25 @@ def _checked_halves(halves: bool | None, denoise: bool) -> bool:
     return True
 
 
-def _ranges(
-    region: Region, work: Work, halves: bool, pixel_filter: _core.Filter, tile_order: list[int]
-) -> list[_core.RenderRange]:
-    """What to render: once, or once for each half of the picture, with seeds of their own."""
-    return [
+def _sampling(
+    picture: Picture,
+    count: int,
+    tile_order: list[int],
+    keep_partial: bool,
+    preview: Callable[[Image], None] | None,
+) -> Sampling:
+    """Make what takes the samples of the picture, in one film or in two halves with seeds of their own."""
+    view, region, work = picture.view, picture.region, picture.work
+    pixels = [
         _core.RenderRange(
             crop=region,
             seed=seed_of_half(work.seed, half),
             threads=work.threads,
-            filter=pixel_filter,
+            filter=picture.filter,
             tile_order=tile_order,
         )
-        for half in range(1 + halves)
+        for half in range(count)
     ]
-
-
-def _sampling(
-    picture: Picture,
-    pixels: list[_core.RenderRange],
-    keep_partial: bool,
-    preview: Callable[[Image], None] | None,
-) -> Sampling:
-    """Make what takes the samples of the picture, in one film or in two halves."""
-    view, region, work = picture.view, picture.region, picture.work
     films = [_core.Film(*view.size) for _ in pixels]
     take = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels)
     film = films[0] if len(films) == 1 else Halves(films[0], films[1], region)

@@ -33,6 +33,7 @@ VALUES: dict[str, list[str]] = {
     "--crop": ["1,1,3,3"],
     "--replay": ["1,1,2"],
     "--replay-settings": ["none.exr"],
+    "--continue": ["none.exr"],
     "--set": ["rows=9"],
     "--method": ["radiance-cache"],
     "--cache": ["cache.npz"],

@@ -1,0 +1,168 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures that can be continued: their layers hold what was added up, and later samples are added to that.
+
+Sample n of a pixel is a function of the seed, the pixel and n. Hence 4 samples and then 12 give the bits of 16 at once, if the
+records are the same and if the first number is one at which a pass ends: a power of two with adaptive sampling, any number
+without. Other numbers give another picture, but always the same one.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import os
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from eclat import _core
+from eclat.bridge.compiled import fingerprint
+from eclat.errors import EclatError
+from eclat.images.image import Image
+from eclat.sampling.convergence import Sampling
+from eclat.sampling.halves import Halves
+from eclat.scene import Camera, Scene
+
+FORMAT = 1
+"""Version of the layers and metadata, which is incremented whenever they change."""
+
+KEY = "continuable"
+"""Name of the metadata that such a picture has."""
+
+FROM_PICTURE = ("size", "crop", "max_depth", "seed", "filter", "adaptive", "halves")
+"""The arguments of `render` that a continued picture determines."""
+
+Layers = dict[str, NDArray[np.float32]]
+
+
+@dataclass(frozen=True, eq=False)
+class Begun:
+    """A picture that is to be continued. `state` is what its metadata hold for that, `name` its name in messages."""
+
+    image: Image
+    state: dict[str, Any]
+    name: str
+
+    @staticmethod
+    def of(picture: Image | str | os.PathLike[str]) -> Begun:
+        """Take up an Image, or read one from an .exr file.
+
+        Raises EclatError if it cannot be read or continued, or if the layers for that are missing or damaged.
+        """
+        image, name = (
+            (picture, "continued") if isinstance(picture, Image) else (Image.load(picture), os.fspath(picture))
+        )
+        state = image.metadata.get(KEY)
+        if not isinstance(state, dict):
+            raise EclatError(
+                f"{name}: expected a picture that can be continued, got one without the samples of each pixel; render it with "
+                "--continuable to an .exr file, or with continuable=True"
+            )
+        if state.get("format") != FORMAT:
+            raise EclatError(f"{name}: expected a continuable picture of format {FORMAT}, got {state.get('format')!r}")
+        if _checksum(_state_of(image.layers)) != state.get("checksum"):
+            raise EclatError(
+                f"{name}: expected the layers that hold the samples as they were written, got damaged ones"
+            )
+        return Begun(image, state, name)
+
+    def settings(self, defaults: tuple[Any, ...], given: tuple[Any, ...]) -> tuple[Any, ...]:
+        """Return the arguments `FROM_PICTURE` as the picture has them. Raises EclatError if another value was given for one
+        of them."""
+        settings = []
+        for name, default, value in zip(FROM_PICTURE, defaults, given, strict=True):
+            own = self.state[name]
+            settings.append(tuple(own) if isinstance(own, list) else own)
+            if value not in (default, settings[-1]):
+                raise EclatError(
+                    f"{self.name}: {name} cannot change when a picture is continued, expected {settings[-1]}, got {value}"
+                )
+        return tuple(settings)
+
+    @property
+    def samples(self) -> int:
+        """Number of samples per pixel that the picture has."""
+        return int(self.image.metadata["statistics"]["samples"])
+
+    def require_match(self, scene: Scene, camera: Camera, method: str, samples: int | None) -> None:
+        """Raise EclatError if the picture shows another scene, from elsewhere or by another method, or has the samples."""
+        if self.state["scene"] != fingerprint(scene):
+            raise EclatError(f"{self.name}: shows another scene: geometry, materials or lights differ; render it anew")
+        if self.state["camera"] != fingerprint_of_camera(camera):
+            raise EclatError(f"{self.name}: was seen by another camera; expected the same position, direction and lens")
+        if self.image.metadata.get("method") != method:
+            raise EclatError(f"{self.name}: expected the method {self.image.metadata.get('method')}, got {method}")
+        if samples is not None and samples <= self.samples:
+            raise EclatError(f"samples: expected more than the {self.samples} that {self.name} has, got {samples}")
+
+    def restore(self, sampling: Sampling) -> None:
+        """Give what was added up to the empty films of `sampling`, and its state to itself."""
+        layers = self.image.layers
+        for number, film in enumerate(_films(sampling)):
+            parts = [layers[name] for name in sorted(layers) if name.startswith(f"sums_{number}_")]
+            film.restore(np.ascontiguousarray(np.concatenate(parts, axis=2)))
+        if sampling.adaptive is not None:
+            sampling.adaptive.restore(
+                layers["sample_counts"],
+                sampling.film.radiance,
+                layers.get("sample_variance"),
+                layers.get("sample_contrast"),
+            )
+        sampling.take_up(self.samples)
+
+    def add_bad_samples(self, image: Image) -> None:
+        """Count the samples that were not finite before, too; the first of them stays the first."""
+        before, after = (picture.metadata.get("bad_samples") for picture in (self.image, image))
+        if before:
+            more = after["count"] if after else 0
+            image.metadata["bad_samples"] = {"count": before["count"] + more, "first": before["first"]}
+
+
+def make_continuable(
+    image: Image, begun: Begun | None, sampling: Sampling, scene: Scene, camera: Camera, settings: tuple[Any, ...]
+) -> None:
+    """Add layers and metadata to a finished picture, so that it can be continued.
+
+    `begun` is the picture that was continued, if it was one, and `settings` are those of `FROM_PICTURE`.
+    """
+    if begun is not None:
+        begun.add_bad_samples(image)
+    layers: Layers = {}
+    for number, film in enumerate(_films(sampling)):
+        sums = np.asarray(film.sums(), np.float32)
+        for first in range(0, sums.shape[2], 3):
+            layers[f"sums_{number}_{first // 3:02}"] = sums[..., first : first + 3]
+    if sampling.adaptive is not None:
+        layers |= {f"sample_{name}": layer for name, layer in sampling.adaptive.state().items()}
+    image.layers.update({name: np.ascontiguousarray(layer, np.float32) for name, layer in layers.items()})
+    image.metadata[KEY] = {
+        "format": FORMAT, "scene": fingerprint(scene), "camera": fingerprint_of_camera(camera),
+        "checksum": _checksum(_state_of(image.layers)),
+        **{name: list(v) if isinstance(v, tuple) else v for name, v in zip(FROM_PICTURE, settings, strict=True)},
+    }  # fmt: skip
+
+
+def fingerprint_of_camera(camera: Camera) -> str:
+    """Compute a hash of all that determines what a camera sees; its name and preferred size do not."""
+    seen = {name: getattr(camera, name) for name in camera.__dataclass_fields__ if name not in ("name", "size")}
+    seen["to_world"] = np.asarray(camera.to_world, np.float64).tolist()
+    return hashlib.sha256(repr(sorted(seen.items())).encode()).hexdigest()[:32]
+
+
+def _films(sampling: Sampling) -> list[_core.Film]:
+    film = sampling.film
+    return [film.even, film.odd] if isinstance(film, Halves) else [film]
+
+
+def _state_of(layers: Layers) -> Layers:
+    return {name: layer for name, layer in layers.items() if name.startswith(("sums_", "sample_"))}
+
+
+def _checksum(layers: Layers) -> str:
+    digest = hashlib.sha256()
+    for name in sorted(layers):
+        digest.update(f"{name} {layers[name].shape}".encode())
+        digest.update(np.ascontiguousarray(layers[name]).tobytes())
+    return digest.hexdigest()[:32]
