@@ -1,12 +1,13 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Hits of gather rays that bring more light than one ray may bring are recorded in the cells of a grid. Later gathers aim at the
-// cells that brought most. Seen from a point, each is a cone around the bounding sphere of the cell; a cone is chosen with a
-// probability that is about proportional to the irradiance from it, and a direction in the cone uniformly.
+// Hits of gather rays whose radiance exceeds the limit for one ray are recorded in the cells of a grid. Later gathers
+// aim at the cells with the most light. Seen from a point, each cell is a cone around the bounding sphere of the cell;
+// a cone is chosen with a probability that is about proportional to the irradiance from it, and a direction in the cone
+// uniformly.
 //
 // Symbol     name here          meaning                                                         unit
-//   L        place.luminance    mean luminance beyond the limit of what ended there             W m⁻² sr⁻¹
+// L place.luminance mean luminance above the limit of the rays that hit it W m⁻² sr⁻¹
 //   sin² γ   sine2              of the angle γ that the sphere's radius spans                   1
 //   θ        –                  angle of the cone's uppermost part from the point's normal      rad
 //   c        chance             chance of the cone, L cos θ sin² γ over the sum of all cones'   1
@@ -28,16 +29,16 @@ namespace {
 
 constexpr size_t most_places = 64;
 constexpr float cell_share =
-    0.022f;  // of the distance; tuned with scenes where it was a fiftieth of half a room's diagonal
-constexpr float least_cell = 1e-12f;         // m: of smaller ones the numbers would leave 64 bits
-constexpr float half_diagonal = 0.8660254f;  // of a cell, in units of its side
+    0.022f;  // of the distance; tuned in scenes in which it was a fiftieth of half the room's diagonal
+constexpr float least_cell = 1e-12f;         // m; the coordinates of smaller cells would exceed 64 bits
+constexpr float half_diagonal = 0.8660254f;  // half the diagonal of a cell, in units of its side
 
 }  // namespace
 
 void BrightPlaces::add(std::span<const Sighting> sightings) {
     for (const Sighting& s : sightings) {
         const float share = cell_share * s.distance;
-        if (!(share >= least_cell)) continue;  // what touches the point fills its hemisphere
+        if (!(share >= least_cell)) continue;  // an object that touches the point fills its hemisphere
         Key key;
         key[0] = std::ilogb(share);
         for (int axis = 0; axis < 3; ++axis)
@@ -68,10 +69,10 @@ AimedCones BrightPlaces::seen_from(Vec3 p, Vec3 n) const {
     for (const Place& place : places_) {
         const Vec3 d = place.position - p;
         const float d2 = length_squared(d), sine2 = sqr(half_diagonal * place.cell) / d2;
-        // What is as near as that fills so much of the hemisphere that a gather meets it by itself.
+        // A place that is this close fills so much of the hemisphere that gathers hit it without aiming.
         if (!(sine2 < 0.25f)) continue;
         const Vec3 axis = d / std::sqrt(d2);
-        // The part of the sphere above the horizon, about.
+        // This is approximately the fraction of the sphere above the horizon.
         const float cosine = std::min(1.0f, dot(axis, n) + std::sqrt(sine2));
         if (cosine <= 0) continue;
         const float chance = place.luminance * cosine * sine2;
@@ -95,7 +96,7 @@ Vec3 AimedCones::sample(float u_cone, Vec2 u) const {
 float AimedCones::pdf_solid_angle(Vec3 w) const {
     float sum = 0;
     for (const Cone& cone : cones_)
-        // 1 − cos by the chord, which does not cancel for narrow cones.
+        // 1 − cos is computed from the chord, because the direct formula cancels for narrow cones.
         if (0.5f * length_squared(w - cone.axis) < cone.one_minus_cos)
             sum += cone.chance * uniform_cone_pdf_solid_angle(cone.one_minus_cos);
     return sum;

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Small bright objects, which earlier gathers hit by chance and at which later gathers aim.
+// Bright places are small bright objects that earlier gathers hit by chance. Later gathers aim rays at them.
 
 #pragma once
 
@@ -15,27 +15,28 @@
 
 namespace eclat {
 
-/// Where a gather's ray met radiance beyond what one ray may bring.
+/// A hit of a gather ray whose radiance exceeds the limit for a single ray.
 struct Sighting {
     Vec3 position;
-    float luminance;  // of that part
-    float distance;   // from which it was met, m
+    float luminance;  // luminance of the part above the limit
+    float distance;   // length of the ray, m
 };
 
-/// The bright places as seen from one point: cones, each with its chance. Empty where none is above the horizon.
+/// The bright places as cones seen from one point, each with its probability. There are none if no bright place is
+/// above the horizon of the point.
 class AimedCones {
   public:
     struct Cone {
         Vec3 axis;
         float one_minus_cos;
         float chance;
-        float before;  // summed chances of all cones up to and with this one
+        float before;  // sum of the probabilities up to and including this cone
     };
 
     bool empty() const { return cones_.empty(); }
-    /// A direction for random numbers in [0, 1).
+    /// Returns a direction for random numbers in [0, 1).
     Vec3 sample(float u_cone, Vec2 u) const;
-    /// Density of `sample`; cones may overlap.
+    /// Returns the density with which `sample` takes the direction, summed over all cones that contain it.
     float pdf_solid_angle(Vec3 w) const;
 
   private:
@@ -45,12 +46,14 @@ class AimedCones {
 
 class BrightPlaces {
   public:
-    /// Sightings in one cell of a grid become one place. Cells are as wide as a fiftieth of the distance from which they were
-    /// met, down to the next power of two, so that each part of a scene has its own, however far away another lies.
+    /// Adds sightings; all that lie in the same cell of a grid become one place. The width of a cell is a fiftieth of
+    /// the distance from which it was seen, rounded down to a power of two, so it does not depend on distant parts of
+    /// the scene.
     void add(std::span<const Sighting> sightings);
     bool empty() const { return places_.empty(); }
     size_t size() const { return places_.size(); }
-    /// Chances in proportion to the irradiance at a point with normal `n` from a sphere around each place.
+    /// Returns cones around all places. The probability of a cone is proportional to the irradiance that a sphere
+    /// around its place causes at the point `p` with the normal `n`.
     AimedCones seen_from(Vec3 p, Vec3 n) const;
 
   private:
@@ -62,12 +65,12 @@ class BrightPlaces {
     struct Place {
         Vec3 position;
         float luminance;
-        float cell;  // its width, m
+        float cell;  // width of the cell, m
     };
-    /// The exponent of a cell's width, and where it lies in the grid of such cells.
+    /// The exponent of a cell's width, and the cell's integer coordinates in the grid of that width.
     using Key = std::array<int64_t, 4>;
-    std::map<Key, Cell> cells_;  // ordered, so that sums and ties are
-    std::vector<Place> places_;  // the brightest of them
+    std::map<Key, Cell> cells_;  // ordered, so that sums and ties do not depend on chance
+    std::vector<Place> places_;  // places of the brightest cells
 };
 
 }  // namespace eclat

@@ -11,9 +11,10 @@ namespace eclat {
 
 namespace {
 
-/// Where a place in the picture, behind so many mirrors, is weighed: a square of sixteen pixels. In space, the cells of a grid
-/// would not be the same in a scene that was scaled or turned. 0 for the places of coarser passes, which say nothing of single
-/// pixels, and for those between pixels, where records were asked for that are smaller.
+/// Returns the region of a position in the picture after a number of mirrors: a square of sixteen pixels. Regions are
+/// squares of the picture, because the cells of a grid in space would change if the scene were scaled or rotated. The
+/// region is 0 for positions of coarser passes, which say nothing about single pixels, and for positions between
+/// pixels, which exist only if records smaller than a pixel were requested.
 uint32_t region_of(Vec2 at, int edge) {
     constexpr uint32_t side = 16, most_columns = 1 << 14;
     const uint32_t x = static_cast<uint32_t>(at.x), y = static_cast<uint32_t>(at.y);
@@ -22,7 +23,7 @@ uint32_t region_of(Vec2 at, int edge) {
     return 1 + static_cast<uint32_t>(edge) + 4 * (x / side + most_columns * (y / side));
 }
 
-/// The key of the random numbers for a place in the picture; pixel centres have the key of their pixel.
+/// Returns the key of the random numbers for a position in the picture. The centre of a pixel has the key of the pixel.
 uint32_t key_of(Vec2 at, int edge) {
     const auto part = [](float x) { return static_cast<uint32_t>(8 * (x - std::floor(x))) ^ 4u; };
     const uint32_t parts = part(at.x) | part(at.y) << 3;

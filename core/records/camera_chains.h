@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The surfaces that pixels see, directly and after mirrors and glossy lobes: one chain of vertices from each pixel.
+// Chains of vertices, one from each pixel, along which the camera sees surfaces directly and by way of mirrors and
+// glossy lobes.
 
 #pragma once
 
@@ -15,29 +16,31 @@
 
 namespace eclat {
 
-/// What the camera sees at the place `at` of the picture (pixels), `edge` mirrors on, at the end of a path of that `length`.
+/// Makes the candidate for a point that the camera sees at the position `at` of the picture, in pixels, after `edge`
+/// mirrors, at the end of a path of the given `length`.
 Candidate seen_candidate(const SurfacePoint& point, const Camera& camera, float length, Vec2 at, int edge);
 
-/// A vertex of a chain; `point` may be changed by who looks at it.
+/// A vertex of a chain. The visitor may change `point`.
 struct SeenVertex {
     SurfacePoint& point;
     Vec3 wo;  // in the point's frame
     const Camera& camera;
-    float length;  // of the chain up to here
+    float length;  // length of the chain up to this vertex, m
     Vec2 at;
     int edge;
 
     Candidate candidate() const { return seen_candidate(point, camera, length, at, edge); }
 };
 
-/// The chain of a pixel.
+/// The chain of vertices of one pixel.
 struct Chain {
     uint32_t pixel;
     float length;
 };
 
-/// `visit(vertex, found)` for each vertex of the chains from `pixels` (x, y), in parallel, always in the same order for the
-/// same `found`; it may add to that and says by which lobes the chain goes on. Returns all that was found.
+/// Calls `visit(vertex, found)` for each vertex of the chains from `pixels` (x, y), in parallel, but in a fixed order
+/// for each `found`. The call may append to `found` and returns the lobes by which the chain continues. Returns
+/// everything that was found.
 template <class Found, class Visit>
 std::vector<Found> follow_chains(const World& world, const Camera& camera, std::span<const Vec2> pixels, Stream stream,
                                  const IrradianceCacheOptions& options, Progress& progress, const Visit& visit) {

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A candidate: a point at which a record may be needed.
+// Candidates for records.
 
 #pragma once
 
@@ -13,16 +13,16 @@
 
 namespace eclat {
 
-/// Where a record could be wanted.
+/// A point at which a record may be needed.
 struct Candidate {
     Vec3 position;
-    Vec3 normal;  // geometric, on the side that is shaded
+    Vec3 normal;  // geometric normal on the side that is shaded
     Vec3 shading_normal;
-    float offset = 0;     // how far rays must start from the surface
-    float footprint = 0;  // width of a pixel there; 0 without a camera, where the gather finds what stands for it
-    uint32_t key = 0;     // of its random numbers: what was traced to find it, never coordinates
-    bool seen = false;    // by a camera, or in its mirrors
-    uint32_t region = 0;  // of the picture, in which records are weighed against pixels; 0: none
+    float offset = 0;     // distance from the surface at which rays must start, m
+    float footprint = 0;  // width of a pixel there, m; 0 without a camera: the gather sets it
+    uint32_t key = 0;     // key of the random numbers; depends on how it was found, not on coordinates
+    bool seen = false;    // whether a camera sees it, perhaps in mirrors
+    uint32_t region = 0;  // region of the picture (`DirectRegions`), or 0 for none
 
     Candidate() = default;
     Candidate(const SurfacePoint& point, float footprint, uint32_t key)
@@ -33,7 +33,7 @@ struct Candidate {
           footprint(footprint),
           key(key) {}
 
-    /// The other side of the same sheet.
+    /// Returns the candidate on the other side of the surface.
     Candidate other_side() const {
         Candidate out = *this;
         out.normal = -normal;
@@ -42,12 +42,13 @@ struct Candidate {
         return out;
     }
 
-    /// A ray that leaves into the hemisphere around `normal`.
+    /// Returns a ray from the candidate into the hemisphere around `normal`.
     Ray ray(Vec3 direction) const { return {position + normal * offset, 0, direction}; }
 };
 
-/// Appends to `out` the sides of `point` whose irradiance its lobes scatter towards `wo` (in its frame): that of `seen`, the
-/// candidate on the side of wo, the other, both or none.
+/// Appends to `out` a candidate for each side of `point` whose irradiance the lobes scatter towards `wo`, which is in
+/// the frame of the point. `seen` is the candidate on the side of `wo`. None, either or both of the sides may be
+/// appended.
 inline void add_sides(const SurfacePoint& point, Vec3 wo, const Candidate& seen, std::vector<Candidate>& out) {
     if (!is_black(point.bsdf.diffuse_albedo(wo))) out.push_back(seen);
     if (!is_black(point.bsdf.translucent_albedo(wo))) out.push_back(seen.other_side());

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Regions in which caching is not worthwhile: among leaves, grass and other fine detail, a record serves hardly more than its
-// own pixel, and its many rays are better spent on the pixels themselves.
+// Regions in which caching is not worthwhile. On leaves, grass and other fine detail, a record serves hardly more than
+// its own pixel, so tracing paths for the pixels takes fewer rays.
 
 #pragma once
 
@@ -15,16 +15,18 @@
 
 namespace eclat {
 
-/// Counts, in squares of sixteen pixels, how many pixels of the last passes found no record that serves them.
+/// Counts, for each square of sixteen pixels, how many pixels of the last passes were served by no record.
 class DirectRegions {
   public:
-    /// Counts a pass and returns which of the unserved candidates get records: all but those in squares where at least
-    /// `least_tried` candidates, this pass included, had less than two to each record.
+    /// Counts a pass and returns the unserved candidates that get records. These are all except those in squares in
+    /// which at least `least_tried` candidates were tried, including this pass, and in which a record served fewer than
+    /// two candidates on average.
     std::vector<Candidate> worth_records(std::span<const Candidate> tried, std::span<const Candidate> unserved);
-    /// The same in two steps, a candidate at a time: all of a pass are counted before any is asked for.
+    /// These do the same in two steps for single candidates. All candidates of a pass must be counted before the first
+    /// query.
     void count(const Candidate& candidate, bool served);
     bool pays(const Candidate& unserved);
-    /// Candidates that were left to paths.
+    /// Returns the number of candidates that get no record, so that paths are traced for them.
     size_t left_to_paths() const { return left_; }
 
     static constexpr uint32_t least_tried = 32;
@@ -34,7 +36,7 @@ class DirectRegions {
         uint32_t tried = 0, unserved = 0;
     };
 
-    std::unordered_map<uint32_t, Counts> counts_;  // of each region
+    std::unordered_map<uint32_t, Counts> counts_;  // counts of each region
     size_t left_ = 0;
 };
 

@@ -9,10 +9,8 @@
 //   κ        relaxation    how much farther than its radius a record is read                         1
 //   t        distance      length of the gather ray                                                  m
 //   R        radius        mean radius of the records that serve the point; read only where t ≥ R    m
-//
-// References   [Christensen99] gather rays that end in irradiance found beforehand
-// Bias         Light that varies within R is blurred in what gather rays see.
-// Held to      tests/core/methods/radiance_cache/test_far_end.cpp
+// References [Christensen99] gather rays that end in precomputed irradiance Bias Light that varies within R is blurred
+// in what gather rays see. Held to tests/core/methods/radiance_cache/test_far_end.cpp
 
 #include "records/far_end.h"
 
@@ -20,7 +18,8 @@ namespace eclat {
 
 CacheOptions far_reading(const CacheOptions& near) {
     CacheOptions far = near;
-    far.relaxation = 1.4f;  // by judgement: wider blurs light from behind gaps, narrower leaves more rays to go on
+    far.relaxation =
+        1.4f;  // chosen by judgement: a wider reach blurs light behind gaps, a narrower one continues more rays
     far.rotation_gradient = false;
     return far;
 }

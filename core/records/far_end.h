@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// The light that gather rays read at their ends, instead of going on.
+// The light that gather rays read where they hit a surface, instead of continuing.
 
 #pragma once
 
@@ -10,24 +10,24 @@
 
 namespace eclat {
 
-/// What gather rays read where they end, instead of going on.
+/// The source of the light that gather rays read where they end.
 struct FarEnd {
     CachedIrradiance irradiance;
     CachedReflection reflection;
 };
 
-/// How gather rays read far records where they end; nothing closer than a record's own radius, where its neighbours' error
-/// would be seen from corners.
+/// Makes the reader by which gather rays read far records where they end. It returns nothing for rays that are shorter
+/// than the radius of the records, because the error of the records would be visible in corners.
 CachedIrradiance read_far(const RecordCache& far);
-/// How paths read radiance records.
+/// Makes the reader by which paths read records of radiance.
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
                                Reading reading = Reading::smooth);
-/// Photons or far records, and with `tables` radiance records, as the caches stand; nothing where paths have a greatest
-/// length, since records know of none.
+/// Makes the far end from the current state of the caches: photons or far records and, with `tables`, records of
+/// radiance. It is empty if the number of edges of paths is limited, because records contain light of all path lengths.
 FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
                Progress& progress, const RadianceTables* tables = nullptr);
 
-/// The same from photons. Borrows all.
+/// Makes the far end from photons. All arguments must outlive it.
 CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progress& progress);
 
 }  // namespace eclat

@@ -3,24 +3,25 @@
 
 // One gather makes one record. Rays leave the point through the cells of a stratified grid over its hemisphere
 // (hemisphere/hemisphere.cpp). Their hits give irradiance, its gradients, its second derivatives and the distances of obstacles.
-// If one cell alone brings more than a twentieth of the irradiance, few rays cannot determine the size of the bright object. The
-// excess over this share is removed from the grid and estimated separately, with further rays aimed at positions that earlier
-// gathers found bright. Neighbouring records share it when they are read (records/record_cache.cpp).
+// If a single cell contributes more than a twentieth of the irradiance, a few rays cannot determine the size of the
+// bright object. The excess over this share is therefore removed from the grid and estimated separately, by additional
+// rays that are aimed at places that earlier gathers found to be bright. Neighbouring records share it when they are
+// read (records/record_cache.cpp).
 //
 // Symbol     name here          meaning                                                     unit
 //   M, N     rows, columns      rows and columns of the grid, N = π M                       1
 //   L_jk     samples.radiance   radiance in cell (j, k)                                     W m⁻² sr⁻¹
-//   E        record.irradiance  irradiance without what was taken out                       W m⁻²
-//   X        record.excess      irradiance that was taken out                               W m⁻²
-//   n, m     count, aimed       rays of the grid, n = M N, and rays that are aimed          1
+// E record.irradiance irradiance without the excess W m⁻²
+// X record.excess irradiance that was removed W m⁻²
+// n, m count, aimed numbers of rays of the grid, n = M N, and aimed 1
 //   q        cones              density of the directions of the aimed rays                 sr⁻¹
-//   L⁺       beyond()           radiance less the limit above which a cell is in excess     W m⁻² sr⁻¹
+// L⁺ beyond() part of the radiance above the limit for one cell W m⁻² sr⁻¹
 //
 // The rays of both kinds together estimate X = Σ L⁺(ω) cos θ / (n cos θ / π + m q(ω)): the balance heuristic [Veach97 §9].
 //
 // References   [Ward88] the grid, [WardHeckbert92] gradients, [Schwarzhaupt12] curvature, [Veach97]
-// Departures   The excess has its own rays, and is read as a mean over neighbouring records.
-// Held to      tests/core/records/test_record_passes.cpp, tests/core/records/test_bright_places.cpp
+// Departures The excess is estimated by rays of its own and read as a mean over neighbouring records. Held to
+// tests/core/records/test_record_passes.cpp, tests/core/records/test_bright_places.cpp
 
 #include "records/gather.h"
 
@@ -33,7 +34,8 @@ namespace eclat {
 
 namespace {
 
-// Records keep the noise that a gather of the default `rows` would have, so that it compares whatever `rows` is.
+// Records store the noise that a gather with the default `rows` would have, so that values are comparable for all
+// `rows`.
 constexpr float usual_rows = 14;
 
 PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& options) {
@@ -47,13 +49,13 @@ PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& option
     return paths;
 }
 
-/// What the rays of a hemisphere found.
+/// The results of the rays of one hemisphere.
 struct Sampled {
     HemisphereSamples samples;  // radiance and distance in each cell
-    bool enclosed = false;      // most rays met the back of surfaces that have none
+    bool enclosed = false;      // whether most rays hit backs of one-sided surfaces
 };
 
-/// How many of a gather's rays end, or would if backs were not culled, at the back of surfaces that have none.
+/// Returns how many rays of a gather hit the back of a one-sided surface, or would hit it if backs were not culled.
 size_t count_backs(const World& world, std::span<const PathRay> rays, std::span<const PathResult> results,
                    Progress& progress) {
     if (!world.geometry.rays().culls_backs())
@@ -78,7 +80,7 @@ Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, in
     samples.kind = kind;
     samples.columns = columns_for(rows);
     const size_t count = size_t(samples.rows) * samples.columns;
-    // A random turn of the grid, or neighbouring records would share the pattern of their error.
+    // The grid is rotated by a random angle, because neighbouring records would otherwise have similar errors.
     const uint32_t key = hash(candidate.key, static_cast<uint32_t>(stream));
     const float turn = 2 * pi * to_unit_float(hash(key, options.seed));
     const Frame around = Frame::around(candidate.normal);
@@ -107,20 +109,22 @@ Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, in
     return out;
 }
 
-/// Irradiance from radiance beyond `limit`, and its standard error in luminance.
+/// Estimates the irradiance from the radiance above `limit`, and the standard error of its luminance.
 struct Excess {
     Color irradiance;
     float noise = 0;
 };
 
-// By two techniques: the cells of the grid, and rays aimed at bright places, weighted by the balance heuristic [Veach97].
-// Earlier gathers found those places; had this one's own rays chosen where to look closer, what they missed would be lost.
+// Two techniques are combined by the balance heuristic [Veach97]: the cells of the grid, and rays aimed at bright
+// places. Only earlier gathers choose these places. If the rays of this gather chose them, the light of places that
+// they missed would be lost, and the estimate would be biased.
 Excess gather_excess(const GatherTask& task, const Candidate& candidate, const HemisphereSamples& samples,
                      std::vector<Sighting>& sightings) {
     const auto& [world, far, bright, options, stream, progress] = task;
     const float limit = excess_limit(samples);
-    // One ray is aimed for so many of the grid. Measured with this share alone: in bright-spot splotches fall from 3.0 to 1.8 %
-    // and errors from 6.8 to 4.0 % for 23 % more rays than without. A larger share costs rays in every gather.
+    // One ray is aimed for this many rays of the grid. In the scene bright-spot, this reduces splotches from 3.0 to 1.8
+    // % and errors from 6.8 to 4.0 %, with 23 % more rays than without aimed rays. A larger share would take more rays
+    // in every gather.
     constexpr size_t aimed_share = 4;
     const AimedCones cones = bright.seen_from(candidate.position, candidate.normal);
     const size_t count = samples.radiance.size(), aimed = cones.empty() ? 0 : count / aimed_share;
@@ -135,7 +139,7 @@ Excess gather_excess(const GatherTask& task, const Candidate& candidate, const H
     std::vector<PathResult> results(rays.size());
     if (!rays.empty()) trace_paths(world, rays, gather_paths(far, options), results, progress);
     Excess out;
-    float squares = 0;  // how many rays meet what is so small is about Poisson distributed
+    float squares = 0;  // the number of rays that hit so small an object has about a Poisson distribution
     const auto add = [&](Vec3 w, float distance, Color radiance) {
         const Color L = beyond(radiance, limit);
         if (is_black(L)) return;
@@ -154,28 +158,30 @@ Excess gather_excess(const GatherTask& task, const Candidate& candidate, const H
     return out;
 }
 
-// How E bends at the record, and along which axis less.
+// These are the second derivatives of E at the record, and the axis along which they are smaller.
 void bend(const HemisphereSamples& samples, Curvature curvature, float far, IrradianceRecord& record) {
     const auto bends = principal_curvatures(irradiance_hessian(samples, curvature, far));
     record.curvature = bends.larger;
     record.elongation = elongation(bends);
-    // The long axis lies across that of the larger curvature.
+    // The long axis is perpendicular to the axis of the larger curvature.
     const Vec3 axis = samples.frame.v * std::cos(bends.angle) - samples.frame.u * std::sin(bends.angle);
     const Frame frame = Frame::around(record.normal);
     record.axis = std::atan2(dot(axis, frame.v), dot(axis, frame.u));
 }
 
-/// The distance that bounds a record's radius before curvature and gradient do.
+/// Returns the distance that bounds a record's radius whatever its curvature and gradient are.
 float bounding_distance(const HemisphereSamples& samples, const IrradianceCacheOptions& options) {
     if (options.metric == Metric::harmonic) return harmonic_mean_distance(samples);
     if (curvature_of(options.metric) && !options.obstacle_limit) return infinity;
     return minimum_distance(samples);
 }
 
-/// Relative noise of what is read at a record: of its own irradiance, and of an excess that its surroundings share.
+/// Computes the relative noise of the irradiance that is read at a record: that of its own irradiance, and that of the
+/// excess, which is averaged over neighbouring records.
 float noise_when_read(const HemisphereSamples& samples, float excess_noise, float excess) {
-    // How many records share an excess, by judgement: the widest surroundings (share_excess) reach four radii, and about so
-    // many of the records there count fully. More would understate the noise, fewer would cost rays where none are needed.
+    // This is the number of records that share an excess, chosen by judgement: the widest neighbourhood (share_excess)
+    // extends to four radii and contains about this many records with full weight. A larger number would underestimate
+    // the noise, and a smaller one would cause needless rays.
     constexpr float sharing = 8;
     const float E = luminance(irradiance(samples));
     if (!(E > 0)) return 0;
@@ -191,7 +197,7 @@ Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Ro
     Gathered out;
     IrradianceRecord& record = out.record;
     auto [samples, enclosed] = sample_hemisphere(task, candidate, rows, kind);
-    // What a camera sees is in no solid, though a one-sided panel that hangs close to a ceiling fills its hemisphere.
+    // A point that a camera sees is not inside a solid, even if a one-sided panel close to it fills its hemisphere.
     record.enclosed = enclosed && !candidate.seen;
     Excess excess;
     if (kind == Rows::cosine) excess = gather_excess(task, candidate, samples, out.sightings);
@@ -199,7 +205,8 @@ Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Ro
     if (kind != Rows::cosine) excess.irradiance = met;
     record.excess = excess.irradiance;
     record.excess_noise = excess.noise;
-    // Stratified samples in the plane converge with the power 3/4 of their number, which goes with the square of rows.
+    // The error of stratified samples in the plane is proportional to the power −3/4 of their number, which is
+    // proportional to the square of the number of rows.
     record.own_noise = noise_when_read(samples, excess.noise, luminance(record.excess));
     record.noise = record.own_noise * std::pow(static_cast<float>(rows) / usual_rows, 1.5f);
     record.position = candidate.position;
@@ -211,12 +218,14 @@ Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Ro
     out.footprint = candidate.footprint > 0 ? candidate.footprint : pixel_share * out.reach;
     record.least_radius = options.least_pixels * out.footprint;
     record.largest_radius = options.largest_pixels * out.footprint;
-    // What touches the point, like the surface itself by rounding, would move infinitely fast.
+    // For surfaces that touch the point, such as the surface itself because of rounding, the gradients would be
+    // infinite.
     keep_off(samples, std::max(record.least_radius, 10 * candidate.offset));
     if (keep) keep(samples);
     record.rotation = rotation_gradient(samples);
     record.translation = translation_gradient(samples);
-    // Twenty times as far as all that is met, nothing has parallax; where nothing is met, nothing bends.
+    // At twenty times the largest hit distance, the parallax is negligible. If no ray hits a surface, there are no
+    // second derivatives.
     const float farthest = farthest_distance(samples);
     if (const auto curvature = curvature_of(options.metric); curvature && farthest > 0)
         bend(samples, *curvature, 20 * farthest, record);

@@ -14,28 +14,30 @@
 namespace eclat {
 
 struct Gathered {
-    IrradianceRecord record;          // the length and the radius not yet set: that is for `space`
-    float obstacle = infinity;        // distance that bounds the record's radius before curvature and gradient do, m
-    std::vector<Sighting> sightings;  // of what was too bright for single rays
-    float reach = 0;                  // how far the point sees, m; infinite where it meets nothing
-    float footprint = 0;              // width of a pixel there, m; without a camera `pixel_share` of the reach
+    IrradianceRecord record;          // without its length and radius, which `space` sets
+    float obstacle = infinity;        // distance of obstacles, which bounds the record's radius, m
+    std::vector<Sighting> sightings;  // hits that were too bright for single rays
+    float reach = 0;                  // distance that the point sees, m; infinite if no ray hits a surface
+    float footprint = 0;              // width of a pixel there, m; without a camera, `pixel_share` times the reach
 };
 
-/// Without a camera a point is seen from what it sees. Of that distance this share stands for the width of a pixel: in a room
-/// about a thousandth of its diagonal, as if it filled a picture of that width.
+/// Without a camera, a point is assumed to be viewed from the distance that it sees, and this fraction of that distance
+/// replaces the width of a pixel. In a room the width is then about a thousandth of the diagonal, as in a picture a
+/// thousand pixels wide that the room fills.
 constexpr float pixel_share = 0.0016f;
 
-/// What all gathers of a pass share.
+/// The data that all gathers of a pass share.
 struct GatherTask {
     const World& world;
-    const FarEnd& far;           // where rays end
-    const BrightPlaces& bright;  // at which some rays are aimed, with cosine rows
+    const FarEnd& far;           // the light that rays read where they end
+    const BrightPlaces& bright;  // places at which some rays are aimed if rows are uniform in sin²θ
     const IrradianceCacheOptions& options;
     Stream stream;
     Progress& progress;
 };
 
-/// One gather of `rows` rows at `candidate`. `keep` is handed the samples, without excess and too small distances.
+/// Performs one gather of `rows` rows at `candidate`. `keep` is called with the samples, from which the excess and
+/// distances that are too small have been removed.
 Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Rows kind = Rows::cosine,
                 const std::function<void(const HemisphereSamples&)>& keep = {});
 

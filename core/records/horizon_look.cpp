@@ -24,15 +24,15 @@ class HorizonLook {
     HorizonLook(const World& world, const Candidate& candidate, Progress& progress)
         : world_(world), candidate_(candidate), frame_(Frame::around(candidate.normal)), progress_(progress) {}
 
-    /// Lowers the record's clearances; returns the least distance to what stands apart.
+    /// Lowers the record's clearances; returns the least distance to an object that is separate from the surface.
     float look(IrradianceRecord& record) const {
         float nearest = infinity;
         std::vector<Look> looks;
         for (float elevation : {lowest, highest})
             for (int turn = 0; turn < turns; ++turn) looks.push_back({elevation, turn});
         const auto found = trace(looks);
-        // What faces the surface, as the back of a panel does, begins nearer than where a low ray meets it: between the
-        // highest ray that meets it and the lowest that passes below.
+        // An object that faces the surface, such as a panel below a ceiling, begins closer than the point at which a
+        // low ray hits it. Its edge is between the highest ray that hits it and the lowest ray that passes it.
         std::vector<Edge> edges;
         for (int turn = 0; turn < turns; ++turn) {
             const Met &low = found[size_t(turn)], &high = found[size_t(turn + turns)];
@@ -54,18 +54,21 @@ class HorizonLook {
     }
 
   private:
-    // The last of the 14 rows of a usual gather lies below 15.5° (sin² = 1/14) and has 44 rays, uniform in sin². What stands
-    // up to 5° all around is met by five of them (sin² 5° · 14 = 0.11), up to 1.5° by less than one in two gathers (0.01):
-    // so the looks go where gathers do not. 1.5° and not less is judgement: lower rays meet more of the unevenness of the
-    // surface itself. Panels that hang under ceilings are held to in tests/core/records/test_record_passes.cpp.
+    // The lowest of the 14 rows of a usual gather is below 15.5° (sin² = 1/14) and has 44 rays, which are uniform in
+    // sin². An object that rises to 5° on all sides is hit by five of them (sin² 5° · 14 = 0.11), and one that rises to
+    // 1.5° by less than one ray in two gathers (0.01). The rays along the horizon therefore search where gathers do
+    // not. The elevation of 1.5° was chosen by judgement, because lower rays hit more of the unevenness of the surface
+    // itself. The test for panels below ceilings is in tests/core/records/test_record_passes.cpp.
     static constexpr float degree = pi / 180;
     static constexpr float lowest = 1.5f * degree, highest = 5 * degree;
-    static constexpr float above_highest = 45 * degree;  // where an edge is looked for at most
-    static constexpr int turns = 24;                     // two to each sector of clearance
-    // In tan of the elevation, which goes with one over the distance, 5° … 45° are a factor of 11: halved four times in
-    // logarithms, 11^{1/16} = 1.16 is left, so that an edge is known within a sixth of its distance.
+    static constexpr float above_highest = 45 * degree;  // greatest elevation at which an edge is searched
+    static constexpr int turns = 24;                     // number of azimuths, two for each sector of clearance
+    // The tangent of the elevation is inversely proportional to the distance, and from 5° to 45° it increases by a
+    // factor of 11. Four bisections of its logarithm leave a factor of 11^{1/16} = 1.16, so the distance of an edge is
+    // known within a sixth.
     static constexpr int halvings = 4;
-    // Cosine between the surface and what faces it: tilted by at most 45° (0.7 ≈ 1 / √2), so that walls do not count.
+    // This is the least cosine of the angle between the surface and an object that faces it, which is tilted by at most
+    // 45° (0.7 ≈ 1 / √2), so that walls do not count.
     static constexpr float facing = -0.7f;
 
     struct Look {
@@ -73,12 +76,12 @@ class HorizonLook {
         int turn;
     };
     struct Met {
-        float distance = infinity;  // to what stands apart
-        bool faces = false;         // the surface
+        float distance = infinity;  // distance to an object separate from the surface
+        bool faces = false;         // whether the object faces the surface
     };
     struct Edge {
         int turn;
-        float met, passed;  // elevations
+        float met, passed;  // elevations of a ray that hits the object and of one that passes it
     };
 
     Vec3 direction(const Look& look) const {
@@ -103,11 +106,12 @@ class HorizonLook {
         return out;
     }
 
-    /// Lowers clearances by what was met; returns the least distance.
+    /// Lowers the clearances to the distances of the hits; returns the least distance.
     float tell(std::span<const Look> looks, std::span<const Met> found, IrradianceRecord& record) const {
         float nearest = infinity;
         for (size_t i = 0; i < looks.size(); ++i) {
-            // A wall goes on between two rays, and is nearest at one side of a sector: its neighbours' sectors hear too.
+            // A wall continues between two rays and may be nearest at the border of a sector, so the adjacent sectors
+            // are lowered too.
             for (int heard : {looks[i].turn, looks[i].turn + 1, looks[i].turn - 1}) {
                 float& clearance = record.clearance[clearance_sector(frame_, direction({looks[i].elevation, heard}))];
                 clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation));

@@ -12,8 +12,9 @@
 
 namespace eclat {
 
-/// Looks along the horizon of `candidate` and lowers the clearances of its record; returns the least distance to what stands
-/// apart from its surface, infinity where nothing does. Counts rays in `progress`.
+/// Traces rays along the horizon of `candidate` and lowers the clearances of its record. Returns the least distance to
+/// an object that is separate from the candidate's surface, or infinity if there is none. Counts the rays in
+/// `progress`.
 float look_along_horizon(const World& world, const Candidate& candidate, Progress& progress, IrradianceRecord& record);
 
 }  // namespace eclat

@@ -3,8 +3,8 @@
 """Tables of the harmonic coefficients of BRDF lobes: for each view direction, f · cosθ_i as a function of the incident
 direction. Tables are kept on disk.
 
-If the incident light is given by coefficients too, the reflected radiance is the dot product of the two.
-docs/algorithms/radiance_cache.md describes the accuracy of the tables.
+If the incident light is also given by coefficients, the reflected radiance is the dot product of the two vectors of
+coefficients. docs/algorithms/radiance_cache.md describes the accuracy of the tables.
 """
 
 from __future__ import annotations
@@ -123,8 +123,8 @@ def brdf_table(
     exponent : exponent of Phong's lobe, at least 0.
     masking : for "ggx": "correlated" if shadowing and masking are correlated by height, as in "metallic-roughness";
         otherwise "separable".
-    basis : "hemispherical", or "spherical" for least-squares fits. With fits, the light is given by inner products over
-        the hemisphere (`harmonics.project`).
+    basis : "hemispherical", or "spherical" for coefficients of least-squares fits. With fits, the light is given by its
+        inner products over the hemisphere (`harmonics.project`).
     order : largest order, 1 to 12.
     max_error : largest relative L2 error, in (0, 1], with which a direction is represented. It determines the order of
         each direction.
@@ -219,7 +219,7 @@ def _lobes(kind: Kind, alpha: float | tuple[float, float] | None, exponent: floa
 
 @cache
 def _core_digest() -> str:
-    """Compute a digest of the compiled core, so that tables of another version are not used."""
+    """Compute a digest of the compiled core, so that tables computed by another version are not used."""
     return hashlib.sha256(Path(str(_core.__file__)).read_bytes()).hexdigest()
 
 
@@ -228,7 +228,7 @@ def _key(*parameters: object) -> str:
 
 
 def _file(key: str) -> Path | None:
-    """Return the file of a table, or warn and return None if there is no cache folder."""
+    """Return the path of the file for a table, or warn and return None if there is no cache folder."""
     try:
         return cache_folder() / f"brdf-{key}.npz"
     except EclatError as error:

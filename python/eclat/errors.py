@@ -13,8 +13,9 @@ from contextvars import ContextVar
 
 
 class EclatError(ValueError):
-    """A mistake of the user, such as a bad file or option. The message states what was expected and what was got; the
-    command line exits with code 2."""
+    """The exception for a mistake of the user, such as a bad file or option. The message states what was expected and
+    what was found; the command line exits with code 2.
+    """
 
 
 class EclatWarning(UserWarning):
@@ -32,7 +33,7 @@ direction of text, and surrogates, which represent undecodable bytes."""
 
 
 def warn(message: str) -> None:
-    """Issue an `EclatWarning`, located at the caller of the function that calls `warn`."""
+    """Issue an `EclatWarning` whose location is the caller of the function that calls `warn`."""
     for heard in _heard.get():
         heard.append(message)
     warnings.warn(message, EclatWarning, stacklevel=3)
@@ -58,7 +59,7 @@ def printable(text: str, *, lines: bool = False) -> str:
 
 
 def shown(value: object) -> str:
-    """`repr(value)` for a message: on one line, whatever the value is, and at most 80 characters."""
+    """Return `repr(value)` for use in a message, on one line and shortened to 80 characters."""
     text = " ".join(repr(value).split())
     return text if len(text) <= 80 else text[:77] + "..."
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Functions of direction as coefficients of real spherical or hemispherical harmonics, in double precision.
+"""Functions of direction, represented by coefficients of real spherical or hemispherical harmonics in double precision.
 
 `basis` is "spherical" (orthonormal on the sphere) or "hemispherical" (orthonormal on the hemisphere z ≥ 0 and 0 below
 it; Gautron et al. 2004). Order n means n bands and n² coefficients. The coefficient of (l, m) has the index l² + l + m;
@@ -49,10 +49,10 @@ def quadrature(count: int, domain: Domain = "hemisphere") -> tuple[Doubles, Doub
     """Make N = 2 count² directions (N, 3) and weights (N,) in sr for integrals over the sphere or over the hemisphere z
     ≥ 0.
 
-    There are 2 `count` azimuths and `count` polar angles. These are Gauss–Legendre nodes of cosθ on the sphere, and of
-    √cosθ on the hemisphere, as functions of which grazing lobes and hemispherical harmonics are smooth. On the sphere,
-    harmonics up to order `count` are orthonormal up to rounding errors; on the hemisphere, `count` must be twice the
-    order.
+    There are 2 `count` azimuths and `count` polar angles. The polar angles are Gauss–Legendre nodes of cosθ on the
+    sphere and of √cosθ on the hemisphere, because grazing lobes and hemispherical harmonics are smooth functions of
+    √cosθ. On the sphere, harmonics up to order `count` are orthonormal up to rounding errors; on the hemisphere,
+    `count` must be twice the order.
 
     Examples
     --------
@@ -110,7 +110,8 @@ def fit(inner_products: ArrayLike, tikhonov: float = 1e-6) -> Doubles:
     The result has the shape of `inner_products`. `project("spherical", …)` over the hemisphere gives the coefficients
     of a function that is 0 below the horizon, and its discontinuity there reduces the accuracy. The least-squares fit
     does not constrain the function below the horizon; `tikhonov` times the squared norm of the coefficients is added to
-    the squared error to keep it bounded. For grazing lobes, this is the best of the three representations.
+    the squared error to keep it bounded. For grazing lobes, the fit is more accurate than this projection and than the
+    hemispherical basis.
 
     Examples
     --------
@@ -174,14 +175,15 @@ def rotate(
     Parameters
     ----------
     rotation : (3, 3) rotation matrix R.
-    horizon : for the hemispherical basis: the values of the function that rotate up from below the horizon if R tilts
-        the z axis. "continued" continues the function smoothly, which is accurate for tilts up to about 0.2 rad. "dark"
-        takes 0, as in Gautron et al. 2004. Both lose accuracy, as docs/algorithms/radiance_cache.md describes; only
-        rotations about z are exact.
+    horizon : for the hemispherical basis: the values of the function below the horizon, parts of which rotate above it
+        if R tilts the z axis. "continued" continues the function smoothly, which is accurate for tilts up to about 0.2
+        rad. "dark" takes 0, as in Gautron et al. 2004. Both lose accuracy, as docs/algorithms/radiance_cache.md
+        describes; only rotations about z are exact.
     spherical_order : for the hemispherical basis: order of the spherical harmonics that are used as an intermediate
         basis. The default is the order + 2 for "continued" and twice the order for "dark".
-    tolerance : for the spherical basis: if above 0, a series is used that ends at this relative error. It is faster for
-        single vectors and rotations that tilt the z axis only a little.
+    tolerance : for the spherical basis: if this is above 0, the rotation is evaluated as a series that is truncated at
+        this relative error. The series is faster for single vectors and for rotations that tilt the z axis only a
+        little.
 
     Examples
     --------

@@ -252,7 +252,8 @@ class DirectionalLight:
 
 @dataclass(frozen=True, eq=False)
 class Environment:
-    """Radiance from infinity, as an equirectangular image (H, W, 3), float32; 1 × 1 for a constant radiance.
+    """Light from infinity, given by an equirectangular float32 image (H, W, 3) of its radiance. An image of one pixel
+    means a constant radiance.
 
     Row 0 is at the direction +y of the environment's frame; the centre column is at −z, and u increases towards +x: u =
     0.5 + atan2(x, −z) / 2π. `to_world` is a 3×3 rotation that maps the environment's frame to the world.

@@ -31,7 +31,9 @@ def chosen_camera(scene: Scene, camera: int | Camera) -> Camera:
 
 
 def picture_size(camera: Camera, size: tuple[int, int] | None) -> tuple[int, int]:
-    """Return the requested width and height, or else those of the camera, or else `DEFAULT_SIZE`, in pixels."""
+    """Return the requested width and height in pixels; by default they are those of the camera or, if it has none,
+    `DEFAULT_SIZE`.
+    """
     width, height = size or camera.size or DEFAULT_SIZE
     check_size(width, height)
     return int(width), int(height)
@@ -88,7 +90,7 @@ def checked_max_depth(max_depth: int) -> int:
 
 
 def checked_time(time: float | None) -> float | None:
-    """Return a time limit in seconds, which is above 0, or None."""
+    """Return the time limit in seconds, which must be above 0, or None if there is no limit."""
     if time is not None and not (math.isfinite(time) and time > 0):
         raise EclatError(f"time must be a finite number of seconds above 0, got {time}")
     return time

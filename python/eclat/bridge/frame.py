@@ -29,10 +29,10 @@ _COARSE_STEP = 0.1
 def center_of(scene: Scene) -> FloatArray:
     """Choose the origin of the core's coordinates: a world position (3,) in double precision.
 
-    If the scene lies far from the origin of the world, it is the middle of the scene's bounds. If parts of the scene
-    lie far from each other, such as a room in the coordinates of a national grid and one stray triangle at the origin,
-    it is the median of the corners of all triangles, since most of them belong to the part of interest. Otherwise it is
-    zero.
+    If the scene lies far from the origin of the world, the middle of the scene's bounds is chosen. If parts of the
+    scene lie far from each other, such as a room in the coordinates of a national grid and one stray triangle at the
+    origin, the median of the corners of all triangles is chosen, since most of them belong to the part of interest.
+    Otherwise the origin of the world is kept.
     """
     used = [np.asarray(m.positions, np.float64) for m in scene.meshes if len(m.positions)]
     if not used:

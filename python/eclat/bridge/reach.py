@@ -44,7 +44,7 @@ def check_reach(positions: FloatArray, what: str, noun: str = "position") -> Non
     """Raise EclatError for the first of the (N, 3) `positions`, in the core's frame, that lies beyond `FARTHEST`.
 
     NaN is not reported here, because the core reports it. In the message, `what` names the object, such as "mesh 0",
-    and `noun` its positions.
+    and `noun` is the word for its positions.
     """
     table = np.asarray(positions).reshape(-1, 3)
     far = np.isfinite(table) & (np.abs(table) > FARTHEST)

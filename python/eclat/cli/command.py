@@ -88,7 +88,7 @@ class Command(click.Command):
 
 
 def _unknown_option(error: click.NoSuchOption, command: click.Command, context: click.Context) -> click.UsageError:
-    """Make the error for an unknown option, with the nearest known one; leading dashes do not count as similarity."""
+    """Make the error for an unknown option, which suggests the most similar known one; leading dashes are not compared."""
     known = [name for parameter in command.get_params(context) for name in parameter.opts if name.startswith("--")]
     hint = did_you_mean(error.option_name.lstrip("-"), [name.removeprefix("--") for name in known])
     hint = hint.replace("'", "'--", 1)

@@ -89,7 +89,9 @@ def options_of(method: str, settings: Sequence[str] = (), **defaults: object) ->
 
 
 def method_notes(*, that_solve: bool = False) -> dict[str, list[tuple[str, str]]]:
-    """Describe the methods, all or only those with a solution, and their options, as sections of the help."""
+    """Describe the methods and their options as sections of the help; with `that_solve`, only methods that have a
+    solution.
+    """
     from eclat.methods import METHODS
 
     chosen = {name: cls for name, cls in METHODS.items() if cls.solved is not None or not that_solve}

@@ -22,7 +22,9 @@ class _Type(click.ParamType[Any]):
 
 
 class Number(_Type):
-    """An integer or a finite number in the range `low`..`high`; with `above`, the lower limit itself is excluded."""
+    """The type of an integer or a finite number in the range `low`..`high`; with `above`, the lower limit itself is
+    excluded.
+    """
 
     def __init__(
         self,
@@ -51,7 +53,7 @@ class Number(_Type):
 
 
 class Exposure(Number):
-    """An exposure in stops, or the word "auto"."""
+    """The type of an exposure in stops, for which the word "auto" may also be allowed."""
 
     def __init__(self) -> None:
         super().__init__(float, -64, 64)
@@ -62,7 +64,7 @@ class Exposure(Number):
 
 
 class Depth(Number):
-    """A greatest number of edges of a path: at least 1, or −1 for no limit."""
+    """The type of the greatest number of edges of a path, which is at least 1, or −1 for no limit."""
 
     def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> float:
         depth = super().convert(value, param, ctx)
@@ -72,7 +74,7 @@ class Depth(Number):
 
 
 class Numbers(_Type):
-    """A fixed number of numbers, separated by commas."""
+    """The type of a tuple of numbers, which are separated by commas and whose count is fixed."""
 
     def __init__(self, name: str, expected: str, count: int, kind: type[int] | type[float] = float) -> None:
         self.name, self.expected, self.count, self.kind = name, expected, count, kind
@@ -135,7 +137,7 @@ class _Environment(_Type):
 
 
 class Name(_Type):
-    """One of a set of names; the error for another name suggests the nearest one."""
+    """The type of one of a set of names; the error for an unknown name suggests the most similar one."""
 
     def __init__(self, name: str, *names: str) -> None:
         self.name, self.names = name, names

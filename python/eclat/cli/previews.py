@@ -17,7 +17,7 @@ class Previews:
     Parameters
     ----------
     outputs : names of the files.
-    exposure : stops, or "auto", which is chosen anew for each picture.
+    exposure : the exposure in stops; "auto" chooses it anew for each picture.
     """
 
     def __init__(self, outputs: Sequence[str], exposure: float | Literal["auto"], tone_mapping: str) -> None:
@@ -31,8 +31,9 @@ class Previews:
 
 
 def wants_previews(flags: dict[str, Any]) -> bool:
-    """Whether it is not known when the picture will be finished: neither samples nor time are given. A picture that is
-    continued stays in its file until the better one is finished."""
+    """Return whether to write previews: only for whole pictures for which neither the number of samples nor the time is
+    given. A picture that is continued stays in its file until the better one is finished.
+    """
     if flags["continued"]:
         return False
     return flags["samples"] is None and flags["time"] is None and not flags["replay"] and flags["crop"] is None

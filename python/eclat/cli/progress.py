@@ -4,8 +4,8 @@
 
 Instances of both classes are passed as the argument `progress` of `solve`, `render` and `irradiance`, which call it as
 `progress(phase, fraction, statistics)` about ten times a second. `fraction` is the finished share (0..1) of the phase.
-A fraction that falls means that more work is left than was expected (the error of a picture falls slowly), or that the
-phase has started again.
+The fraction decreases if more work is left than was expected, for example because the error of a picture decreases
+slowly, or if the phase has started again.
 """
 
 from __future__ import annotations
@@ -63,7 +63,7 @@ class Meter:
 
     @property
     def rays_per_second(self) -> float | None:
-        """Rays per second over the last `RATE_WINDOW` seconds; None before the second report."""
+        """The rays per second, averaged over the last `RATE_WINDOW` seconds; None before the second report."""
         if len(self._counts) < 2:
             return None
         (first, before), (last, after) = self._counts[0], self._counts[-1]
@@ -71,7 +71,9 @@ class Meter:
 
     @property
     def seconds_left(self) -> float | None:
-        """Seconds until this phase ends, if its pace stays the same; None if nothing is finished yet."""
+        """The expected number of seconds until this phase ends, if its pace stays the same; None if nothing is finished
+        yet.
+        """
         spent, done = self._clock() - self._started, self._fraction - self._first_fraction
         return spent * (1.0 - self._fraction) / done if done > 0 and spent > 0 else None
 
@@ -182,7 +184,7 @@ def rate_text(rays_per_second: float | None) -> str:
 
 
 def phase_text(phase: str, error: float | None) -> str:
-    """`render, error 4.2 %`; the phase alone as long as no error is known."""
+    """Describe the phase and, if it is known, the error, as in `render, error 4.2 %`."""
     return phase if error is None or not math.isfinite(error) else f"{phase}, error {100 * error:.2g} %"
 
 

@@ -29,7 +29,7 @@ def max_depth_option() -> Callable[[F], F]:
 def samples_option(
     help: str, default: int | None = None, name: str = "--samples", section: str = QUALITY
 ) -> Callable[[F], F]:
-    """Make the option `--samples`, or one of another name that is a number of samples."""
+    """Make the option `--samples`, or an option of another name whose value is a number of samples."""
     return option(name, type=Number(int, 1, 2**24), default=default, section=section, help=help + _shown(default))
 
 

@@ -293,7 +293,7 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
     if flags["replay"]:
         x, y, sample = flags["replay"]
         if flags["halves"]:
-            sample |= 1  # both halves take as many
+            sample |= 1  # Both halves take the same number of samples.
         flags.update(replay=(x, y, sample), crop=(x, y, x + 1, y + 1), samples=sample + 1)
         flags.update(adaptive=False, time=None, denoise=False)
     if flags["crop"] and size:
@@ -328,7 +328,9 @@ def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:
 def _say_result(
     reporter: Reporter, image: Image, outputs: list[str], chosen: list[str], exposure: float | None
 ) -> None:
-    """Print the summary line. `chosen` are the options that `--time` chose, `exposure` the stops that `auto` chose."""
+    """Print the summary line. `chosen` holds the options that `--time` chose, and `exposure` is the exposure in stops
+    that `auto` chose.
+    """
     statistics = image.metadata.get("statistics", {})
     parts = [f"{image.width}x{image.height}", str(image.metadata.get("method", ""))]
     if "seconds" in statistics:

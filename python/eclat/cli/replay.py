@@ -61,8 +61,9 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
 
 
 def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> list[str]:
-    """List the options that `--time` chose for the records, as values of `--set`, which give the same records without
-    it."""
+    """List the options that `--time` chose for the records as values of `--set`, with which the same records can be
+    computed without `--time`.
+    """
     from eclat.methods import METHODS
 
     options = metadata.get("options", {})

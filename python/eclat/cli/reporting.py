@@ -54,7 +54,7 @@ class Reporter:
 
     @property
     def progress(self) -> Callable[[str, float, dict[str, float]], None] | None:
-        """The value for the argument `progress` of long calls; None if progress is not shown."""
+        """The function to pass as the argument `progress` of long calls; None if progress is not shown."""
         if self.events is not None:
             return None if self.quiet else self.events
         return self._bar
@@ -73,7 +73,7 @@ class Reporter:
             click.echo(printable(text, lines=True))
 
     def note(self, text: str) -> None:
-        """Print a remark on standard error, beside a result on standard output."""
+        """Print a remark on standard error, which does not mix with results on standard output."""
         self.end_progress()
         if not self.quiet and self.events is None:
             click.echo(f"eclat: {printable(text)}", err=True)

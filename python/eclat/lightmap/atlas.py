@@ -41,10 +41,11 @@ SIGNIFICANT_DIGITS = 2
 class Unwrapped:
     """The charts of one mesh in the atlas.
 
-    `vertices` (V,) are the indices of the mesh's vertices that these vertices copy; a vertex on a cut has one copy for
-    each side. `triangles` (T, 3) are indices into them, in the order of the mesh. `uvs` (V, 2) are positions in texels:
-    (0, 0) is the top left corner of the image, and (0.5, 0.5) the centre of its first texel. `charts` (V,) are the
-    indices of the vertices' charts, −1 for vertices of triangles without area.
+    The charts have V vertices of their own, which are copies of the mesh's vertices with the indices `vertices` (V,); a
+    vertex on a cut has one copy for each side of the cut. `triangles` (T, 3) are indices of these copies, in the order
+    of the mesh's triangles. `uvs` (V, 2) are positions in texels: (0, 0) is the top left corner of the image, and (0.5,
+    0.5) the centre of its first texel. `charts` (V,) are the indices of the vertices' charts, −1 for vertices of
+    triangles without area.
     """
 
     vertices: NDArray[np.int64]
@@ -107,7 +108,7 @@ def unwrap(
 
     Parameters
     ----------
-    gutter : number of texels between those that bilinear filtering reads for two charts.
+    gutter : number of texels between two charts, in addition to those that bilinear filtering reads.
     max_size : largest width and height in texels.
     timeout : seconds after which xatlas is stopped; 0 does not use xatlas.
 

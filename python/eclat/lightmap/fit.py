@@ -8,8 +8,8 @@ the values that minimise
     Σₖ (B(x; pₖ) − Eₖ)²  +  κ Σₖ (xₖ − Eₖ)²  +  σ Σₛ (B(x; aₛ) − B(x; bₛ))²
 
 where Eₖ is the irradiance that was gathered for texel k at position pₖ. The first sum makes the lookups at these
-positions right. It matters at the border of a surface, where the centre of a texel lies outside the surface and pₖ is
-therefore another point. The second sum makes the solution unique and keeps it near the gathered values. The third sum
+positions right. This matters at the border of a surface, where the centre of a texel may lie outside the surface, so
+that pₖ is another point. The second sum makes the solution unique and keeps it near the gathered values. The third sum
 makes lookups on the two sides of each seam agree [Iwanicki13]. The normal equations are solved by conjugate gradients
 [Hestenes52].
 """

@@ -131,7 +131,7 @@ def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settin
     seen = np.asarray(spread.any(axis=1))
     share = spread / np.maximum(spread.sum(axis=1, keepdims=True), 1)
     places = (points.uvs[:, 1:] * share[..., None]).sum(axis=1)
-    chosen = np.argmax(free, axis=1)  # The centre, or the first free point if the centre is not free.
+    chosen = np.argmax(free, axis=1)  # This is the centre, or the first free point if the centre is not free.
     at = np.flatnonzero(seen), chosen[seen]
     rays = 0.0
     errors: dict[str, float] = {}

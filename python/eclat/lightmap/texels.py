@@ -41,7 +41,7 @@ class Texels:
     counted over all meshes; `weights` (N, 3) are the barycentric coordinates of the sample points; `positions` (N, 3)
     are in metres; `normals` (N, 3) are unit shading normals and `face_normals` (N, 3) those of the triangles; `uvs` (N,
     2) are the positions of the sample points in the map, in texels. `shared` is the number of texels that two charts
-    need, of which only one gets the texel.
+    need; each such texel belongs to only one of them.
     """
 
     rows: Ints

@@ -115,7 +115,7 @@ def texture_from_bytes(
     neutral: tuple[float, float, float] | None = None,
     **options: Unpack[TextureOptions],
 ) -> Texture:
-    """Decode a texture from the bytes of an image in a format such as PNG or JPEG. Otherwise as `read_texture`."""
+    """Decode a texture from the bytes of an image in a format such as PNG or JPEG. All else is as in `read_texture`."""
     try:
         return Texture(decode_image(data), srgb=srgb, **options)
     except EclatError as error:

@@ -53,8 +53,7 @@ class ErrorEstimate:
 
     @property
     def quoted(self) -> float:
-        """The number to report as the error: the estimate, or the upper end of the interval if the estimate is
-        uncertain."""
+        """The number that is reported as the error: the estimate or, if it is uncertain, the upper end of its interval."""
         return self.error if self.high <= RESOLVED * self.error else self.high
 
     def statistics(self) -> dict[str, float]:
@@ -70,7 +69,7 @@ class ErrorEstimate:
         return {"noise_left": self.quoted, "noise_left_low": self.low, "noise_left_high": self.high}
 
     def with_noise(self, noise: float) -> ErrorEstimate:
-        """Return the estimate for a picture that reads the cache and has the given relative noise."""
+        """Return the estimated error of a picture that reads the cache and has the given relative noise."""
         error, low, high = (math.hypot(part, noise) for part in (self.error, self.low, self.high))
         return ErrorEstimate(error, low, high, self.unserved)
 
@@ -93,10 +92,9 @@ LEAST_BY_CHANCE = 0.005
 
 
 def with_light_by_chance(statistics: Mapping[str, float], share: float) -> dict[str, float]:
-    """Return the entries of the statistics that account for light that is found only by chance.
-
-    `share` is its share of the light of the lamps. Error probes do not measure it, so the estimated error and the upper
-    end of its interval are increased by it. A negligible share gives no entries.
+    """Return the entries of the statistics that account for light that is found only by chance. `share` is the fraction
+    of the lamps' light that is found only by chance. Error probes do not measure this light, so the estimated error and
+    the upper end of its interval are increased by `share`. There are no entries if it is negligible.
     """
     if not share > LEAST_BY_CHANCE:
         return {}

@@ -55,7 +55,7 @@ def relative_rmse(
     ----------
     x, a, b : (H, W, 3) linear radiance. If there is only one reference, give it as a and b; its noise then counts as
         error of x.
-    c : the constant c; None means `RELATIVE_C` · mean(R²) over all pixels, even if there is a mask.
+    c : the constant c. None means `RELATIVE_C` times the mean of R² over all pixels, including those outside the mask.
     mask : (H, W), True for the pixels to include, for instance those of `away_from_edges`; None includes all.
 
     Returns
@@ -76,7 +76,7 @@ def relative_rmse(
     reference = (a + b) / 2
     scale = reference**2 + _c(reference, c)
     with np.errstate(divide="ignore", invalid="ignore"):
-        # Where all pictures are black, 0 / 0 counts as no error.
+        # Where all pictures are black, the quotient is 0 / 0 and counts as no error.
         squares = np.where((scale == 0) & (x == a) & (x == b), 0.0, (x - a) * (x - b) / scale)
     counted = squares if mask is None else squares[np.asarray(mask, dtype=bool)]
     if counted.size == 0:

@@ -94,12 +94,14 @@ def blackbody_to_rgb(temperature: float) -> tuple[float, float, float]:
 
     Raises
     ------
-    EclatError : a temperature that is not finite and above 0.
+    EclatError : the temperature is not finite, or not above 0.
     """
     if not (np.isfinite(temperature) and temperature > 0):
-        raise EclatError(f"expected a temperature above 0 K, got {temperature:g}")
+        raise EclatError(f"black body: expected a finite temperature above 0 K, got {temperature:g}")
     metres = WAVELENGTHS * 1e-9
-    with np.errstate(over="ignore", divide="ignore"):  # cold bodies: exp → ∞, radiance → 0
+    with np.errstate(
+        over="ignore", divide="ignore"
+    ):  # For cold bodies the exponential overflows to ∞, and the radiance is 0.
         exponent = _PLANCK * _LIGHT_SPEED / (metres * _BOLTZMANN * temperature)
         radiance = 2 * _PLANCK * _LIGHT_SPEED**2 / metres**5 / np.expm1(exponent) * 1e-9
     return emission_to_rgb(WAVELENGTHS, radiance)
@@ -116,15 +118,22 @@ def resample(wavelengths: ArrayLike, values: ArrayLike) -> Floats:
 
     Raises
     ------
-    EclatError : no samples, different counts, wavelengths that do not increase, numbers that are not finite.
+    EclatError : there are no samples, the two arrays differ in length, a number is not finite, or the wavelengths do
+        not increase.
     """
     nm, samples = np.asarray(wavelengths, dtype=np.float64), np.asarray(values, dtype=np.float64)
     if nm.ndim != 1 or nm.shape != samples.shape or nm.size == 0:
-        raise EclatError(f"expected as many wavelengths as values, got {nm.size} and {samples.size}")
+        raise EclatError(
+            f"spectrum: expected as many wavelengths as values, at least one, got {nm.size} and {samples.size}"
+        )
     if not (np.isfinite(nm).all() and np.isfinite(samples).all()):
-        raise EclatError("expected a spectrum of finite numbers")
+        where = int(np.argmin(np.isfinite(nm) & np.isfinite(samples)))
+        raise EclatError(
+            f"spectrum: expected finite numbers, got the value {samples[where]:g} at {nm[where]:g} nm (sample {where})"
+        )
     if (np.diff(nm) <= 0).any():
-        raise EclatError("expected wavelengths that increase")
+        row = int(np.argmax(np.diff(nm) <= 0))
+        raise EclatError(f"spectrum: expected increasing wavelengths, got {nm[row]:g} nm before {nm[row + 1]:g} nm")
     return np.interp(WAVELENGTHS, nm, samples, left=0.0, right=0.0)
 
 

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The interface of all methods, through which alone the verbs use a method.
+"""The interface of all methods. The verbs use methods only through this interface.
 
 A method is an object that holds its options. It *prepares* a scene for a purpose; the result, a `Prepared`, makes
 estimators of radiance along camera rays and of irradiance at points. A result that can also be kept in a file is a
@@ -61,7 +61,9 @@ class Prepared(ABC):
         """Make the estimator of irradiance at points. `estimators.irradiance_from` makes one from a Python function."""
 
     def passes(self, scene: Scene, work: Work) -> PassEstimator | None:
-        """Return a function that makes an estimator for each sample, or None if `radiance_estimator` takes all."""
+        """Return a function that makes a new estimator for each sample, or None if the estimator of
+        `radiance_estimator` serves all samples.
+        """
         return None
 
     @property

@@ -42,8 +42,10 @@ class Path(Method):
 
 
 def _warn_of_missing_caustics(scene: Scene, work: Work) -> None:
-    """Warn if much light of point, spot and directional lights arrives by mirrors or glass, where no camera path can
-    find it. A few photons, traced from the lights, measure its share."""
+    """Warn if much of the light of point, spot and directional lights reaches surfaces by way of mirrors or glass,
+    because no path from the camera can find it. Its share is measured by a few photons, which are traced from the
+    lights.
+    """
     _, unseen = _core.focused_light(compiled(scene).core, work.max_depth, work.seed, work.threads, _core.Progress())
     if unseen > LEAST_BY_CHANCE:
         warn(

@@ -113,12 +113,16 @@ class Photons(Solved):
     def maps(
         self, scene: Scene, *, gather: bool, threads: int = 0, progress: ProgressReport | None = None
     ) -> _core.PhotonMaps:
-        """Make the core's form of the maps; with `gather`, irradiance is computed in which gather rays can end."""
+        """Convert the maps to the compiled core. With `gather`, the irradiance that gather rays read where they end is
+        computed too.
+        """
         options = _core.PhotonMapReading()
         options.nearest, options.caustic_nearest = self.options.nearest, self.options.caustic_nearest
         options.kernel = core_enum(_core.Kernel, self.options.kernel)
         options.gather, options.guided = gather, self.options.guided
-        options.seed = self.emissions[0].seed ^ 0x9E3779B9  # The points with irradiance must not be the photons' own.
+        options.seed = (
+            self.emissions[0].seed ^ 0x9E3779B9
+        )  # The points at which irradiance is computed must not be photons of the map itself.
         options.threads = threads
         arrays = (np.ascontiguousarray(photons, np.float32) for photons in (self.stored, self.caustic))
         stored, caustic = zip(arrays, map(float, self.paths), strict=True)
@@ -139,8 +143,8 @@ class Photons(Solved):
     def irradiance(
         self, scene: Scene, points: FloatArray, normals: FloatArray, *, caustic: bool = False, threads: int = 0
     ) -> np.ndarray:
-        """Estimate the irradiance (N, 3) in W·m⁻² at points of surfaces from the density of one map, with its blur and
-        noise.
+        """Estimate the irradiance (N, 3) in W·m⁻² at points of surfaces from the density of the photons of one map. The
+        estimate is blurred and noisy.
 
         The global map gives the light that was scattered diffusely before it arrived; with `caustic`, the caustic map
         gives the light that met only mirrors, glass and glossy surfaces. `eclat.irradiance` gives a better estimate of
@@ -199,8 +203,9 @@ class Photons(Solved):
 
 @dataclass(frozen=True, eq=False)
 class ProgressivePhotons(Prepared):
-    """Progressive photon mapping, which keeps no photons: sample n of a pixel reads the photons of pass n, in shrinking
-    discs."""
+    """Progressive photon mapping, which keeps no photons: sample n of a pixel is estimated from the photons of pass n,
+    and the discs in which photons are collected shrink from pass to pass.
+    """
 
     options: PhotonMap
     statistics: dict[str, float] = field(default_factory=dict)
@@ -240,8 +245,9 @@ PROGRESSIVE_KEEPS_NO_PHOTONS = (
 
 
 def _photon_edges(max_depth: int) -> int:
-    """Return the greatest number of edges of a photon's path; the path to the camera, of at most `max_depth` edges, has
-    one more."""
+    """Return the greatest number of edges of a photon's path. A camera path of at most `max_depth` edges needs one edge
+    from the photon to the camera.
+    """
     return -1 if max_depth < 0 else max_depth - 1
 
 

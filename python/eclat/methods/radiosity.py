@@ -24,10 +24,10 @@ from eclat.scene import FloatArray, Material, Scene, triangle_areas
 
 @dataclass(frozen=True, eq=False, repr=False)
 class RadiositySolution(Solved):
-    """The patches of a scene and the light on them, which serve all views.
+    """The patches of a scene and the light on them, which do not depend on the view.
 
     `patches` is (N, 4) uint32. Its columns are the index of the triangle; a set of bits (1: the patch is on the back,
-    2: its light is unknown); and, in two halves, the sequence of halvings that leads from the triangle to the patch.
+    2: its light is unknown); and two words that encode the bisections by which the patch was divided from the triangle.
     `values` is (N, 15) float32: irradiance straight from lights, total irradiance, albedo, and emitted and transmitted
     radiosity, with three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`.
     The properties give these values by name. `max_depth` is the greatest number of edges of a path in the solution; −1
@@ -66,8 +66,8 @@ class RadiositySolution(Solved):
     def is_unknown(self) -> np.ndarray:
         """(N,) True for patches whose light is unknown, which take the light of their surroundings in pictures.
 
-        These patches lie inside a solid, where no light arrives, or a wall stands across them, so that only the light
-        of the largest part is known.
+        These patches lie inside a solid, where no light arrives, or a wall divides them, so that only the light of
+        their largest part is known.
         """
         unknown: np.ndarray = (self.patches[:, 1] & _core.PATCH_IS_UNKNOWN) != 0
         return unknown
@@ -123,7 +123,7 @@ class RadiositySolution(Solved):
         return leaving
 
     def field(self, scene: Scene, *, threads: int = 0) -> _core.RadiosityField:
-        """Make the compiled core's form of the solution.
+        """Convert the solution to the compiled core.
 
         Raises EclatError if the patches do not belong to the scene.
         """

@@ -18,7 +18,7 @@ ROULETTE_DEPTH = 5
 
 @dataclass(frozen=True, eq=False)
 class Traced(Prepared):
-    """Paths from the camera and from points, with at most `most_edges` edges."""
+    """A method that traces paths of at most `most_edges` edges from the camera and from points."""
 
     options: Method
     most_edges: int = -1

@@ -24,7 +24,7 @@ class Work:
 
 @dataclass(frozen=True)
 class Care:
-    """Requests about the quality of a solve: whether its error is estimated and refined, and how long it may take."""
+    """The wishes about a solve: whether its error is estimated, whether it is refined, and how long it may take."""
 
     check: bool = False
     """Whether the error is estimated."""

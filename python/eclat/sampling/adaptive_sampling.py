@@ -64,8 +64,8 @@ class AdaptiveSamples:
         return counts
 
     def unevenly(self, samples: int) -> Counts:
-        """Return the counts after a pass that brings the mean over pixels to about the given number and reduces the
-        error most.
+        """Return the counts after a pass that brings their mean over pixels to about the given number, distributed so
+        that the error decreases most.
 
         Until two passes have been observed, all pixels get the same number of samples.
         """

@@ -57,9 +57,9 @@ arrays with one number for each pixel, or with one number for all pixels."""
 class Goal:
     """The condition at which sampling stops.
 
-    It is the number of `samples` per pixel (the mean over pixels with adaptive sampling) if given, or else the
-    `deadline`, a value of `time.perf_counter`, if given, or else the relative error `max_error`: that of the denoised
-    picture if `denoised`.
+    If `samples` is given, sampling stops at that number of samples per pixel, which with adaptive sampling is the mean
+    over pixels. Otherwise, if `deadline` is given, it stops at that value of `time.perf_counter`. Otherwise it stops
+    when the relative error is below `max_error`; with `denoised`, this is the error of the denoised picture.
     """
 
     samples: int | None
@@ -72,11 +72,11 @@ class Sampling:
     """Takes the samples of one picture.
 
     `taken` is the number of samples per pixel so far, `rays` the number of rays, and `noise` the relative error
-    estimated after the last complete pass (NaN before the first estimate). `found` is what the halves of a picture tell,
-    and `denoised` whether it is of the denoised picture. `after_pass` is called between passes. With `keep_partial`,
-    `partial` is a copy of the film after `partial_taken` samples per pixel. The values of the picture depend only on the
-    number of samples, and not on how passes divide them: with adaptive sampling, each pass except the last doubles the
-    number of samples.
+    estimated after the last complete pass (NaN before the first estimate). `found` is the picture and error that were
+    computed from the halves, and `denoised` tells whether it is the denoised picture. `after_pass` is called between
+    passes. With `keep_partial`, `partial` is a copy of the film after `partial_taken` samples per pixel. The values of
+    the picture depend only on the number of samples, and not on how passes divide them: with adaptive sampling, each
+    pass except the last doubles the number of samples.
 
     Internally, samples are counted in rounds: a round is one sample of the film, or one of each half.
     """
@@ -108,13 +108,14 @@ class Sampling:
 
     @property
     def taken(self) -> int:
-        """Number of samples per pixel so far, the mean over pixels."""
+        """The number of samples per pixel so far, averaged over the pixels."""
         return self._rounds * self._each
 
     @property
     def error(self) -> float:
-        """Relative error of the picture as it would be shown now, as far as samples measure it; NaN before the first
-        estimate."""
+        """The relative error of the picture as it would be shown now, without errors that do not appear as noise; NaN
+        before the first estimate.
+        """
         return self.noise if self.found is None else self.found.estimate.quoted
 
     def run(self, goal: Goal) -> None:

@@ -19,9 +19,10 @@ that both read.
 
 Where the denoiser increases the error, the sampled picture is kept. The picture shown is s = w m + (1 − w) (A + B) / 2,
 with a weight w in 0..1. The formula above gives the error of s if w d(A) + (1 − w) A takes the place of d(A), and
-likewise for B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight of least
-error is found in windows of `WINDOW` × `WINDOW` pixels and interpolated between their centres. A choice for each pixel
-would select estimates that are low by chance, and the estimated error would then be too low.
+likewise for B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight with the
+least error is computed for windows of `WINDOW` × `WINDOW` pixels and interpolated between their centres. If it were
+chosen for each pixel separately, estimates that are low by chance would be selected, and the estimated error would be
+too low.
 
 The estimate of the squared error is unbiased, but the estimate of the relative error is not, because it divides by R² +
 c and takes R from the picture shown. Where a denoiser spreads much light into dark pixels, the estimated relative error
@@ -119,7 +120,7 @@ def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
 
     Raises
     ------
-    EclatError : shapes differ.
+    EclatError : the shapes differ.
     """
     first, last = _of_one_shape(a, b)
     scale = _scale(first * last, first * last, 0.0)

@@ -87,7 +87,7 @@ class Halves:
         return layer[self._inside]
 
     def pasted(self, values: NDArray[np.floating] | NDArray[np.uint32]) -> NDArray[np.float32]:
-        """Place an array over the pixels of the region into one over the whole picture, which is 0 elsewhere."""
+        """Copy an array that covers the region into an array that covers the whole picture and is 0 elsewhere."""
         size = (self.even.radiance.shape[0], self.even.radiance.shape[1])
         whole = np.zeros((*size, *values.shape[2:]), np.float32)
         whole[self._inside] = values

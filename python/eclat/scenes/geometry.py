@@ -174,7 +174,7 @@ def arch(profile: Sequence[Point2], foot: float, segments: int) -> Solid:
 
 
 def half_circle(center: float, radius: float, segments: int) -> list[Point2]:
-    """Make the points of a semicircular arch from left to right, which begins at height 0, as a part of an outline."""
+    """Make the points of a semicircular arch, from left to right, for an outline; the arch begins at height 0."""
     angles = np.linspace(math.pi, 0.0, segments + 1)
     return [(center + radius * math.cos(a), radius * max(0.0, math.sin(a))) for a in angles]
 

@@ -202,7 +202,7 @@ def _environment(source: Path | Point, up: Point) -> Environment:
     data = read_bytes(path, where="environment")
     try:
         image, linear = read_image_file(path, data)
-        # As an environment each texel takes three floats beside what was decoded.
+        # In the environment each texel takes three floats, in addition to the memory of the decoded image.
         check_growth(12 * image.shape[0] * image.shape[1], len(data))
     except EclatError as error:
         raise EclatError(f"environment: {path}: {error}") from None

@@ -28,8 +28,9 @@ THREE_QUARTER = np.array([0.55, 0.38, 0.74])
 
 @dataclass(frozen=True, eq=False)
 class Grid:
-    """A grid of cells: whether each contains a surface, and the mean normal there. Cell (0, 0, 0) begins at `low`;
-    `cell` is the side of a cell in metres."""
+    """A grid of cells. For each cell it holds whether the cell contains a surface, and the mean normal of that surface.
+    Cell (0, 0, 0) begins at `low`; `cell` is the side of a cell in metres.
+    """
 
     occupied: NDArray[np.bool_]
     normals: NDArray[np.float32]

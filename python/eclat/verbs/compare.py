@@ -77,7 +77,7 @@ class Measurement:
 
     @property
     def seconds(self) -> float:
-        """Seconds that solving and rendering took."""
+        """The number of seconds that solving and rendering took."""
         return float(self.statistics.get("seconds", math.nan))
 
 
@@ -179,7 +179,7 @@ def compare(
         images: list[Image] = []
         for options, bounds in _levels(method, effort):
             label = f"{method.name}, level {len(images) + 1}"
-            # Methods are compared, not what a denoiser makes of them.
+            # The pictures are not denoised, because a denoiser would hide the differences between the methods.
             keywords = {**common, **bounds, "seed": seed, "denoise": False, "progress": _labelled(progress, label)}
             images.append(render(scene, options, **keywords))
         results.append(_measured(method.name, images, reference, truth, shown_at))

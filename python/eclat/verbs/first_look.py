@@ -29,7 +29,7 @@ SAMPLES = 2
 def first_look(scene: Scene, source: Source, view: View, work: Work) -> Image:
     """Render a rough picture of the view.
 
-    Methods that have something to solve are shown by path tracing, since solving is what one would wait for. The picture
+    Path tracing replaces methods that must first be solved, because solving takes too long for a preview. The picture
     is rendered with at most `PIXELS` pixels, denoised if a denoiser is installed, and enlarged to the size of the view.
     Its metadata hold `unfinished`.
     """

@@ -39,7 +39,7 @@ class SampleTaker:
 
     Parameters
     ----------
-    pixels : for each film its pixels and its seed. Sample n of film k of K is sample K n + k of the picture.
+    pixels : the pixels and the seed of each film. Sample n of film k, of K films, is sample K n + k of the picture.
     """
 
     def __init__(
@@ -68,7 +68,7 @@ class SampleTaker:
         return rays
 
     def _part_of_report(self, number: int, rays: float, report: ProgressReport | None) -> ProgressReport | None:
-        """Reports of one film, as a part of those of all."""
+        """Make a function that turns reports about one film into reports about all films."""
         if report is None or len(self._films) == 1:
             return report
 
@@ -151,7 +151,9 @@ class Picture:
         return probed_error(found, take, paths, self.work.seed)
 
     def unfinished(self, film: _core.Film | Halves, sampling: Sampling, taken: int) -> Image:
-        """Make the Image of a film, or of a copy of it, that holds `taken` samples per pixel, denoised if it may be."""
+        """Make the Image of a film, or of a copy of it, that holds `taken` samples per pixel; it is denoised if that
+        was requested.
+        """
         found = None
         if isinstance(film, Halves):
             found = film.denoised() if self.denoise else film.sampled()

@@ -108,15 +108,15 @@ def render(
     adaptive : whether noisy pixels get more samples and the others fewer (`adaptive_sampling`). None means True for
         methods with records if there is no `crop`, and otherwise False. Adaptive sampling biases the picture a little,
         so `Path` uses it only on request.
-    denoise : whether Open Image Denoise removes the noise of the picture. The picture is then taken in two halves, of
-        which each judges the other: the error that is left is measured, and where denoising would increase the error,
-        the samples are kept as they are (`sampling.denoised_halves`). While `max_error` decides when to stop, a picture
-        whose samples alone meet it is not denoised. None means True if Open Image Denoise is installed and neither
-        `samples` nor `crop` is given, and otherwise False. The denoiser uses all processors, whatever `threads` is; their
-        number does not change its result.
-    halves : whether the picture is the mean of two halves with half of the samples each and random numbers of their
-        own, which is what measures a denoised picture. An odd number of `samples` is then rounded up. None means the
-        same as `denoise`.
+    denoise : whether Open Image Denoise removes the noise of the picture. The picture is then rendered in two halves,
+        from which the remaining error is measured. Where denoising would increase the error, the samples are kept as
+        they are (`sampling.denoised_halves`). While `max_error` decides when to stop, a picture whose samples alone
+        meet it is not denoised. None means True if Open Image Denoise is installed and neither `samples` nor `crop` is
+        given, and otherwise False. The denoiser uses all processors, whatever `threads` is; their number does not
+        change its result.
+    halves : whether the picture is the mean of two halves, which have half of the samples each and different random
+        numbers. The error of a denoised picture is measured from such halves. An odd number of `samples` is then
+        rounded up. None means the same as `denoise`.
     continued : a picture that was rendered with `continuable`, or the name of its .exr file, to which samples are added;
         `samples` is the total number. Size, crop, depth, seed, filter, adaptive and halves are those of the picture; scene,
         camera and method must be the same. With the same options, the picture has the same bits as one that took all samples at
@@ -137,9 +137,9 @@ def render(
     refine : whether records that are solved for this picture are refined until their estimated error is below their
         `max_error`.
     progress : a function that is called with the progress of the work, or None.
-    preview : a function that is called with unfinished pictures, or None: first with a rough one of fewer pixels, before
-        anything is solved, and then between passes, at most once in `PREVIEW_SECONDS`. The metadata of the first hold
-        `unfinished`, those of the others `samples_done` as well.
+    preview : a function that is called with unfinished pictures, or None. It is first called with a rough picture of
+        fewer pixels, before anything is solved, and then between passes, at most once in `PREVIEW_SECONDS`. The
+        metadata of all these pictures hold `unfinished`, and all except the first also hold `samples_done`.
     tile_order : the order in which tiles are rendered, as a permutation of their indices. The order does not change
         the picture; tests use this argument to check that.
 
@@ -294,7 +294,9 @@ def _sampling(
 
 
 def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image], None]) -> Callable[[], None]:
-    """What to do between passes: to show the picture as it is, unless another was shown just before."""
+    """Make the function that is called between passes. It shows the unfinished picture, unless another was shown
+    shortly before.
+    """
     last = -math.inf
 
     def show() -> None:
@@ -312,7 +314,7 @@ def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image],
 
 
 def _warn_of_noise(sampling: Sampling, goal: Goal) -> None:
-    """Say that sampling was given up before it met the goal, if it was."""
+    """Warn if sampling stopped before it reached its goal."""
     if sampling.error > goal.max_error:
         what = "relative noise after denoising" if sampling.denoised else "relative noise"
         noise = f"the {what} is still {sampling.error:.2g}, above the wanted {goal.max_error:.2g}"

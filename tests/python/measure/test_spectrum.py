@@ -66,18 +66,18 @@ def test_srgb_is_decoded_as_the_standard_says() -> None:
 @pytest.mark.parametrize(
     ("wavelengths", "values", "message"),
     [
-        ([], [], "as many wavelengths as values, got 0 and 0"),
+        ([], [], "as many wavelengths as values, at least one, got 0 and 0"),
         ([400], [1, 2], "got 1 and 2"),
         ([500, 400], [1, 2], "increase"),
         ([400, 500], [1, float("nan")], "finite"),
     ],
 )
-def test_curves_that_are_none_are_refused(wavelengths: list[float], values: list[float], message: str) -> None:
+def test_invalid_spectra_are_refused(wavelengths: list[float], values: list[float], message: str) -> None:
     with pytest.raises(EclatError, match=message):
         spectrum.emission_to_rgb(wavelengths, values)
 
 
-def test_temperatures_are_above_zero() -> None:
+def test_a_temperature_below_zero_is_refused() -> None:
     with pytest.raises(EclatError, match="above 0 K, got -3"):
         spectrum.blackbody_to_rgb(-3)
     for cold in (1e-3, 1e-320):

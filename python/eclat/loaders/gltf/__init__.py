@@ -104,8 +104,8 @@ class _Builder:
     def _photometric(self) -> bool:
         """Return whether the scene has photometric units.
 
-        It has if there are lights or emission, because glTF defines their units, unless the file was written by Éclat
-        and states the units.
+        The units are photometric if there are lights or emission, because glTF defines their units as such. A file that
+        Éclat wrote states its units itself.
         """
         note = self._document.eclat_extras
         if note is not None and note.data.get("photometric") is not None:
@@ -156,7 +156,7 @@ class _Builder:
     def _read(self, element: Element, weights: tuple[float, ...]) -> tuple[Primitive, Material] | None:
         note = element.eclat_extras()
         if note is not None and note.flag("back_side"):
-            return None  # the primitive that holds the front side gets a two-sided material instead
+            return None  # The primitive that holds the front side gets a two-sided material instead.
         attributes = element.child("attributes")
         positions = self._accessors.floats(attributes, "POSITION", ("VEC3",)) if attributes is not None else None
         self._spend(0 if positions is None else len(positions), element)

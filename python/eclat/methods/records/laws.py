@@ -54,10 +54,10 @@ def core_options(
     """Make the options of the core. Fields that are None are computed from `max_error`.
 
     The error of first-order extrapolation is proportional to the square of the radius of a record, and the noise of a
-    gather falls with the number M of rows of its grid of about π·M² rays. The spacing is never more than √2 times that
-    for an error of 1 %, because records larger than the objects near them need many small records between them. The errors of
-    far records are averaged over the hemisphere of each gather, so the number of far records and of their rays
-    decreases more slowly than `max_error` increases.
+    gather falls with the number M of rows of its grid of about π·M² rays. The spacing is never more than √2 times the
+    spacing for an error of 1 %, because records that are larger than the objects near them require many small records
+    between them. The errors of far records are averaged over the hemisphere of each gather, so the number of far
+    records and of their rays decreases more slowly than `max_error` increases.
     """
     out = _core.IrradianceCacheOptions()
     relative = options.max_error / REFERENCE_ERROR

@@ -43,7 +43,7 @@ class RadianceRecords:
 
     @staticmethod
     def of(caches: _core.SolvedCaches) -> RadianceRecords:
-        """Copy the records of radiance from the caches of the core."""
+        """Copy the records of radiance out of the caches of the core."""
         return RadianceRecords(
             np.asarray(caches.radiance_records),
             np.asarray(caches.radiance_values),
@@ -70,7 +70,7 @@ class RadianceRecords:
 
 @dataclass(frozen=True, eq=False, repr=False)
 class Solution(Solved):
-    """A solved irradiance cache of one scene.
+    """The records of irradiance, and of radiance if there are any, that were solved for one scene.
 
     `near` and `far` are float32 arrays (records, floats) in the coordinates of the core; the properties give the values
     of the near records by name. `max_depth` is the greatest number of edges of a path with which the records were
@@ -120,8 +120,9 @@ class Solution(Solved):
 
     @property
     def excess(self) -> np.ndarray:
-        """(N, 3) irradiance in W·m⁻² from the few rays that contribute more than a twentieth each; it is distributed
-        over neighbouring records."""
+        """(N, 3) irradiance in W·m⁻² from the few gather rays that contribute more than a twentieth of the irradiance
+        each. It is distributed over neighbouring records.
+        """
         return self._column("excess")
 
     @property
@@ -155,7 +156,7 @@ class Solution(Solved):
         return ErrorEstimate(*(seen[name] for name in names))
 
     def core(self) -> _core.SolvedCaches:
-        """Make the core's form of the records."""
+        """Convert the records to the compiled core."""
         caches = _core.SolvedCaches(
             np.ascontiguousarray(self.near, np.float32),
             np.ascontiguousarray(self.far, np.float32),

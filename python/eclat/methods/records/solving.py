@@ -99,8 +99,9 @@ class Job:
         return radiance_tables(self.scene, options, threads=self.work.threads or None, progress=self.work.progress)
 
     def _photons(self, options: RecordOptions) -> tuple[_core.PhotonMaps | None, float]:
-        """Trace the photons in which gather rays end, if `far_photons` requests them; return them and the number of
-        rays."""
+        """Trace the photons from which gather rays read the light at their ends, if `far_photons` requests them; return
+        them and the number of rays.
+        """
         if not options.far_photons or self.work.max_depth >= 0:
             return None, 0.0
         if self.scene.environment is not None:
@@ -147,10 +148,10 @@ class Job:
     def checked(
         self, solution: Solution, share: float, caches: _core.SolvedCaches | None = None, max_error: float | None = None
     ) -> Solution:
-        """Add an estimate of the error to the statistics of a solution.
+        """Estimate the error of a solution and add the estimate to its statistics.
 
-        The gathers for it take at most the given share of the rays of the solve, and fewer if it is clear sooner
-        whether the error is above `max_error`, by default that of the options.
+        The estimate takes at most the given share of the rays of the solve. It takes fewer if it becomes clear sooner
+        whether the error is above `max_error`, which by default is that of the options.
         """
         started, counted, check = clock.perf_counter(), _core.Progress(), _core.ErrorCheck()
         check.rays = int(share * solution.statistics["rays"])

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Division of a given time between records and samples of pixels.
+"""The division of a given time between the records and the samples of pixels.
 
 A cheap first solve, which places records at every fourth pixel only, measures the rays per second for this scene and
 machine. A second solve places records at all pixels, or at as many as there is time for. The scaling laws (`laws`) then
@@ -63,8 +63,8 @@ def solve_within(
     timely = replace(work, progress=_until(begun + LATEST * (deadline - begun), work.progress))
     job = Job(scene, purpose, timely)
     try:
-        # First, the positions of records become as close to each other as the options request, because pixels without
-        # records cost most.
+        # First, records are placed as densely as the options request, because pixels without records take the most
+        # time.
         least, rays, most = last.options.least_pixels, last.statistics["rays"], fitting()
         while least >= 2 * options.least_pixels and rays * RAYS_OF_HALVING <= SHARE_OF_COVERAGE * most:
             least, rays = least / 2, rays * RAYS_OF_HALVING
