@@ -7,7 +7,7 @@
 // uniformly.
 //
 // Symbol     name here          meaning                                                         unit
-// L place.luminance mean luminance above the limit of the rays that hit it W m⁻² sr⁻¹
+//   L        place.luminance    mean luminance above the limit, of the rays that hit the place  W m⁻² sr⁻¹
 //   sin² γ   sine2              of the angle γ that the sphere's radius spans                   1
 //   θ        –                  angle of the cone's uppermost part from the point's normal      rad
 //   c        chance             chance of the cone, L cos θ sin² γ over the sum of all cones'   1

@@ -9,8 +9,10 @@
 //   κ        relaxation    how much farther than its radius a record is read                         1
 //   t        distance      length of the gather ray                                                  m
 //   R        radius        mean radius of the records that serve the point; read only where t ≥ R    m
-// References [Christensen99] gather rays that end in precomputed irradiance Bias Light that varies within R is blurred
-// in what gather rays see. Held to tests/core/methods/radiance_cache/test_far_end.cpp
+//
+// References   [Christensen99] gather rays that end in precomputed irradiance
+// Bias         Gather rays see light that varies over distances below R only blurred.
+// Held to      tests/core/methods/radiance_cache/test_far_end.cpp
 
 #include "records/far_end.h"
 

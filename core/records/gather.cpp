@@ -11,17 +11,17 @@
 // Symbol     name here          meaning                                                     unit
 //   M, N     rows, columns      rows and columns of the grid, N = π M                       1
 //   L_jk     samples.radiance   radiance in cell (j, k)                                     W m⁻² sr⁻¹
-// E record.irradiance irradiance without the excess W m⁻²
-// X record.excess irradiance that was removed W m⁻²
-// n, m count, aimed numbers of rays of the grid, n = M N, and aimed 1
+//   E        record.irradiance  irradiance without the excess                               W m⁻²
+//   X        record.excess      irradiance of the excess that was removed                   W m⁻²
+//   n, m     count, aimed       number of rays of the grid, n = M N, and of aimed rays      1
 //   q        cones              density of the directions of the aimed rays                 sr⁻¹
-// L⁺ beyond() part of the radiance above the limit for one cell W m⁻² sr⁻¹
+//   L⁺       beyond()           part of the radiance that is above the limit for one cell   W m⁻² sr⁻¹
 //
 // The rays of both kinds together estimate X = Σ L⁺(ω) cos θ / (n cos θ / π + m q(ω)): the balance heuristic [Veach97 §9].
 //
 // References   [Ward88] the grid, [WardHeckbert92] gradients, [Schwarzhaupt12] curvature, [Veach97]
-// Departures The excess is estimated by rays of its own and read as a mean over neighbouring records. Held to
-// tests/core/records/test_record_passes.cpp, tests/core/records/test_bright_places.cpp
+// Departures   The excess is estimated by rays of its own and read as a mean over neighbouring records.
+// Held to      tests/core/records/test_record_passes.cpp, tests/core/records/test_bright_places.cpp
 
 #include "records/gather.h"
 

@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Records of incident radiance: where an irradiance record keeps one colour, these keep what arrives from each direction, so
-// that any lobe wide enough finds what it reflects by a dot product. Positions, radii, weights and what ends a record's
-// validity are those of irradiance records, which each of them has beside it.
+// Records of incident radiance. An irradiance record stores one colour; a radiance record stores the radiance as a
+// function of direction, so that the light that a wide lobe reflects is a dot product. Each radiance record belongs to
+// an irradiance record, which has the same position, radius, weight and limits of validity.
 //
 // References   [Krivanek05]; [Krivanek06] adaptive refinement by reflected radiance and Weber's law
 //
@@ -25,20 +25,21 @@
 
 namespace eclat {
 
-/// The lobe for which a record was made, as far as neighbours are compared by it.
+/// The lobe for which a record was made, which serves to compare the record with its neighbours.
 struct PlacedLobe {
     float width = 1;
-    Color albedo;                // under uniform light
+    Color albedo;                // reflectance under uniform light
     std::vector<float> factors;  // three channels, each padded as the records' values are, in Frame::around(normal)
 };
 
-/// Beyond this angle between the shading normal and that of a record, too much has risen over its horizon.
+/// The largest angle between the shading normal and that of a record. Beyond it, the query sees too much that is below
+/// the record's horizon.
 constexpr float largest_radiance_tilt = 0.3f;
 
-/// How far from records radiance is read.
+/// The distance from records up to which radiance is read.
 enum class Reading : uint8_t {
-    smooth,   // beyond their radii, so that none ends abruptly: for what is seen
-    nearest,  // within them, which takes a quarter of the records: for averages of many places
+    smooth,   // beyond their radii, so that no record ends abruptly: for visible surfaces
+    nearest,  // within their radii, which reads a quarter of the records: for averages over many points
 };
 
 class RadianceCache {
@@ -49,42 +50,46 @@ class RadianceCache {
     int order() const { return order_; }
     const std::vector<IrradianceRecord>& records() const { return cache_.records(); }
     float mean_luminance() const { return cache_.mean_luminance(); }
-    /// Numbers of a channel: n², and zeros up to whole vectors of eight.
+    /// Returns the number of floats of a channel: n² coefficients, padded with zeros to a multiple of eight.
     size_t stride() const { return stride_; }
-    /// The coefficients of all records one after another, with channels as in RadianceCoefficients.
+    /// The coefficients of all records, consecutively, with channels as in RadianceCoefficients.
     const std::vector<float>& values() const { return values_; }
-    /// The upper halves of floats: three digits do for a correction.
+    /// These are the upper halves of floats, because three digits suffice for a correction.
     const std::vector<uint16_t>& gradients() const { return gradients_; }
 
-    /// Adds records with their coefficients, in the order given; `lobes` of all of them, or of none.
+    /// Adds records with their coefficients, in the given order. `lobes` is empty or has an entry for each record.
     void insert(std::span<const IrradianceRecord> records, std::span<const RadianceCoefficients> coefficients,
                 std::span<const PlacedLobe> lobes, float spacing, int threads);
-    /// From the arrays of another cache.
+    /// Makes a cache from the arrays of another cache.
     void insert(std::span<const IrradianceRecord> records, std::span<const float> values,
                 std::span<const uint16_t> gradients, float spacing, int threads);
 
-    /// A lobe with these `factors` in the frame `shading`, for a record there.
+    /// Makes the lobe of a record from `factors` that are in the frame `shading`.
     PlacedLobe placed_lobe(const ReflectedFactors& factors, const Frame& shading, Vec3 normal) const;
 
-    /// Where two records that reach each other reflect, by the lobe that stands at one of them, unlike radiance there, by more
-    /// than `tolerance` of it beyond what their noise explains, the worse one's radius shrinks. What it no longer serves is up
-    /// to the next pass. Returns how many shrank; needs the lobes of all records.
+    /// Compares records that reach each other by the radiance that the lobe of one of them reflects. If the two values
+    /// differ by more than `tolerance` times that radiance, beyond what noise explains, the radius of the worse record
+    /// shrinks. The next pass adds records where it is no longer valid. Returns how many records shrank. All records
+    /// must have lobes.
     size_t shrink_where_records_disagree(float tolerance, float spacing, int threads);
 
-    /// How far a lobe of relative width σ may reach, in units of a record's radius.
+    /// Returns the distance up to which a lobe of relative width σ may read a record, in units of the record's radius.
     static float reach(float width);
 
-    /// Whether a record serves a lobe of that width at the point, by the strict test that decides where records are placed.
+    /// Returns whether a record serves a lobe of that width at the point by the strict test, which decides where
+    /// records are placed.
     bool serves(Vec3 p, Vec3 normal, float width) const;
 
-    /// Indirect radiance reflected by lobes with these `factors` in the frame `shading`; nothing where no record serves them.
+    /// Returns the indirect radiance that lobes with these `factors` in the frame `shading` reflect, or nothing if no
+    /// record serves them.
     std::optional<Color> reflect(Vec3 p, Vec3 normal, const Frame& shading, const ReflectedFactors& factors,
                                  Reading reading = Reading::smooth) const;
 
   private:
-    /// How far that lobe reads records beyond that.
+    /// Returns how much farther that lobe reads records than the strict test allows.
     float relaxed_reach(float width) const;
-    /// What record i reflects at `p` by `factors` in its own frame, a pointer for each channel.
+    /// Returns the radiance that record i gives at `p` for `factors` in the record's own frame, with one pointer for
+    /// each channel.
     Color reflected(uint32_t i, Vec3 p, const std::array<const float*, 3>& factors, size_t padded) const;
 
     int order_ = 0;
@@ -93,7 +98,7 @@ class RadianceCache {
     RadianceRotation rotation_;
     std::vector<float> values_;
     std::vector<uint16_t> gradients_;
-    std::vector<PlacedLobe> lobes_;  // of the records, while they are made
+    std::vector<PlacedLobe> lobes_;  // lobes of the records, only while the cache is filled
 };
 
 }  // namespace eclat

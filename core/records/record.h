@@ -9,26 +9,28 @@
 
 namespace eclat {
 
-/// Irradiance at a point, with what is needed to extrapolate it to its surroundings [Ward88, WardHeckbert92].
+/// The irradiance at a point, with the data by which it is extrapolated to neighbouring points [Ward88,
+/// WardHeckbert92].
 struct IrradianceRecord {
     Vec3 position, normal;
     Color irradiance;
-    Color excess;  // irradiance from rays too few and too bright for one record to judge: read as neighbours' mean
+    Color excess;  // irradiance from a few bright rays, which is read as a mean over neighbouring records
     RotationGradient rotation;
     TranslationGradient translation;
-    float distance = 0;    // ℓ_k: the length that its radius follows, see records/spacing.cpp
-    float radius = 0;      // within which it is valid: a part of ℓ_k, clamped to its neighbours and its bounds
-    float elongation = 1;  // how much farther it is valid along its long axis
-    float axis = 0;        // angle of that axis in Frame::around(normal)
+    float distance = 0;    // ℓ_k, the length to which the radius is proportional, see records/spacing.cpp
+    float radius = 0;      // radius of validity: a share of ℓ_k, clamped by neighbours and bounds
+    float elongation = 1;  // ratio of the radius along the long axis to the radius across it
+    float axis = 0;        // angle of the long axis in Frame::around(normal)
     float curvature = 0;   // larger second derivative of E's luminance in the tangent plane, W·m⁻⁴
-    float least_radius = 0, largest_radius = infinity;  // its bounds, from the size of a pixel there
-    /// Per sector of azimuth in Frame::around(normal): how far one can walk before geometry stands in the way. What
-    /// lies beyond may be another room.
+    float least_radius = 0, largest_radius = infinity;  // bounds of the radius, from the width of a pixel there
+    /// For each sector of azimuth in Frame::around(normal), the distance along the surface at which geometry is in the
+    /// way. Beyond it there may be another room.
     std::array<float, 12> clearance{};
-    float noise = 0;         // relative, as if its gather had the usual number of rays
-    float own_noise = 0;     // relative, of what is read there with the rays that it had
-    float excess_noise = 0;  // standard error of the excess's luminance, W·m⁻²
-    float enclosed = 0;      // 1: inside solids, unseen, most rays meeting backs of one-sided surfaces; never read
+    float noise = 0;         // relative noise that a gather with the usual number of rays would have
+    float own_noise = 0;     // relative noise of the value read here, with the actual number of rays
+    float excess_noise = 0;  // standard error of the luminance of the excess, W·m⁻²
+    float enclosed =
+        0;  // 1 if it is inside a solid (most rays hit backs of one-sided surfaces); such records are never read
 };
 static_assert(sizeof(IrradianceRecord) <= 212);
 

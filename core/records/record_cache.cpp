@@ -3,8 +3,8 @@
 
 // Irradiance between records is a weighted mean of what each record extrapolates to the point [WardHeckbert92],
 //   E(P) = Σ w_i (E_i + (n_i × n) · ∇_r E_i + (P − P_i) · ∇_t E_i + X_i) / Σ w_i ,
-// with X_i the mean over the record's surroundings of what gathers found in excess. Inserting records may shrink others: near
-// neighbours that are closer to obstacles, and neighbours that disagree, tell that a record reaches too far [Krivanek06].
+// where X_i is the mean excess of the gathers around the record. Inserting records may shrink others: a neighbour that
+// is closer to an obstacle, or that disagrees, shows that a record reaches too far [Krivanek06].
 //
 // Symbol       name here              meaning                                                          unit
 //   P, n       p, shading             the point and its normal
@@ -68,13 +68,13 @@ void RecordCache::rebuild(float spacing, int threads) {
     mean_luminance_ = static_cast<float>(sum / std::max(1.0, read));
 }
 
-// Each record reads the weighted mean of what its surroundings found in excess: the sum of all stays about the same, its
-// noise falls with their number. How wide they are depends on the noise of all, never on a record's own: one that met
-// nothing bright knows of no noise.
+// Each record gets the weighted mean of the excess of the records around it. The sum of the excess stays about the
+// same, and its noise decreases with the number of records. The width of the neighbourhood depends on the noise of all
+// of them and not on that of the record alone, because a record whose rays missed the bright object estimates no noise.
 void RecordCache::share_excess(int threads) {
-    // Set by judgement: wider surroundings blur bright spots over more of their walls, narrower ones leave splotches.
-    constexpr float widest = 4, narrowest = 0.5f;  // in units of a record's radius
-    constexpr float noisiest = 0.1f;               // of the irradiance, for which it takes the widest
+    // These are chosen by judgement: wider neighbourhoods blur bright spots, and narrower ones leave splotches.
+    constexpr float widest = 4, narrowest = 0.5f;  // widths of the neighbourhood in units of a record's radius
+    constexpr float noisiest = 0.1f;  // noise relative to the irradiance at which the neighbourhood is widest
     const auto& order = tree_.order();
     shared_excess_ = parallel_map<Color>(order.size(), threads, [&](size_t slot) {
         Color sum;
@@ -110,15 +110,16 @@ std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
 }
 
 bool RecordCache::obstructed(uint32_t slot, Vec3 p) const {
-    // The lower bound of the radius may reach through a thin wall: what stands in that direction ends the validity.
+    // The lower bound of the radius may extend through a thin wall, so geometry in the direction of the point ends the
+    // validity of the record.
     const IrradianceRecord& record = records_[tree_.order()[slot]];
     const Vec3 d = p - record.position;
     return length_squared(d) > sqr(record.clearance[clearance_sector(Frame::around(record.normal), d)]);
 }
 
 // Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
-// What one record sees in a gap reaches its neighbours. One round over the unclamped distances is exact: by the triangle
-// inequality a chain of clamps is never shorter than the direct one.
+// An obstacle that only one record sees thereby limits its neighbours too. One round over the unclamped distances is
+// exact, because by the triangle inequality a chain of clamps never gives a smaller radius than the direct clamp.
 void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     std::vector<SphereTree::Sphere> points;
     for (const auto& r : records_) points.push_back({r.position, 0});
@@ -127,8 +128,8 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
     const auto clamped = parallel_map<float>(records_.size(), threads, [&](size_t i) {
         const IrradianceRecord& record = records_[i];
         float distance = record.distance;
-        // A neighbour at distance d can only matter if d < R_i − R_j < R_i, and no farther than the upper bound lets
-        // the radius reach.
+        // A neighbour at distance d has an effect only if d < R_i − R_j < R_i, and if d is below the upper bound of the
+        // radius.
         const float reach = std::min(distance, record.largest_radius / spacing);
         tree.for_each_near(record.position, reach, [&](uint32_t slot, float d2) {
             const IrradianceRecord& other = records_[order[slot]];
@@ -143,12 +144,12 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
 }
 
 size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing, int threads) {
-    constexpr float deviations = 2;  // what noise explains with a chance of 95 %
+    constexpr float deviations = 2;  // noise explains smaller differences with a probability of 95 %
     const auto error = [&](uint32_t from, uint32_t at) {
         const IrradianceRecord &a = records_[from], &b = records_[at];
         const float there = luminance(b.irradiance + shared_excess(at));
         const float read = luminance(extrapolate(a, b.position, b.normal) + shared_excess(from));
-        // The floor is that of the measure of error.
+        // The lower bound is that of the error measure.
         const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
         const float explained = deviations * std::sqrt(sqr(a.own_noise) + sqr(b.own_noise)) * there;
         return std::fabs(read - there) / (explained + tolerance * unit);
@@ -157,12 +158,12 @@ size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing
     return shrink_where_records_disagree({error, reach}, spacing, threads);
 }
 
-// A record's value at its own place is no extrapolation, so that is where its neighbours' are judged. The error of a
-// first-order extrapolation grows with the square of the distance, so it is the tolerated one where that is shorter by the
-// root of their ratio.
+// The value of a record at its own position is not extrapolated, so the extrapolations of its neighbours are compared
+// with it there. The error of a first-order extrapolation increases with the square of the distance. It is therefore
+// equal to the tolerated error at a distance that is shorter by the square root of the ratio of the errors.
 size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads) {
     const auto& order = tree_.order();
-    // 0 where record `from` does not reach.
+    // The result is 0 if record `from` does not reach the other one.
     const auto error = [&](uint32_t from, uint32_t at) {
         const IrradianceRecord& b = records_[at];
         if (b.enclosed > 0 || weight_of(slot_of_[from], b.position, b.normal, disagreement.reach(at).read) <= 0)
@@ -184,7 +185,7 @@ size_t RecordCache::shrink_where_records_disagree(const Disagreement& disagreeme
     });
     size_t shrunk = 0;
     for (size_t i = 0; i < records_.size(); ++i) {
-        // At the lower bound nothing changes any more.
+        // A radius at its lower bound cannot shrink further.
         shrunk += distances[i] < records_[i].distance && records_[i].radius > records_[i].least_radius;
         IrradianceRecord& r = records_[i];
         r.distance = distances[i];
@@ -210,13 +211,13 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shad
     Color E = record.irradiance;
     const Vec3 turn = cross(record.normal, shading), shift = p - record.position;
     for (int c = 0; c < 3; ++c) {
-        const float value = E[c];  // both gradients, first order [WardHeckbert92]
+        const float value = E[c];  // first-order extrapolation with both gradients [WardHeckbert92]
         float change = 0;
         if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
         if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
-        // Set by judgement, to the factors that Radiance uses: a first-order change beyond them tells that the record reads
-        // too far, not that light changes so. Tighter ones cut true penumbrae; without them a gradient takes away more light
-        // than there is, or makes a bright spot.
+        // These factors are the ones that Radiance uses. A larger first-order change is due to a record that is read
+        // too far away and not to a real change of the light. Tighter bounds would cut off real penumbrae; without
+        // bounds, a gradient could make the irradiance negative or cause a bright spot.
         constexpr float least = 0.05f, most = 20;
         E[c] = clamp(value + change, least * value, most * value);
     }
@@ -232,7 +233,7 @@ std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading,
         weights += w;
         radii += w * record.radius;
     });
-    if (weights == 0) return std::nullopt;  // a miss, not darkness
+    if (weights == 0) return std::nullopt;  // no record serves the point, which does not mean that it is dark
     if (mean_radius) *mean_radius = radii / weights;
     return sum / weights;
 }

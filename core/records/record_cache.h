@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Records with the tree that finds them. A cache is filled in passes and then only read.
+// A cache of records, with the tree by which they are found. It is filled in passes and only read after that.
 
 #pragma once
 
@@ -17,23 +17,23 @@ namespace eclat {
 
 struct CacheOptions {
     Weight weight = Weight::tabellion;
-    float relaxation = 2;  // of a record's radius when it is read
+    float relaxation = 2;  // factor on a record's radius when it is read
     bool rotation_gradient = true;
     bool translation_gradient = true;
     bool neighbor_clamping = true;
 };
 
-/// How records that reach each other are found to disagree.
+/// The test whether records that reach each other disagree.
 struct Disagreement {
-    /// In units of a record's radius.
+    /// Distances in units of a record's radius.
     struct Reach {
-        float placed;  // how far it keeps others from being placed
-        float read;    // how far it is read
+        float placed;  // distance up to which no other record is placed
+        float read;    // distance up to which the record is read
     };
 
-    /// How many times more than is tolerated record `from` errs at the place of record `at`.
+    /// Returns the error of record `from` at the position of record `at`, in units of the tolerated error.
     std::function<float(uint32_t from, uint32_t at)> error;
-    /// For what is read at the place of record `at`.
+    /// Returns the reach for values that are read at the position of record `at`.
     std::function<Reach(uint32_t at)> reach;
 };
 
@@ -42,46 +42,49 @@ class RecordCache {
     RecordCache() = default;
     explicit RecordCache(const CacheOptions& options) : options_(options) {}
 
-    /// Adds records in the order given, clamps neighbours and rebuilds the tree.
+    /// Adds records in the given order, clamps the radii of neighbours and rebuilds the tree.
     void insert(std::span<const IrradianceRecord> records, float spacing, int threads);
 
-    /// Where two records that reach each other disagree by more than `tolerance` of what is there, beyond what their noise
-    /// explains, the worse one's radius shrinks to where it would not [Krivanek06]; then neighbours are clamped again. What
-    /// it no longer serves is up to the next pass. Returns how many shrank.
+    /// If two records that reach each other differ by more than `tolerance` of the irradiance, beyond what their noise
+    /// explains, the radius of the worse one shrinks until they no longer do [Krivanek06]. The radii of neighbours are
+    /// then clamped again. The next pass adds records where the radius has become too small. Returns how many records
+    /// shrank.
     size_t shrink_where_records_disagree(float tolerance, float spacing, int threads);
-    /// The same by any measure of error.
+    /// Does the same with another measure of the error.
     size_t shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads);
-    /// What record i shares with its surroundings of the irradiance in excess.
+    /// Returns the excess irradiance of record i, averaged over the records around it.
     Color shared_excess(uint32_t i) const { return shared_excess_[slot_of_[i]]; }
 
-    // Normals here are geometric: a bump tilts what a point looks at, not where its records lie.
+    // Normals are geometric in these functions, because bump maps tilt only the shading normal, not the surface on
+    // which the records lie.
 
-    /// Whether a record is valid at the point, by the strict test that decides where records are placed.
+    /// Returns whether a record is valid at the point by the strict test, which decides where records are placed.
     bool serves(Vec3 p, Vec3 normal) const;
-    /// Indirect irradiance at `p`, turned by the rotation gradient to the normal of `shading`; nothing where no record
-    /// serves it. `mean_radius`: of those that do.
+    /// Returns the indirect irradiance at `p`, extrapolated to the normal of `shading` by the rotation gradient, or
+    /// nothing if no record serves the point. `mean_radius` is set to the mean radius of the records that do.
     std::optional<Color> interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius = nullptr) const;
-    /// `f(record, weight, excess)` for each record whose radius times `reach`, at most the relaxation, serves the point, in an
-    /// order that does not depend on threads; `excess` is what it shares with its surroundings.
+    /// Calls `f(record, weight, excess)` for each record that serves the point if its radius is multiplied by `reach`,
+    /// which is at most the relaxation. The order does not depend on the number of threads. `excess` is the mean over
+    /// the surrounding records.
     template <class F>
     void for_each_serving(Vec3 p, Vec3 normal, float reach, F&& f) const {
         for_each_weight(p, normal, reach, 0,
                         [&](uint32_t slot, float w) { f(tree_.order()[slot], w, shared_excess_[slot]); });
     }
-    /// Mean noise of the gathers whose records, relaxed, reach the point; nothing where none does.
+    /// Returns the mean noise of the records whose relaxed radii reach the point, or nothing if there is none.
     std::optional<float> noise_around(Vec3 p, Vec3 normal) const;
-    /// Sum of the weights there: the density of records.
+    /// Returns the sum of the weights at the point, which measures the density of records.
     float density(Vec3 p, Vec3 normal) const;
 
-    /// Mean luminance of the records' irradiance; 0 without records.
+    /// Returns the mean luminance of the records' irradiance, or 0 if there are no records.
     float mean_luminance() const { return mean_luminance_; }
 
     const std::vector<IrradianceRecord>& records() const { return records_; }
     const CacheOptions& options() const { return options_; }
 
   private:
-    /// `f(slot, weight)` for each record that reaches the point with that `relaxation` and from which nothing stands in the way,
-    /// among those whose spheres are closer than `around`.
+    /// Calls `f(slot, weight)` for each record whose sphere is closer than `around`, which reaches the point with that
+    /// `relaxation`, and between which and the point there is no geometry.
     template <class F>
     void for_each_footing(Vec3 p, Vec3 n, float relaxation, float around, F&& f) const {
         static_assert(Footings::count == SphereTree::width);
@@ -94,21 +97,22 @@ class RecordCache {
             });
         });
     }
-    /// The same without those in solids: what is read there.
+    /// Does the same without records inside solids, which are never read.
     template <class F>
     void for_each_weight(Vec3 p, Vec3 n, float relaxation, float around, F&& f) const {
         for_each_footing(p, n, relaxation, around, [&](uint32_t slot, float w) {
             if (!footings_[slot / SphereTree::width].enclosed[slot % SphereTree::width]) f(slot, w);
         });
     }
-    /// With what weight the record is read there.
+    /// Returns the weight with which the record is read at the point.
     float weight_of(uint32_t slot, Vec3 p, Vec3 n, float relaxation) const {
         const Footings& footings = footings_[slot / SphereTree::width];
         const uint32_t i = slot % SphereTree::width;
         const float w = weight(footings[i], p, n, options_.weight, relaxation);
         return w > 0 && !footings.enclosed[i] && !out_of_sight(footings, i, slot, p) ? w : 0;
     }
-    /// Whether geometry stands between the record and the point; most are closer than any geometry.
+    /// Returns whether geometry lies between the record and the point. Most points are closer to the record than any
+    /// geometry.
     bool out_of_sight(const Footings& footings, uint32_t i, uint32_t slot, Vec3 p) const {
         if (options_.weight == Weight::split_sphere) return false;
         const float x = p.x - footings.position[0][i], y = p.y - footings.position[1][i],
@@ -125,9 +129,9 @@ class RecordCache {
     std::vector<IrradianceRecord> records_;
     float mean_luminance_ = 0;
     SphereTree tree_;
-    std::vector<Footings> footings_;    // of the records, for each of the tree's leaves
-    std::vector<Color> shared_excess_;  // of each record's surroundings, in the tree's slots
-    std::vector<uint32_t> slot_of_;     // each record's
+    std::vector<Footings> footings_;    // positions and reaches of the records in each leaf of the tree
+    std::vector<Color> shared_excess_;  // mean excess around the record in each slot of the tree
+    std::vector<uint32_t> slot_of_;     // slot of each record in the tree
 };
 
 }  // namespace eclat

@@ -10,9 +10,9 @@
 //   M       options.rows       rows of a gather; it has π M² rays                                 1
 //   ν       noise              mean relative noise of the finished records around a candidate     1
 //   ν_0     wanted_noise       noise at which a gather takes just M rows                          1
-//
-// Noise falls with the power 3/4 of the number of rays, as stratified samples in the plane do, so with M^{3/2}. Records keep it
-// as of a gather of the default M. A gather that is to have ν_0 takes M (ν / ν_0)^{2/3} rows; for other M all scales alike.
+// The noise of stratified samples in the plane is proportional to the power −3/4 of the number of rays, so to M^{-3/2}.
+// Records store the noise for the default M. A gather with the noise ν_0 therefore needs M (ν / ν_0)^{2/3} rows. If the
+// option M differs from the default, all numbers of rows scale with it.
 //
 // References   [Ward88], [Tabellion04] records are placed by a strict test and read by a relaxed one
 // Held to      tests/core/records/test_record_passes.cpp
@@ -29,20 +29,21 @@ namespace eclat {
 
 namespace {
 
-// Bounds of a far record's radius in units of its reach, at the usual spacing: in a cube, a hundredth and a fifth of half its
-// diagonal.
+// These are the bounds of a far record's radius at the usual spacing, divided by its reach. In a cube they are a
+// hundredth and a fifth of half the diagonal.
 constexpr float least_share = 0.008f, largest_share = 0.16f;
-constexpr uint32_t far_round = 1024;     // rays of one round of far candidates
-constexpr uint32_t rays_for_record = 4;  // that look for a far candidate, since most find what is served
+constexpr uint32_t far_round = 1024;     // number of rays in one round of far candidates
+constexpr uint32_t rays_for_record = 4;  // number of rays per far candidate, since most rays hit points that are served
 
 SpacingRule spacing_rule(const IrradianceCacheOptions& options) {
     return {options.metric, options.spacing, options.gradient_limit, options.balanced};
 }
 
-/// Sets lengths and radii of what a pass gathered. `mean`: luminance of the irradiance in the scene, 0 while it is unknown.
-///
-/// Without a camera, points that meet nothing have no length of their own: they take the pass's usual one, and where none
-/// meets anything, a part of what the points span. In such scenes no light depends on it.
+/// Sets the lengths and radii of the records of a pass. `mean` is the mean luminance of the irradiance in the scene, or
+/// 0 while it is unknown.
+/// Without a camera, points whose rays hit nothing have no length of their own. They take the typical length of the
+/// pass or, if no ray hits anything, a share of the extent of all points. In such scenes the light does not depend on
+/// it.
 void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOptions& options) {
     std::vector<float> known;
     Vec3 low{infinity, infinity, infinity}, high = -low;
@@ -84,7 +85,7 @@ std::vector<IrradianceRecord> records_of(std::span<const Gathered> gathered) {
     return out;
 }
 
-/// The records of a pass; what they met is known to the next.
+/// Collects the records of a pass, and the sightings that the next pass uses.
 std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, BrightPlaces& bright) {
     std::vector<Sighting> sightings;
     for (const Gathered& g : gathered) sightings.insert(sightings.end(), g.sightings.begin(), g.sightings.end());
@@ -92,10 +93,11 @@ std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, Bri
     return records_of(gathered);
 }
 
-/// In order, those that lie apart from all before, on the same side, by the sum of what both serve at least. A round of far
-/// candidates is so few that each may be held to each.
+/// Keeps, in order, the records whose distance from each kept record on the same side is at least the sum of their
+/// least radii. A round has so few far candidates that all pairs can be compared.
 std::vector<IrradianceRecord> thinned(std::span<const IrradianceRecord> records) {
-    constexpr float same_side = 0.9f;  // cosine of 26°, by judgement: a record serves 10°, but far ones may be coarser
+    // This is the cosine of 26°, by judgement: a record serves normals within 10°, and far records may be coarser.
+    constexpr float same_side = 0.9f;
     std::vector<IrradianceRecord> out;
     for (const IrradianceRecord& r : records)
         if (std::none_of(out.begin(), out.end(), [&](const IrradianceRecord& o) {
@@ -106,16 +108,18 @@ std::vector<IrradianceRecord> thinned(std::span<const IrradianceRecord> records)
     return out;
 }
 
-/// Rows of a gather at the candidate, by the noise that finished records around it found. Not by its own: to repeat gathers
-/// that look noisy would lose the light that made them so.
+/// Returns the number of rows of a gather at the candidate, from the noise of the finished records around it. The noise
+/// of the gather itself must not be used: repeating gathers that happen to be noisy would lose the light that made them
+/// noisy.
 int rows_for(const Candidate& candidate, const RecordCache& cache, const IrradianceCacheOptions& options, float share) {
     const auto rows = [&](float factor) {
         return std::max(2, static_cast<int>(std::lround(static_cast<float>(options.rows) * share * factor)));
     };
     const auto noise = cache.noise_around(candidate.position, candidate.normal);
     if (!noise) return rows(1);
-    // Both bounds and the noise are set by judgement. A lower noise would cost rays everywhere, a higher one leaves splotches;
-    // the bounds keep a gather between about half (0.75²) and four times (2²) of its rays, since noise is itself uncertain.
+    // Both bounds and the wanted noise are chosen by judgement. A lower noise would take rays everywhere, and a higher
+    // one leaves splotches. Because the noise itself is uncertain, the bounds keep a gather between about half (0.75²)
+    // and four times (2²) the usual number of rays.
     constexpr float fewest_rows = 0.75f, most_rows = 2;
     constexpr float wanted_noise = 0.04f;
     return rows(clamp(std::pow(*noise / wanted_noise, 2 / 3.0f), fewest_rows, most_rows));
@@ -159,20 +163,21 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
              RecordSolve& solve, Progress& progress) {
     IrradianceCacheOptions coarse = options;
-    if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // they are no wider than that anyway
+    if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // far records have no larger radius anyway
     const auto wanted = unserved(solve.caches.far, candidates, options.threads);
     const FarEnd none;
     const auto gathered = gather_each(
         {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
         [&](const Candidate&) { return options.far_rows; }, 0);
     const auto records = remembered(gathered, solve.bright);
-    // They only feed averages over whole hemispheres, so they may be coarse: never finer than about a hundredth of the
-    // distance from which they are seen, unless finer spacing is asked for. A record is seen from where it sees.
+    // Far records are only used in averages over whole hemispheres, so they may be coarse. Unless a finer spacing is
+    // requested, their radii are at least about a hundredth of the distance from which they are seen, which is taken to
+    // be the distance that they see.
     const float unit = options.far_spacing / usual_far_spacing;
     std::vector<IrradianceRecord> seen;
     for (size_t i = 0; i < records.size(); ++i) {
         IrradianceRecord r = records[i];
-        if (!(gathered[i].reach < infinity)) continue;  // by nothing
+        if (!(gathered[i].reach < infinity)) continue;  // a record that no surface sees
         r.least_radius = least_share * unit * gathered[i].reach;
         r.largest_radius = largest_share * unit * gathered[i].reach;
         r.radius = clamp(options.far_spacing * r.distance, r.least_radius, r.largest_radius);
@@ -184,7 +189,7 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
 
 std::vector<Candidate> far_candidates(const World& world, std::span<const Candidate> seen, uint32_t first, uint32_t end,
                                       const IrradianceCacheOptions& options, Progress& progress) {
-    constexpr double golden_ratio = 0.6180339887498949;  // its multiples are spread evenly, however many there are
+    constexpr double golden_ratio = 0.6180339887498949;  // any number of its multiples modulo 1 are distributed evenly
     std::vector<Ray> rays;
     for (uint32_t i = first; i < end; ++i) {
         const double turns = golden_ratio * i;

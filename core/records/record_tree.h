@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Spheres around records, in a bounding volume hierarchy eight wide: which records may serve a point, which lie near one.
-// Built anew after each pass from the records in index order, with ties broken by index, so that every lookup visits
-// the same records in the same order whatever the number of threads.
+// A bounding volume hierarchy with eight children per node of the spheres around records, which finds the records that
+// may serve a point or lie near it. It is rebuilt after each pass from the records in index order, with ties broken by
+// index, so that every lookup visits the same records in the same order with any number of threads.
 
 #pragma once
 
@@ -21,7 +21,7 @@ namespace eclat {
 
 class SphereTree {
   public:
-    /// A sphere, or what lies in it within `height` of the plane through its centre.
+    /// A sphere, or the part of a sphere that is within `height` of the plane through its centre.
     struct Sphere {
         Vec3 center;
         float radius;
@@ -42,13 +42,13 @@ class SphereTree {
         root_ = build({spheres, boxes}, indices);
     }
 
-    static constexpr uint32_t width = lane_count;  // slots of a leaf
+    static constexpr uint32_t width = lane_count;  // number of slots of a leaf
 
-    /// The index of the sphere in each slot, `vacant` for none: what lookups name is the slot.
+    /// The index of the sphere in each slot, or `vacant` if the slot is empty. Lookups return slots.
     const std::vector<uint32_t>& order() const { return order_; }
 
-    /// Calls `f(slot, squared distance)` for each sphere whose surface or inside is closer than `reach` to `p`; of those that
-    /// are cut by planes, for some that are a little farther as well.
+    /// Calls `f(slot, squared distance)` for each sphere whose surface or interior is closer than `reach` to `p`. It is
+    /// also called for some spheres cut by planes that are slightly farther away.
     template <class F>
     void for_each_near(Vec3 p, float reach, F&& f) const {
         for_each_leaf_near(p, reach, [&](uint32_t leaf) {
@@ -57,11 +57,11 @@ class SphereTree {
         });
     }
 
-    /// Calls `f(leaf)` for each leaf that may hold such spheres; its slots are width · leaf and those after it.
+    /// Calls `f(leaf)` for each leaf that may contain such spheres. Its `width` slots start at width · leaf.
     template <class F>
     void for_each_leaf_near(Vec3 p, float reach, F&& f) const {
         if (order_.empty()) return;
-        uint32_t stack[width * 16];  // 8^16 spheres are deeper than any memory
+        uint32_t stack[width * 16];  // a tree deeper than 16 levels would not fit into any memory
         uint32_t depth = 0;
         stack[depth++] = root_;
         while (depth > 0) {
@@ -79,11 +79,11 @@ class SphereTree {
     static constexpr uint32_t leaf_bit = 1u << 31;
 
     struct alignas(32) Node {
-        float low[3][width], high[3][width];  // of the children; inside out where there is none
+        float low[3][width], high[3][width];  // bounds of the children, inverted for missing ones
         uint32_t child[width];
 
         Lanes near(Vec3 p, float reach) const {
-            float outside[width];  // how far, along the axis where it is farthest
+            float outside[width];  // largest distance from the box along any axis
             for (uint32_t i = 0; i < width; ++i) {
                 const float x = std::max(low[0][i] - p.x, p.x - high[0][i]);
                 const float y = std::max(low[1][i] - p.y, p.y - high[1][i]);
@@ -95,7 +95,7 @@ class SphereTree {
     };
 
     struct alignas(32) Leaf {
-        float x[width], y[width], z[width], radius[width];  // infinitely far where there is no sphere
+        float x[width], y[width], z[width], radius[width];  // spheres; infinitely far away in empty slots
         float nx[width], ny[width], nz[width], height[width];
 
         Lanes near(Vec3 p, float reach, float* d2) const {
@@ -117,7 +117,7 @@ class SphereTree {
             low = min(low, other.low);
             high = max(high, other.high);
         }
-        /// Half of its surface: what the chance is proportional to that a lookup enters it.
+        /// Returns half of the surface area, to which the probability that a lookup enters the box is proportional.
         float area() const {
             const Vec3 d = high - low;
             return d.x * d.y + d.y * d.z + d.z * d.x;
@@ -129,10 +129,10 @@ class SphereTree {
         uint32_t entry;
     };
 
-    /// What a tree is built from.
+    /// The data from which a tree is built.
     struct Input {
         std::span<const Sphere> spheres;
-        std::span<const Box> boxes;  // of each
+        std::span<const Box> boxes;  // bounds of each sphere
 
         Box around(std::span<const uint32_t> indices) const {
             Box box;
@@ -147,7 +147,8 @@ class SphereTree {
     };
 
     static Box box_of(const Sphere& s) {
-        const auto extent = [&](float cosine) {  // along an axis with which the normal has this cosine
+        // The extent along an axis depends on the cosine of the angle between the axis and the normal.
+        const auto extent = [&](float cosine) {
             const float across = std::fabs(cosine);
             if (s.height >= s.radius * across) return s.radius;
             return s.height * across + std::sqrt((sqr(s.radius) - sqr(s.height)) * std::max(0.0f, 1 - sqr(across)));
@@ -158,11 +159,11 @@ class SphereTree {
 
     struct Split {
         int axis = 0;
-        size_t first = 0;  // so many spheres come first along the axis
+        size_t first = 0;  // number of spheres in the first part
         float cost = infinity;
     };
 
-    /// The best place along one axis, at the border of one of the bins into which the centres fall.
+    /// Finds the best split along one axis, at the border of one of the bins of the centres.
     static Split best_split(const Input& input, std::span<const uint32_t> indices, int axis, float low, float high) {
         constexpr size_t bin_count = 16;
         struct Bin {
@@ -196,8 +197,8 @@ class SphereTree {
         return best;
     }
 
-    /// Parts a range of spheres in two where, by the surface area heuristic [MacDonaldBooth90], the sum over both of the box's
-    /// area times the number of spheres is least, rounded to whole leaves.
+    /// Splits a range of spheres in two so that the surface area heuristic [MacDonaldBooth90], the sum over both parts
+    /// of the area of the box times the number of spheres, is least. The sizes are rounded to whole leaves.
     static std::span<uint32_t> take_part(const Input& input, std::span<uint32_t>& indices) {
         const Box centers = input.of_centers(indices);
         Split best{0, indices.size() / 2};
@@ -217,10 +218,10 @@ class SphereTree {
         return part;
     }
 
-    /// Builds what holds the spheres of `indices` and returns its entry, a node or a leaf.
+    /// Builds the node or leaf that contains the spheres of `indices` and returns its entry.
     uint32_t build(const Input& input, std::span<uint32_t> indices) {
         if (indices.size() <= width) return build_leaf(input.spheres, indices);
-        // The part with the largest box is split next, until a node is full.
+        // The part with the largest box is split next, until the node has all its children.
         std::vector<Part> parts{{indices, input.around(indices), 0}};
         while (parts.size() < width) {
             Part* largest = nullptr;

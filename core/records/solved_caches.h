@@ -15,21 +15,22 @@ namespace eclat {
 
 struct SolvedCaches {
     RecordCache near, far;
-    RadianceCache radiance;    // empty under irradiance caching
-    size_t left_to_paths = 0;  // candidates that got no record, since none pays there
+    RadianceCache radiance;    // empty for irradiance caching
+    size_t left_to_paths = 0;  // number of candidates without a record, because paths take fewer rays there
 };
 
-/// Empty caches, each with how it is read.
+/// Makes empty caches with their settings for reading.
 SolvedCaches empty_caches(const IrradianceCacheOptions& options);
-/// How far records are read from where gather rays end: coarsely, and without turning, since only averages matter.
+/// Settings with which gather rays read far records: coarsely and without rotation gradients, because only averages
+/// matter.
 CacheOptions far_reading(const CacheOptions& near);
 
-/// A solve under way.
+/// The data of a solve that is in progress.
 struct RecordSolve {
-    SolvedCaches& caches;                     // that it fills
-    const RadianceTables* tables = nullptr;   // of lobes, under radiance caching
-    BrightPlaces bright{};                    // at which its gathers aim
-    DirectRegions direct{}, glossy_direct{};  // where records do not pay
+    SolvedCaches& caches;                     // caches that the solve fills
+    const RadianceTables* tables = nullptr;   // tables of lobes, for radiance caching
+    BrightPlaces bright{};                    // places at which gathers aim rays
+    DirectRegions direct{}, glossy_direct{};  // regions without records
 };
 
 }  // namespace eclat

@@ -12,40 +12,40 @@
 
 namespace eclat {
 
-/// What the radius of a record follows.
+/// The quantity that determines the radius of a record.
 enum class Metric : uint8_t {
-    occlusion,    // how E bends, with what hides and appears [Schwarzhaupt12]
-    radiometric,  // the same without that [Jarosz12]
-    geometric,    // that, for even radiance
-    minimum,      // the least distance to what the record sees [Tabellion04]
-    harmonic,     // the harmonic mean of all distances: the split sphere [Ward88]
+    occlusion,    // second derivatives of E, with occlusion [Schwarzhaupt12]
+    radiometric,  // second derivatives without occlusion [Jarosz12]
+    geometric,    // second derivatives for constant radiance
+    minimum,      // least distance to the surfaces that the record sees [Tabellion04]
+    harmonic,     // harmonic mean of the distances: the split-sphere model [Ward88]
 };
 
-/// Which second derivatives a metric needs; none for distances.
+/// Returns the kind of second derivatives that a metric needs, or nothing for metrics of distance.
 std::optional<Curvature> curvature_of(Metric metric);
 
-/// Which error is held the same for every record that follows curvature.
+/// The error that is made equal for all records whose radius depends on second derivatives.
 enum class Balanced : uint8_t {
-    squared,   // summed squares over the record's disc: least for a number of records
-    absolute,  // summed absolute errors [Schwarzhaupt12]
+    squared,   // squared error summed over the record's disc; gives the least total for a number of records
+    absolute,  // absolute error summed over the record's disc [Schwarzhaupt12]
 };
 
 struct SpacingRule {
     Metric metric = Metric::occlusion;
-    float spacing = 0.8f;  // radius in units of the record's length
+    float spacing = 0.8f;  // radius divided by the record's length
     bool gradient_limit = true;
     Balanced balanced = Balanced::squared;
 };
 
-/// R2 / R1 of the ellipse in which a record is valid, between 1 and 2 [Schwarzhaupt12].
+/// Returns the ratio R2 / R1 of the ellipse in which a record is valid, between 1 and 2 [Schwarzhaupt12].
 float elongation(const PrincipalCurvatures& bends);
 
-/// Sets the length that the record's radius follows and the radius within its bounds, and shrinks the translation gradient by
-/// as much as the lower bound raised it.
+/// Sets the length of the record and its radius within the bounds. If the lower bound increases the radius, the
+/// translation gradient is reduced by the same factor.
 ///
-/// `obstacle`: distance to what the record sees, by its metric, m; the length is no greater.
-/// `footprint`: width of a pixel there, 0 where there are none and only the distance counts. `mean`: luminance of the
-/// irradiance in the scene, 0 while unknown.
+/// `obstacle` is the distance of the surfaces that the record sees, in m, as the metric defines it; the length is at
+/// most this. `footprint` is the width of a pixel there; with 0, only the distance determines the length. `mean` is the
+/// mean luminance of the irradiance in the scene, or 0 while it is unknown.
 void space(IrradianceRecord& record, float obstacle, float footprint, float mean, const SpacingRule& rule);
 
 }  // namespace eclat

@@ -16,7 +16,7 @@ namespace {}  // namespace
 
 SurfacePoints::SurfacePoints(const World& world) : world_(world) {
     const Geometry& g = world.geometry;
-    double sum = 0;  // double: the areas of millions of triangles
+    double sum = 0;  // in double precision, since there may be millions of triangles
     for (uint32_t t = 0; t < g.triangle_count(); ++t) {
         const Vec3 a = g.vertex(t, 0);
         sum += 0.5 * length(cross(g.vertex(t, 1) - a, g.vertex(t, 2) - a));
@@ -33,7 +33,7 @@ std::vector<SurfacePoints::Place> SurfacePoints::spread(size_t count, uint32_t p
         const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at);
         const auto triangle = static_cast<uint32_t>(found - cumulative_.begin());
         const double below = triangle == 0 ? 0 : cumulative_[triangle - 1];
-        const double area = *found - below;  // 0 only if a last triangle without area stands in for rounding
+        const double area = *found - below;  // 0 only if rounding selects a last triangle without area
         const auto within = area > 0 ? static_cast<float>(clamp((at - below) / area, 0.0, 1.0)) : 0.0f;
         const float across = to_unit_float(reverse_bits(static_cast<uint32_t>(i)) ^ hash(key, 1));
         const float s = std::sqrt(within);
@@ -44,8 +44,8 @@ std::vector<SurfacePoints::Place> SurfacePoints::spread(size_t count, uint32_t p
 
 void double_places(const std::function<PassCounts(uint32_t number, size_t count)>& pass) {
     constexpr size_t first_pass = 64;
-    constexpr uint32_t least_passes = 7;    // 4096 places: fewer say nothing about the rest
-    constexpr double unserved_part = 2e-3;  // of a pass; misses so rare cost less, answered while reading
+    constexpr uint32_t least_passes = 7;    // 4096 points: fewer would not be representative
+    constexpr double unserved_part = 2e-3;  // share of a pass; paths take fewer rays than records for so few points
     for (uint32_t number = 0; number < most_place_passes; ++number) {
         const PassCounts found = pass(number, first_pass << number);
         const double few = unserved_part * static_cast<double>(found.tried);

@@ -16,18 +16,20 @@ class SurfacePoints {
   public:
     struct Place {
         Hit hit;
-        uint32_t key;  // of its random numbers
+        uint32_t key;  // key of the random numbers
     };
 
     explicit SurfacePoints(const World& world);
 
     bool empty() const { return cumulative_.empty() || !(cumulative_.back() > 0); }
 
-    /// `count` points over the area of all triangles. Point i lies at i / count of the area and, within its triangle, at the
-    /// radical inverse of i: Hammersley's points, turned by random numbers of `pass`.
+    /// Returns `count` points, evenly distributed over the area of all triangles. Point i is at the fraction i / count
+    /// of the cumulative area and, within its triangle, at the radical inverse of i. These are Hammersley points,
+    /// shifted by random numbers of `pass`.
     std::vector<Place> spread(size_t count, uint32_t pass, uint32_t seed) const;
 
-    /// `f(point, wo)` for each side of a place that could reflect, seen along its normal; wo in the point's frame.
+    /// Calls `f(point, wo)` for each side of a surface point that may reflect, as seen along its normal. `wo` is in the
+    /// frame of the point.
     template <class F>
     void for_each_side(const Hit& hit, F&& f) const {
         const Vec3 front = world_.geometry.geometric_normal(hit.triangle);
@@ -40,16 +42,17 @@ class SurfacePoints {
 
   private:
     const World& world_;
-    std::vector<double> cumulative_;  // area up to and with each triangle
+    std::vector<double> cumulative_;  // sum of the areas up to and including each triangle
 };
 
-/// Calls of `double_places`, at most: up to half a million places in all.
+/// The greatest number of passes of `double_places`, which have half a million points in all.
 constexpr uint32_t most_place_passes = 13;
-/// What a pass tried, and how much of it no record served.
+/// The number of points that a pass tried, and the number of those that no record served.
 struct PassCounts {
     size_t tried, unserved;
 };
-/// `pass(number, count)` with twice as many new places each time, until almost all that it tries is served.
+/// Calls `pass(number, count)` with twice as many new points each time, until almost all points that it tries are
+/// served.
 void double_places(const std::function<PassCounts(uint32_t number, size_t count)>& pass);
 
 }  // namespace eclat

@@ -305,8 +305,9 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
 
 
 def why_above(flags: Mapping[str, Any], statistics: Mapping[str, float]) -> str:
-    """Say why the stated error is above `--max-error` although the noise is small enough; empty if it is not above, if the
-    samples or the time were given, or if a warning said it."""
+    """Explain why the stated error is above `--max-error` although the noise is small enough. The text is empty if the
+    error is not above it, if the samples or the time were given, or if a warning has explained it.
+    """
     error, records = statistics.get("estimated_error", 0.0), statistics.get("cache_error", 0.0)
     steered = flags["samples"] is None and flags["time"] is None
     if not steered or error <= flags["max_error"] or statistics.get("light_by_chance"):

@@ -73,7 +73,9 @@ class Prepared(ABC):
 
     @property
     def errs_by_noise_alone(self) -> bool:
-        """Whether noise is the only error of a picture, so that two halves of its samples measure all of it."""
+        """Whether noise is the only error of a picture, so that the difference between two halves of its samples
+        measures it.
+        """
         return False
 
     def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator | None:

@@ -117,7 +117,9 @@ class Picture:
             raise
 
     def finished(self, sampling: Sampling, probed: ProbedError | None = None) -> Image:
-        """Make the Image of all samples, as the last look at it found it, with the error that the probes found."""
+        """Make the Image of all samples, from the last evaluation of the halves if there are any, with the error that
+        the probes measured.
+        """
         return self._image(sampling.film, sampling, sampling.taken, sampling.found, probed)
 
     def probed(self, sampling: Sampling) -> ProbedError | None:

@@ -271,7 +271,7 @@ def _sampling(
     keep_partial: bool,
     preview: Callable[[Image], None] | None,
 ) -> Sampling:
-    """Make what takes the samples of the picture, in one film or in two halves with seeds of their own."""
+    """Make the object that takes the samples of the picture, in one film or in two halves with different seeds."""
     view, region, work = picture.view, picture.region, picture.work
     pixels = [
         _core.RenderRange(

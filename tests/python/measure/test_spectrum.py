@@ -68,7 +68,7 @@ def test_srgb_is_decoded_as_the_standard_says() -> None:
     [
         ([], [], "as many wavelengths as values, at least one, got 0 and 0"),
         ([400], [1, 2], "got 1 and 2"),
-        ([500, 400], [1, 2], "increase"),
+        ([500, 400], [1, 2], "increasing wavelengths, got 500 nm before 400 nm"),
         ([400, 500], [1, float("nan")], "finite"),
     ],
 )
