@@ -38,7 +38,7 @@ inline bool is_finite(Color a) { return std::isfinite(a.r) && std::isfinite(a.g)
 inline Color max(Color a, Color b) { return {std::max(a.r, b.r), std::max(a.g, b.g), std::max(a.b, b.b)}; }
 inline Color min(Color a, Color b) { return {std::min(a.r, b.r), std::min(a.g, b.g), std::min(a.b, b.b)}; }
 
-/// Relative luminance Y of Rec. 709 primaries (ITU-R BT.709).
+/// Returns the relative luminance Y for Rec. 709 primaries (ITU-R BT.709).
 inline float luminance(Color a) { return 0.2126f * a.r + 0.7152f * a.g + 0.0722f * a.b; }
 
 }  // namespace eclat

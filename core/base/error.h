@@ -15,7 +15,7 @@ struct Cancelled : std::runtime_error {
     Cancelled() : std::runtime_error("cancelled") {}
 };
 
-/// Throw std::invalid_argument with `message` unless `condition` holds.
+/// Throws std::invalid_argument with `message` unless `condition` holds.
 inline void require(bool condition, const std::string& message) {
     if (!condition) throw std::invalid_argument(message);
 }

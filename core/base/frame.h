@@ -12,7 +12,7 @@ namespace eclat {
 struct Frame {
     Vec3 u, v, n;
 
-    /// Branchless frame from a unit normal [Duff17].
+    /// Makes a frame from a unit normal without branches [Duff17].
     static Frame around(Vec3 n) {
         const float sign = std::copysign(1.0f, n.z);
         const float a = -1 / (sign + n.z);
@@ -20,7 +20,8 @@ struct Frame {
         return {{1 + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}, n};
     }
 
-    /// Frame around `n` whose u lies along `tangent` as far as possible; any frame where they are parallel.
+    /// Makes a frame around `n` whose axis u is as close as possible to `tangent`; if they are parallel, it is any
+    /// frame around `n`.
     static Frame along(Vec3 n, Vec3 tangent) {
         const Vec3 u = tangent - n * dot(n, tangent);
         const float l2 = length_squared(u);

@@ -7,7 +7,7 @@
 
 namespace eclat {
 
-/// Sorts ranges of indices of points, and writes down along which axis.
+/// Orders ranges of point indices and stores the axis of each split.
 class KdTree::Builder {
   public:
     Builder(std::span<const Vec3> points, std::vector<uint32_t>& order, std::vector<uint32_t>& axes)
@@ -47,7 +47,7 @@ class KdTree::Builder {
 };
 
 KdTree::KdTree(std::span<const Vec3> points, int threads) {
-    constexpr uint32_t alone = 1 << 14;  // points of a range that one thread finishes
+    constexpr uint32_t alone = 1 << 14;  // number of points of a range that one thread finishes
     const auto count = static_cast<uint32_t>(points.size());
     std::vector<uint32_t> axes(count, 0);
     order_.resize(count);

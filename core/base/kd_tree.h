@@ -16,18 +16,19 @@
 
 namespace eclat {
 
-/// Where points are looked for: in a disc around `position`, in the plane across `normal`.
+/// The region of a query: a disc around `position` in the plane perpendicular to `normal`.
 struct Disc {
     Vec3 position, normal;
     float radius = infinity;
 
-    /// How much nearer to its plane than to its centre the disc ends: it is an ellipsoid, flat enough not to reach far up a
-    /// wall, thick enough for surfaces that bend.
+    /// The region is an ellipsoid, whose radius along the normal is smaller by this factor than in the plane: it is
+    /// flat, so that it does not extend far up a wall, but thick enough for curved surfaces.
     static constexpr float flatness = 4;
-    /// Cosine of the largest angle between the disc's normal and those of surfaces that belong to it.
+    /// The cosine of the largest angle between the disc's normal and the normals of points that belong to the disc.
     static constexpr float least_cosine = 0.9f;
 
-    /// Squared distance from the centre in the ellipsoid's measure; never less than Euclid's.
+    /// Returns the squared distance from the centre in the metric of the ellipsoid, which is at least the Euclidean
+    /// one.
     float distance2(Vec3 p) const {
         const Vec3 d = p - position;
         return length_squared(d) + (flatness * flatness - 1) * sqr(dot(d, normal));
@@ -36,8 +37,8 @@ struct Disc {
 };
 
 struct Neighbor {
-    float distance2;  // in the disc's measure
-    uint32_t index;   // in the tree's order
+    float distance2;  // squared distance in the metric of the disc
+    uint32_t index;   // index in the order of the tree
 
     bool operator<(const Neighbor& o) const {
         return distance2 < o.distance2 || (distance2 == o.distance2 && index < o.index);
@@ -49,16 +50,16 @@ class KdTree {
     KdTree() = default;
     KdTree(std::span<const Vec3> points, int threads);
 
-    /// Which of the given points stands at each place of the tree.
+    /// The index of the given point at each position in the tree.
     const std::vector<uint32_t>& order() const { return order_; }
 
-    /// The `count` points nearest to the disc's centre within its radius for which `accept(index)` holds; into `found`, in no
-    /// order. Returns the radius of the disc that they fill: the distance of the next one, or the disc's radius where there
-    /// is none.
+    /// Finds the `count` points nearest to the disc's centre, within its radius, for which `accept(index)` is true, and
+    /// writes them to `found` in no particular order. Returns the radius of the disc that they fill, which is the
+    /// distance of the next point or, if there is none, the radius of the query.
     template <class Accept>
     float nearest(const Disc& disc, size_t count, std::vector<Neighbor>& found, const Accept& accept) const {
         found.clear();
-        // One more than wanted: where it lies, the disc of the others ends.
+        // One more point than wanted is searched, because its distance is the radius of the disc of the others.
         Search<Accept> s{disc, accept, count + 1, found, sqr(disc.radius)};
         search(s, 0, static_cast<uint32_t>(nodes_.size()));
         if (found.size() <= count) return disc.radius;
@@ -69,7 +70,7 @@ class KdTree {
     }
 
   private:
-    static constexpr uint32_t leaf_size = 8;  // points that are looked at one by one
+    static constexpr uint32_t leaf_size = 8;  // number of points that are examined one by one
 
     struct Node {
         Vec3 position;
@@ -87,8 +88,8 @@ class KdTree {
         const Disc& disc;
         const Accept& accept;
         size_t wanted;
-        std::vector<Neighbor>& heap;  // the farthest on top, once there are `wanted`
-        float radius2;                // beyond which nothing is wanted any more
+        std::vector<Neighbor>& heap;  // a heap with the farthest on top once there are `wanted`
+        float radius2;                // squared distance beyond which points are ignored
 
         void consider(Vec3 position, uint32_t index) {
             const Neighbor candidate{disc.distance2(position), index};

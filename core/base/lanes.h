@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Eight numbers looked at together: loops over them that compilers turn into vector instructions, and the way back from the
-// result of such a loop to the few numbers that it found.
+// Groups of eight numbers. Compilers turn loops over a group into vector instructions; the functions here iterate over
+// the few lanes that such a loop has selected.
 
 #pragma once
 
@@ -14,7 +14,8 @@ namespace eclat {
 
 constexpr uint32_t lane_count = 8;
 
-/// Which of eight lanes: one byte for each, since compilers turn a loop of comparisons into bytes with a few instructions.
+/// A selection of lanes with one byte for each, because compilers turn a loop of comparisons into bytes with a few
+/// instructions.
 using Lanes = uint64_t;
 static_assert(std::endian::native == std::endian::little);
 
@@ -27,7 +28,7 @@ Lanes lanes_where(Test&& test) {
     return lanes;
 }
 
-/// Calls `f(lane)` for each of `lanes`, in order.
+/// Calls `f(lane)` for each selected lane, in order.
 template <class F>
 void for_each_lane(Lanes lanes, F&& f) {
     for (; lanes != 0; lanes &= lanes - 1) f(static_cast<uint32_t>(std::countr_zero(lanes)) / lane_count);

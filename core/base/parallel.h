@@ -21,8 +21,9 @@ namespace eclat {
 
 namespace detail {
 
-/// The arena of so many threads, made once and shared by all calls: oneTBB 2021.8 keeps 7 KB of each arena for good, which
-/// was half a megabyte a solve. It is never destroyed, since threads may outlive static objects.
+/// Returns the arena with that number of threads, which is created once and shared by all calls: oneTBB 2021.8 never
+/// frees 7 KB of each arena, which was half a megabyte per solve. It is never destroyed, because threads may outlive
+/// static objects.
 inline tbb::task_arena& arena_of(int threads) {
     static std::mutex mutex;
     static auto& arenas = *new std::map<int, tbb::task_arena>;
@@ -32,8 +33,9 @@ inline tbb::task_arena& arena_of(int threads) {
 
 }  // namespace detail
 
-/// Calls `f(i)` for each i in [0, count), in any order, on `threads` threads (0 = all cores); never on more than there
-/// are cores for: they could not run, and oneTBB warns on standard error. Callers with the same `threads` share these.
+/// Calls `f(i)` for each i in [0, count), in any order, on `threads` threads, where 0 means all cores. There are never
+/// more threads than cores, because more could not run at once, and oneTBB would warn on standard error. Callers with
+/// the same `threads` share them.
 template <class F>
 void parallel_for(size_t count, int threads, F&& f) {
     const int cores = tbb::info::default_concurrency();
@@ -46,7 +48,7 @@ void parallel_for(size_t count, int threads, F&& f) {
             },
             tbb::simple_partitioner());
     };
-    // Isolated, so that a thread which waits for the end of this loop takes up no work of another call meanwhile.
+    // The loop is isolated, so that a thread that waits for its end does not start work of another call.
     arena.execute([&] { tbb::this_task_arena::isolate(work); });
 }
 
@@ -57,7 +59,7 @@ void parallel_blocks(size_t count, size_t block, int threads, F&& f) {
                  [&](size_t i) { f(i * block, i * block + block < count ? i * block + block : count); });
 }
 
-/// The results of `f(i)` in index order.
+/// Returns the results of `f(i)` in index order.
 template <class T, class F>
 std::vector<T> parallel_map(size_t count, int threads, F&& f) {
     std::vector<T> out(count);

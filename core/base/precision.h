@@ -7,12 +7,14 @@
 
 namespace eclat {
 
-/// Where a computed point may lie, as a fraction of its largest coordinate. Intersections are exact to some units in the last
-/// place of a float; eight to sixteen of them keep rays from meeting the surface that they leave, at any scale of the scene.
+/// The offset of ray origins from surfaces, as a fraction of the largest coordinate. Intersections are exact to a few
+/// units in the last place of a float; an offset of eight to sixteen units keeps rays from hitting the surface that
+/// they leave, at any scale of the scene.
 constexpr float coordinate_resolution = 0x1p-20f;
 
-/// A shadow ray ends this fraction of its length short of the light, so that it does not meet the light itself: a point
-/// that was sampled in solid angle is found by intersecting the light's plane, to some hundred units in the last place.
+/// A shadow ray is shortened by this fraction of its length, so that it does not hit the light itself. A point that is
+/// sampled in solid angle is computed by intersecting the light's plane, with an error of about a hundred units in the
+/// last place.
 constexpr float shadow_shortening = 1 - 0x1p-13f;
 
 }  // namespace eclat

@@ -24,7 +24,7 @@ struct Progress {
     }
     void advance(uint64_t work = 1) { done.fetch_add(work, std::memory_order_relaxed); }
     void count_rays(uint64_t n) { rays.fetch_add(n, std::memory_order_relaxed); }
-    /// Throws Cancelled once the caller has asked to stop.
+    /// Throws Cancelled if the caller has asked to stop.
     void check() const {
         if (cancelled.load(std::memory_order_relaxed)) throw Cancelled();
     }

@@ -51,7 +51,7 @@ inline bool is_finite(Vec3 a) { return std::isfinite(a.x) && std::isfinite(a.y) 
 inline float sqr(float x) { return x * x; }
 inline float lerp(float a, float b, float t) { return a + (b - a) * t; }
 inline float clamp(float x, float low, float high) { return std::min(std::max(x, low), high); }
-/// Square root that forgives a rounding error below zero.
+/// Returns the square root, and 0 for negative numbers, which are due to rounding errors.
 inline float safe_sqrt(float x) { return std::sqrt(std::max(0.0f, x)); }
 
 }  // namespace eclat

@@ -8,10 +8,11 @@
 //   q_i        guess          relative squared error at a place by one gather, its noise included   1
 //   p_i        probability    of the place being drawn                                            1
 //   z_i        squared / (P p_i)   whose mean is the estimate [HansenHurwitz43]                     1
-//
-// Two phases. Many places, spread evenly, get a gather of few rays: where x is far from it, or it is noisy, lies what
-// decides the mean. A few of them, drawn in proportion to that and partly at even chance, get A and B. The first
-// gather only chooses, so that the estimate stays unbiased however bad it is.
+// There are two phases. In the first, a gather of few rays is made at many evenly distributed places. The places that
+// contribute most to the mean are those at which this gather is noisy or differs much from x. In the second phase, a
+// few of the places are drawn, with probabilities that are partly proportional to that contribution and partly uniform,
+// and A and B are gathered there. The first gather only determines the probabilities, so the estimate is unbiased even
+// if that gather is inaccurate.
 
 #include "estimate/error_estimate.h"
 
@@ -25,15 +26,16 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t guess_paths = 16;                        // of the first phase
-constexpr uint32_t samples_first = 4, samples_second = 32;  // that tell R, in each phase
-constexpr uint32_t round_places = 32;                       // of the second phase, at least two rounds of them
-constexpr uint32_t looks = 4;        // camera rays of A: a pixel is an average over its area, lens and mirrors
-constexpr double even_chance = 0.4;  // part of the draws that knows nothing: no weight exceeds its inverse
+constexpr uint32_t guess_paths = 16;                        // number of paths of a gather in the first phase
+constexpr uint32_t samples_first = 4, samples_second = 32;  // numbers of samples for R in each phase
+constexpr uint32_t round_places = 32;  // number of places of a round of the second phase, which has at least two
+constexpr uint32_t looks = 4;        // number of camera rays of A, because a pixel is a mean over its area and the lens
+constexpr double even_chance = 0.4;  // share of uniform draws; no weight exceeds its inverse
 constexpr double relative_c = 0.01;  // c in units of mean(R²), as in the measure of pictures
 
-// A third of the rays goes to the first phase, and at most half as much to a round, by what paths take about. More paths
-// at fewer places tell more, as long as places do not differ too much: the deviation goes with √places / paths.
+// A third of the rays is for the first phase, and at most half as many are for a round, according to the approximate
+// number of rays per path. More paths at fewer places are more informative as long as places do not differ too much,
+// because the deviation is proportional to √places / paths.
 uint32_t first_places(uint64_t rays) {
     constexpr uint64_t rays_of_place = 3 * guess_paths + 3 * samples_first;
     return static_cast<uint32_t>(std::clamp<uint64_t>(rays / 3 / rays_of_place, 256, 16384));
@@ -78,7 +80,7 @@ class Estimator {
     }
 
   private:
-    /// Places spread evenly, one in each cell of a grid, and what is shown there.
+    /// Chooses evenly distributed places, one in each cell of a grid, and computes the light that is shown there.
     void spread() {
         const uint32_t columns = probes_.columns(count_), rows = count_ / columns;
         const size_t count = size_t(rows) * columns;
@@ -99,17 +101,17 @@ class Estimator {
         for (size_t i = 0; i < count; ++i) places_[i].scale = scale_of(shown[i]);
     }
 
-    /// 1 / (R² + c).
+    /// Computes 1 / (R² + c).
     Color scale_of(Color R) const {
         Color scale;
         for (int k = 0; k < 3; ++k) {
             const float below = R[k] * R[k] + c_;
-            scale[k] = below > 0 ? 1 / below : 0;  // where all is black there is no error
+            scale[k] = below > 0 ? 1 / below : 0;  // if everything is black, there is no error
         }
         return scale;
     }
 
-    /// The chance of each place in the second phase.
+    /// Computes the probability of each place in the second phase.
     void choose() {
         const auto guesses = parallel_map<double>(places_.size(), check_.threads, [&](size_t i) {
             progress_.check();
@@ -124,7 +126,7 @@ class Estimator {
             places_[i].probability = sum > 0 ? even_chance * even + (1 - even_chance) * guesses[i] / sum : even;
     }
 
-    /// Draws places, evenly along the running sum of their chances, and gathers there twice.
+    /// Draws places by systematic sampling of the cumulative sum of their probabilities, and makes two gathers at each.
     void add_round(uint32_t round, ErrorEstimate& out) {
         std::vector<uint32_t> drawn;
         const double shift = to_unit_float(hash(stream_seed(check_.seed, Stream::estimate_draws), round));
@@ -157,7 +159,8 @@ class Estimator {
         }
     }
 
-    // The spread of z holds the noise of gathers and the choice of places; that of the first phase's places is added.
+    // The variance of z includes the noise of the gathers and the choice of places from those of the first phase; the
+    // variance from the choice of the places of the first phase is added.
     void summarize(ErrorEstimate& out) const {
         const auto n = static_cast<double>(z_.size());
         double mean = 0, squares = 0, first = 0;
@@ -171,9 +174,9 @@ class Estimator {
         out.deviation = std::sqrt(squares / (n * (n - 1)) + between);
     }
 
-    /// Whether the interval has told the wanted error from the estimate.
+    /// Returns whether the confidence interval excludes the wanted error.
     bool decided(const ErrorEstimate& out) const {
-        constexpr double sigmas = 4;  // more than the interval has: rounds that end when it suits them are biased
+        constexpr double sigmas = 4;  // wider than the stated interval, because stopping early causes bias
         const double wanted = check_.wanted * check_.wanted;
         return check_.wanted > 0 && std::fabs(out.squared - wanted) > sigmas * out.deviation;
     }

@@ -16,32 +16,32 @@
 namespace eclat {
 
 struct ErrorCheck {
-    uint64_t rays = 0;  // to spend, about: whole rounds are done until they are used up
-    double wanted = 0;  // relative error: rounds end early once it is known to lie below, or surely above
+    uint64_t rays = 0;  // approximate number of rays to use; rounds are always completed
+    double wanted = 0;  // relative error; rounds end as soon as the estimate is clearly below or above it
     int max_depth = -1;
     uint32_t seed = 0;
     int threads = 0;
 };
 
-/// Where a round looked, and what it found there.
+/// A place that a round examined, and the result there.
 struct ErrorPlace {
     Vec3 position;
-    float squared = 0;  // relative squared error, unbiased: below 0 by chance
+    float squared = 0;  // relative squared error; it is unbiased, so noise can make it negative
 };
 
 struct ErrorEstimate {
-    double squared = 0;    // mean relative squared error, unbiased: below 0 by chance where the error is small
+    double squared = 0;    // mean relative squared error; it is unbiased, so noise can make it negative
     double deviation = 0;  // standard error of `squared`
-    double missed = 0;     // part of the places where no record serves anything, or nothing diffuse is seen
-    uint64_t paths = 0;    // of all gathers
+    double missed = 0;     // share of the places at which no record is used or no diffuse surface is seen
+    uint64_t paths = 0;    // number of paths of all gathers
     std::vector<ErrorPlace> places;
 };
 
-/// The error of the indirect light that `camera` sees, over all pixels; with the `tables` of radiance caching that of
-/// gloss too.
+/// Estimates the error of the indirect light that `camera` sees, over all pixels. With the `tables` of radiance caching
+/// it includes glossy reflections.
 ErrorEstimate estimate_error(const World& world, const Camera& camera, const SolvedCaches& caches,
                              const RadianceTables* tables, const ErrorCheck& check, Progress& progress);
-/// The error of indirect irradiance at points.
+/// Estimates the error of indirect irradiance at points.
 ErrorEstimate estimate_error(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
                              const ErrorCheck& check, Progress& progress);
 

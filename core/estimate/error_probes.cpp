@@ -9,10 +9,11 @@ namespace eclat {
 
 namespace {
 
-/// Keys the random numbers of guesses, as `stream` does those of the other questions.
+/// This stream keys the random numbers of guesses, and `stream` those of the other computations.
 constexpr auto guess_round = static_cast<uint32_t>(Stream::probe_guesses);
 
-/// What a gather's paths collect: everything that the near cache answers for. They go to their end unless `end` is given.
+/// Returns the options of the paths of a gather, which collect all light for which the near cache is read. The paths
+/// are traced to their ends unless `end` is given.
 PathOptions gather_options(int max_depth, const CachedIrradiance& end) {
     PathOptions options;
     options.cache = end;
@@ -23,12 +24,12 @@ PathOptions gather_options(int max_depth, const CachedIrradiance& end) {
     return options;
 }
 
-/// Where far records answer for all further light, paths may end in them.
+/// Returns the far records in which paths may end, if these contain all further light.
 CachedIrradiance end_in(const RecordCache& far, int max_depth) {
     return max_depth < 0 && !far.records().empty() ? read_far(far) : nullptr;
 }
 
-/// Sum of throughput times radiance of the paths.
+/// Returns the sum of throughput times radiance over the paths.
 Color traced(const World& world, std::span<const PathRay> rays, std::span<const Color> weights, int max_depth,
              const CachedIrradiance& end, Progress& progress) {
     std::vector<PathResult> results(rays.size());
@@ -40,11 +41,11 @@ Color traced(const World& world, std::span<const PathRay> rays, std::span<const 
 
 }  // namespace
 
-/// A vertex some of whose lobes a cache answers for.
+/// A vertex at which a cache is read for some of the lobes.
 struct PixelProbes::Served {
     Vertex vertex;
     LobeSet lobes;
-    Color throughput;  // of the path up to here
+    Color throughput;  // throughput of the path up to this vertex
     Color read;        // radiance that the cache adds there
     int edges;
 };
@@ -70,7 +71,7 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches_);
     options.reflection = reflection_;
-    options.light_samples = 4;  // a probe's own noise widens what it can tell, and shadow rays are cheap
+    options.light_samples = 4;  // noise of probes widens the confidence interval, and shadow rays are cheap
     std::vector<PathResult> results(samples);
     trace_paths(world_, rays, options, results, progress);
     Color sum;
@@ -78,11 +79,11 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
     return sum / static_cast<float>(samples);
 }
 
-// The kit of transport/vertex.h makes the decisions that it makes for `trace_paths`: served vertices go on by their other
-// lobes only. What differs is that nothing is collected; the served vertices are what is wanted.
+// The functions of transport/vertex.h make the same decisions as for `trace_paths`: at served vertices, the path
+// continues only by the other lobes. No light is collected here; the served vertices are the result.
 std::vector<PixelProbes::Served> PixelProbes::served_vertices(const Ray& first, const Sampler& sampler,
                                                               Progress& progress) const {
-    constexpr int longest = 64;  // edges; roulette ends almost all paths long before
+    constexpr int longest = 64;  // greatest number of edges; roulette ends almost all paths long before
     const CachedIrradiance cache = read_near(caches_);
     std::vector<Served> out;
     Paths<PathState> paths;
@@ -138,7 +139,7 @@ Probe PixelProbes::compared(Vec2 u, uint32_t stream, uint32_t place, uint32_t lo
             std::vector<PathRay> rays;
             std::vector<Color> weights;
             for (uint32_t j = 0; j < paths; ++j) {
-                // The looks of a probe share one sequence: most see the same surface.
+                // The camera rays of a probe share one sequence, because most of them hit the same surface.
                 Sampler sampler(stream_seed(seed_, Stream::probe_gathers, stream, static_cast<uint32_t>(v)), place,
                                 look * paths + j);
                 const auto next = scatter(vertex.point, vertex.wo_local, sampler, lobes);

@@ -15,35 +15,35 @@
 
 namespace eclat {
 
-/// What one probe found.
+/// The result of one probe.
 struct Probe {
     Color value;
-    Vec3 position;        // of the first vertex that the cache served
-    bool served = false;  // any
+    Vec3 position;        // position of the first vertex that the cache served
+    bool served = false;  // whether the cache served any vertex
 };
 
 /// A place is chosen by a point u of the unit square; `stream` and `place` key the random numbers.
 class PixelProbes {
   public:
-    /// `tables`: of radiance caching, else null.
+    /// `tables` are those of radiance caching, or null.
     PixelProbes(const World& world, const Camera& camera, const SolvedCaches& caches, const RadianceTables* tables,
                 int max_depth, uint32_t seed)
         : world_(world), camera_(camera), caches_(caches), max_depth_(max_depth), seed_(seed) {
         if (tables) reflection_ = read_radiance(caches.radiance, *tables);
     }
 
-    /// Columns of a grid of about `count` cells.
+    /// Returns the number of columns of a grid of about `count` cells.
     uint32_t columns(uint32_t count) const {
         const auto wide = std::sqrt(static_cast<float>(count) * static_cast<float>(camera_.width) /
                                     static_cast<float>(camera_.height));
         return std::clamp(static_cast<uint32_t>(wide), 1u, count);
     }
-    /// Radiance of the pixel, by `samples` paths that read the cache.
+    /// Returns the radiance of the pixel, from `samples` paths that read the cache.
     Color shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t samples, Progress& progress) const;
-    /// Unbiased estimate of the radiance that the cache adds to the pixel, less what is true, from `looks` camera rays
-    /// with `paths` paths each.
+    /// Returns an unbiased estimate of the error of the radiance that the cache adds to the pixel, from `looks` camera
+    /// rays with `paths` paths each.
     Probe error(Vec2 u, uint32_t stream, uint32_t place, uint32_t looks, uint32_t paths, Progress& progress) const;
-    /// Cheap guess of the same, whose paths end in the far cache.
+    /// Returns a cheap estimate of the same error, whose paths end in the far cache.
     Probe guess(Vec2 u, uint32_t place, uint32_t paths, Progress& progress) const;
 
   private:
@@ -61,14 +61,14 @@ class PixelProbes {
     uint32_t seed_;
 };
 
-/// The same for irradiance at points, W·m⁻².
+/// Probes for irradiance at points, in W·m⁻².
 class PointProbes {
   public:
     PointProbes(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches, int max_depth,
                 uint32_t seed)
         : world_(world), points_(points), caches_(caches), max_depth_(max_depth), seed_(seed) {}
 
-    /// Points have no order in space that could be relied upon: the first coordinate alone names one.
+    /// The order of points need not follow their positions, so only the first coordinate selects a point.
     uint32_t columns(uint32_t count) const { return count; }
     Color shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t samples, Progress& progress) const;
     Probe error(Vec2 u, uint32_t stream, uint32_t place, uint32_t looks, uint32_t paths, Progress& progress) const;

@@ -19,18 +19,18 @@ namespace {
 
 constexpr uint64_t paths_of_block = 2048, blocks = 16;
 
-// A gather of about 500 rays meets what fills this solid angle once.
+// This is the solid angle that one ray of a gather of about 500 rays represents.
 constexpr float met_once = pi / 500;
 
-/// Paths end after so many edges; light of more is little.
+/// Paths have at most this number of edges, because longer paths carry little light.
 constexpr int most_edges = 12;
 
 struct State {
     Color power;
     Sampler sampler;
-    float lamp_area = 0;    // m², of lamps in the scene
-    float solid_angle = 0;  // of lights behind everything, and of the widest lobe so far
-    float length = 0;       // of the path, m
+    float lamp_area = 0;    // area of the lamp in the scene, m²
+    float solid_angle = 0;  // solid angle of an infinite light, and of the widest lobe so far
+    float length = 0;       // length of the path, m
     bool by_lobes = false;
 };
 
@@ -82,7 +82,7 @@ class Tracer {
         return paths;
     }
 
-    /// Solid angle of the light behind everything that shines in a direction; 0 where there is none, but a point.
+    /// Returns the solid angle of the infinite light in a direction; it is 0 for point lights.
     float behind_everything(Vec3 direction) const {
         const Lights::Infinite all = world_.lights.infinite(-direction);
         if (is_black(all.radiance)) return 0;
@@ -102,7 +102,7 @@ class Tracer {
         if (seen == 0) sums_.unseen += power;
     }
 
-    /// By lobes that are not diffuse; as photons do, see methods/photon_map/trace_photons.cpp.
+    /// Continues paths by lobes that are not diffuse, like photons (methods/photon_map/trace_photons.cpp).
     bool reflect(State& s, const Vertex& v, Ray& ray) const {
         if (!v.point.bsdf.has(LobeSet::glossy)) return false;
         const float u_lobe = s.sampler.next_1d();
@@ -117,7 +117,7 @@ class Tracer {
         const float survival = std::min(1.0f, max_component(power) / max_component(s.power));
         if (!(u_roulette < survival)) return false;
         s.power = power * (1 / survival);
-        // Light samples pass straight through panes, so that no chance is needed there.
+        // Light samples pass straight through panes, so that light behind a pane is not found only by chance.
         s.by_lobes |= !to->sample.straight;
         if (!to->sample.delta) s.solid_angle = std::max(s.solid_angle, 1 / to->sample.pdf_solid_angle);
         ray = v.point.ray(to->direction);
@@ -125,7 +125,7 @@ class Tracer {
     }
 
     const World& world_;
-    const std::vector<float>& lamp_areas_;  // by triangle
+    const std::vector<float>& lamp_areas_;  // area of the lamp of each triangle
     int max_edges_;
     Progress& progress_;
     Sums sums_;
@@ -136,7 +136,8 @@ float triangle_area(const Geometry& g, uint32_t t) {
     return 0.5f * length(cross(g.vertex(t, 1) - a, g.vertex(t, 2) - a));
 }
 
-/// By triangle: the area of the emitting triangles of its material, of which a lamp's are all.
+/// Returns for each triangle the total area of the emitting triangles with its material, which is taken for the area of
+/// the lamp.
 std::vector<float> areas_of_lamps(const World& world) {
     const Geometry& g = world.geometry;
     std::unordered_map<const Material*, float> sums;

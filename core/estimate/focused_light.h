@@ -13,15 +13,14 @@
 
 namespace eclat {
 
-/// Power that arrives at surfaces with diffuse lobes, in relation to all that arrives there straight from lights or by lobes
-/// that are not diffuse.
+/// Shares of the power that arrives at surfaces with diffuse lobes either straight from lights or by way of lobes that
+/// are not diffuse.
 struct FocusedLight {
-    double by_chance = 0;  // by narrow lobes from what looks so small that few rays of a gather meet it, or none
-    double unseen =
-        0;  // the part of it that no ray from the eye ever finds: of points and the like, by perfect mirrors
+    double by_chance = 0;  // share from objects so small, by narrow lobes, that few or no rays of a gather hit them
+    double unseen = 0;  // the part of it that no camera path finds: from point lights and the like by perfect mirrors
 };
 
-/// From some ten thousand photons: a share of a hundredth is known to a tenth of itself.
+/// Measures the shares from some ten thousand photons, which give a share of 1 % with an error of a tenth of it.
 FocusedLight focused_light(const World& world, int max_depth, uint32_t seed, int threads, Progress& progress);
 
 }  // namespace eclat

@@ -11,15 +11,15 @@ namespace {
 
 constexpr int tile_size = 32;
 
-/// Offset within a filter around the pixel's centre: importance-sampled, so that every sample counts alike and only
-/// for its own pixel.
+/// Returns an offset from the pixel's centre, distributed like the filter, so that all samples have the same weight and
+/// affect only their own pixel.
 float filter_offset(Filter filter, float u) {
     if (filter == Filter::box) return u;
-    // Tent of radius 1 around the centre.
+    // The tent filter has the radius 1.
     return 0.5f + (u < 0.5f ? std::sqrt(2 * u) - 1 : 1 - std::sqrt(2 - 2 * u));
 }
 
-/// One tile: batches of paths, each for one sample of one of its pixels.
+/// A tile, which is rendered in batches of paths; each path is a sample of one of its pixels.
 class Tile {
   public:
     Tile(const Camera& camera, const Estimator& estimate, const RenderRange& range, int tx, int ty, Film& film)
@@ -104,12 +104,12 @@ class Tile {
     const Camera& camera_;
     const Estimator& estimate_;
     const RenderRange& range_;
-    int x0_, y0_, x1_, y1_;  // in pixels of the whole picture
+    int x0_, y0_, x1_, y1_;  // bounds in pixels of the whole picture
     uint32_t first_sample_ = range_.first_sample, end_sample_ = range_.end_sample;
     bool uneven_;
     Film& film_;
     std::vector<PathRay> rays_;
-    std::vector<Place> places_;  // of each ray
+    std::vector<Place> places_;  // pixel and sample of each ray
     std::vector<PathResult> results_;
 };
 

@@ -22,17 +22,16 @@ struct RenderRange {
     uint32_t seed = 0;
     int threads = 0;
     Filter filter = Filter::box;
-    std::vector<uint32_t> tile_order;  // empty: as they come; else a permutation of the tiles
-    // Where pixels take unlike numbers of samples: [first, end) of each pixel of the whole picture, row by row, within
-    // [first_sample, end_sample). Empty: all take all.
+    std::vector<uint32_t> tile_order;  // a permutation of the tiles, or empty for the usual order
+    // If pixels take different numbers of samples, these are the ranges [first, end) of all pixels of the whole
+    // picture, row by row, within [first_sample, end_sample). If they are empty, all pixels take all samples.
     std::span<const uint32_t> first_samples, end_samples;
 };
 
 /// Adds samples [first, end) of each pixel of the crop to `film`.
-///
-/// Work is cut into tiles of 32 × 32 pixels of the whole picture, one sample a batch: a batch is the same whatever the
-/// crop, the number of samples or of threads, and so are its bits. Where pixels take unlike numbers of samples, those
-/// of consecutive numbers share a batch of about as many paths.
+/// The picture is divided into tiles of 32 × 32 pixels, and each batch has one sample of each pixel of a tile. A batch,
+/// and therefore its bits, does not depend on the crop or on the numbers of samples and threads. If pixels take
+/// different numbers of samples, samples with consecutive numbers share a batch of about as many paths.
 void render(const Camera& camera, const Estimator& estimate, const RenderRange& range, Film& film, Progress& progress);
 
 }  // namespace eclat

@@ -25,7 +25,7 @@ Color DirectLight::from_behind_everything(const PathState& path, Vec3 w) const {
     if (path.arrival == Arrival::none) radiance = Color();
     if (path.arrival == Arrival::weighted)
         radiance *= power_heuristic(path.pdf, static_cast<float>(path.light_samples) * sampled.pdf_solid_angle);
-    // What light sampling leaves out arrives whole.
+    // Light that light sampling leaves out is counted with full weight.
     radiance += world_.lights.left_out(w, set_);
     return path.throughput * radiance;
 }
@@ -50,8 +50,8 @@ void DirectLight::sample(const PathState& path, Sampler sampler, const Vertex& v
     const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d(), set_);
     if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
     const Vec3 wi = point.frame.to_local(light.wi);
-    if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading normal and the surface disagree
-    // All samples of the vertex together are one technique, of so many times the density.
+    if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading and geometric normals disagree about the side
+    // All light samples of the vertex together are one technique, whose density is multiplied by their number.
     const float density = static_cast<float>(lobes.light_samples) * light.pdf_solid_angle;
     Color f;
     if (point.bsdf.has(lobes.alone)) f = point.bsdf.eval(vertex.wo_local, wi, lobes.alone).f;

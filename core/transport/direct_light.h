@@ -15,14 +15,15 @@
 
 namespace eclat {
 
-/// Rays towards lights, and what they bring where nothing is in between.
+/// Shadow rays, and the contributions of those that are not occluded.
 class Shadows {
   public:
-    /// `index` names who gets the contribution; `direct` says that the light went straight to the first vertex.
+    /// Adds a shadow ray. `index` identifies the receiver of the contribution; `direct` tells that the light arrives
+    /// straight at the first vertex.
     void push(const Ray& ray, Color contribution, uint32_t index, bool direct);
-    /// `add(index, contribution, direct)` for each of which something arrives, through panes less than all, in the order in
-    /// which they came, and forgets all.
-    /// Counts rays in `progress`.
+    /// Traces all rays and calls `add(index, contribution, direct)` for each ray that is not fully occluded, in the
+    /// order in which they were added; panes reduce the contribution. The rays are then removed. Counts rays in
+    /// `progress`.
     template <class Add>
     void resolve(const World& world, Progress& progress, const Add& add) {
         passed_.resize(rays_.size());
@@ -42,28 +43,28 @@ class Shadows {
         bool direct;
     };
     std::vector<Ray> rays_;
-    std::vector<Waiting> waiting_;  // for each ray
+    std::vector<Waiting> waiting_;  // pending contribution of each ray
     std::vector<Color> passed_;
 };
 
-/// By which lobes a vertex reflects light samples.
+/// The lobes by which a vertex reflects light samples.
 struct LitLobes {
-    LobeSet alone;           // light samples are the only way in which they find lights
-    LobeSet shared;          // so do directions that the path goes on in, and both are weighted
-    bool has_shared = true;  // false: what the shared lobes reflect is counted elsewhere
-    int paths = 1;           // that go on
-    int light_samples = 1;   // of this vertex
+    LobeSet alone;           // lobes for which light is found only by light samples
+    LobeSet shared;          // lobes for which continued rays also find light, so that both are weighted
+    bool has_shared = true;  // false if the light that the shared lobes reflect is counted elsewhere
+    int paths = 1;           // number of paths that continue
+    int light_samples = 1;   // number of light samples of this vertex
 };
 
-/// The lights as paths find them. The only place that knows which lights are sampled.
+/// The lights as paths find them. Only this class decides which lights are sampled.
 class DirectLight {
   public:
     DirectLight(const World& world, LightSet set) : world_(world), set_(set) {}
 
-    /// Sets what arrives at the vertex straight from a light, in so far as light samples have not counted it.
+    /// Sets the light that arrives at the vertex straight from a light, without the share that light samples count.
     void arrive(const PathState& path, Vertex& vertex) const;
 
-    /// A light sample of `vertex`, times the path's throughput, with its shadow ray in `shadows`.
+    /// Takes a light sample at `vertex`, multiplies it by the path's throughput, and adds its shadow ray to `shadows`.
     void sample(const PathState& path, Sampler sampler, const Vertex& vertex, const LitLobes& lobes, bool direct,
                 Shadows& shadows) const;
 
@@ -75,15 +76,15 @@ class DirectLight {
     LightSet set_;
 };
 
-/// Dimensions of a path's sampler that light samples of a vertex use.
+/// The number of dimensions of a path's sampler that the light samples of a vertex use.
 constexpr uint32_t light_sample_dimensions = 2;
 
-/// Radiance times cosine over density from one light sample at a point, before its shadow ray.
+/// Radiance times cosine divided by density, for one light sample at a point, before its shadow ray.
 struct ShadowRay {
     Ray ray;
     Color contribution;
 };
-/// For a point with normal `n`; nothing where no light can arrive.
+/// Takes a light sample at a point with normal `n`; returns nothing if no light can arrive.
 std::optional<ShadowRay> sample_irradiance(const World& world, const SurfacePoint& point, Vec3 n, LightSet set,
                                            Sampler& sampler);
 

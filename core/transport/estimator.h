@@ -16,25 +16,27 @@
 
 namespace eclat {
 
-/// Light along rays, a result for each. It is called on many threads at once and counts rays in `progress`.
+/// Computes the light along rays, with one result for each ray. It is called on many threads at once and counts rays in
+/// `progress`.
 using Estimator = std::function<void(std::span<const PathRay> rays, std::span<PathResult> results, Progress& progress)>;
 
 struct PointIrradiance {
     std::vector<Color> values;  // W m⁻²
-    /// Counts for a cache that was read: points whose indirect light it knew, and the others, which were gathered.
+    /// If a cache was read: the number of points that it served, and the number of the others, which were gathered.
     struct Served {
         size_t served = 0, gathered = 0;
     };
     std::optional<Served> served;
 };
 
-/// Irradiance at points on the side of their normals, a value for each.
+/// Computes the irradiance at points on the side of their normals, with one value for each point.
 using PointEstimator = std::function<PointIrradiance(std::span<const PointNormal> points,
                                                      const PointIrradianceOptions& options, Progress& progress)>;
 
-/// What paths find without a cache: `trace_paths` for rays of a camera.
+/// Makes the estimator of path tracing without a cache, `trace_paths`, for camera rays.
 Estimator path_estimator(const World& world, PathOptions options);
-/// Light samples and paths of at most `max_depth` edges, whatever the options say: `path_irradiance`.
+/// Makes the estimator of `path_irradiance` with light samples and paths of at most `max_depth` edges, whatever the
+/// options are.
 PointEstimator path_point_estimator(const World& world, int max_depth);
 
 }  // namespace eclat

@@ -21,8 +21,7 @@ struct LitScene {
     World world() const { return {*geometry, lights, emitter_of_triangle}; }
 };
 
-/// The lights of `lights` and of all triangles whose material emits; `lights` need not know the triangles, nor the sphere
-/// around them.
+/// Adds to `lights` all triangles whose material emits, and sets the bounding sphere of the scene.
 LitScene light_scene(std::unique_ptr<Geometry> geometry, LightInputs lights = {});
 
 }  // namespace eclat

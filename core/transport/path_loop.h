@@ -16,7 +16,7 @@
 
 namespace eclat {
 
-/// Paths under way: the state of each, and beside it the ray that continues it.
+/// The paths that have not ended: the state of each, and the ray that continues it.
 template <class State>
 struct Paths {
     std::vector<State> states;
@@ -42,20 +42,22 @@ struct Paths {
     }
 };
 
-/// How many vertices are handed over at once.
+/// The number of vertices that are passed to the caller at once.
 enum class Span : uint8_t {
-    batch,  // all of a batch, for stages that look at them together
-    part,   // as many as stay in a processor's first cache
+    batch,  // all of a batch, for stages that process them together
+    part,   // as many as fit into the first-level cache of a processor
 };
 
-/// Follows `paths` to their ends. After each edge `at_vertices(edges, states, vertices, next)` gets how many edges all paths
-/// have by now, the state of each path and the vertex that it reached, both as spans and in the same order; it puts into
-/// `next` the paths that go on. It is called for all vertices of the batch in order, `span` of them at a time, and then
-/// `after_edge(next)` once: results do not depend on `span`. `first` says how the rays of the first edge run.
+/// Traces `paths` to their ends. After each edge, `at_vertices(edges, states, vertices, next)` is called with the
+/// number of edges that all paths have, and with spans of the states of the paths and of the vertices that they
+/// reached, in the same order. It appends to `next` the paths that continue. It is called for all vertices of the batch
+/// in order, `span` at a time, and after them `after_edge(next)` is called once. The results do not depend on `span`.
+/// `first` is the kind of the rays of the first edge.
 template <class State, class AtVertices, class AfterEdge>
 void follow_paths(const World& world, Paths<State> paths, Coherence first, Span span, Progress& progress,
                   const AtVertices& at_vertices, const AfterEdge& after_edge) {
-    // Tuned: against whole batches of 1024 vertices (760 bytes each) the Cornell box gains about 1 % paths a second.
+    // This number is tuned: compared with whole batches of 1024 vertices (760 bytes each), about 1 % more paths per
+    // second are traced in the Cornell box.
     constexpr size_t vertices_of_part = 32;
     Vertices vertices;
     Paths<State> next;

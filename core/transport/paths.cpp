@@ -32,8 +32,8 @@ class Tracer {
     }
 
   private:
-    /// What happens at vertices, in three passes: what arrives; what caches know, of all vertices of the batch together; what
-    /// goes on from there.
+    /// The processing of vertices in three passes: the light that arrives, the light that caches give for all vertices
+    /// of the batch together, and the continuation of the paths.
     void at_vertices(std::span<PathState> paths, std::span<Vertex> vertices, Paths<PathState>& next) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             describe(world_, vertices[i], edges_ == 1, paths[i], out_[paths[i].index]);
@@ -58,9 +58,9 @@ class Tracer {
         return options_.max_depth < 0 || edges_ - path.panes < options_.max_depth;
     }
 
-    /// A path of full length sees through panes what its last edge would find without them.
+    /// Follows the last edge of a path of full length through panes, because panes do not count as edges.
     void pass_straight(PathState& path, const Vertex& v, Paths<PathState>& next) const {
-        constexpr int most_panes = 64;  // as many stand behind each other nowhere
+        constexpr int most_panes = 64;  // more than any scene has one behind the other
         const Color through = v.point.bsdf.straight(v.wo_local);
         if (is_black(through) || path.panes == most_panes) return;
         path.throughput *= through;
@@ -77,7 +77,7 @@ class Tracer {
         });
     }
 
-    /// Takes what the cache knows of matte lobes, of light on either side; they end there.
+    /// Adds the light that the cache gives for matte lobes on either side; these lobes are not continued.
     void read_matte(std::span<const PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
@@ -88,7 +88,7 @@ class Tracer {
         }
     }
 
-    /// The part of those `lobes` that scatter the light on the side of `point`.
+    /// Returns those of the `lobes` that scatter light from the side of `point`.
     void read_side(const PathState& path, Vertex& v, const SurfacePoint& point, LobeSet lobes) {
         auto irradiance = options_.cache(point, v.hit.t);
         if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(point, v.hit.t);
@@ -100,7 +100,7 @@ class Tracer {
         }
     }
 
-    /// Takes what a cache knows of lobes that are not diffuse.
+    /// Adds the light that a cache gives for lobes that are not diffuse.
     void read_glossy(std::span<const PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
@@ -113,14 +113,14 @@ class Tracer {
         }
     }
 
-    /// How many paths go on from a vertex.
+    /// Returns the number of paths that continue from a vertex.
     int paths_from(const PathState& path) const {
         return edges_ == 1 && out_[path.index].cache_missed ? options_.miss_paths : 1;
     }
 
     int light_samples() const { return edges_ == 1 ? options_.light_samples : 1; }
 
-    /// `parts`: of the paths that go on, which find lights as well.
+    /// `parts` is the number of continued paths, which also find lights.
     void sample_lights(PathState& path, const Vertex& v, int parts) {
         const int count = light_samples();
         const LitLobes lobes{
@@ -132,7 +132,7 @@ class Tracer {
         path.sampler.skip(light_sample_dimensions);
     }
 
-    /// Goes on in one direction, or from the first vertex in many, stratified together.
+    /// Continues a path in one direction or, from the first vertex, in several stratified directions.
     void continue_path(PathState& path, const Vertex& v, int parts, Paths<PathState>& next) {
         const bool roulette = edges_ >= options_.roulette_depth;
         Ray ray;
@@ -153,8 +153,8 @@ class Tracer {
     DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;           // of all paths under way
-    Paths<PathState> split_;  // that go on behind all others
+    int edges_ = 0;           // number of edges of all paths that have not ended
+    Paths<PathState> split_;  // additional paths, which follow all others
     Shadows shadows_;
 };
 

@@ -1,11 +1,11 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Paths from the camera, traced in batches, bounce by bounce: the estimator that all methods share.
-//
-// At each vertex: emission, next-event estimation, and one continued direction, combined by multiple importance
-// sampling [Veach97]. Where a cache knows the indirect irradiance of a vertex, its diffuse lobes take ρ_d / π · E and
-// end there; only the other lobes go on. Without a cache this is plain unbiased path tracing [Kajiya86].
+// Paths from the camera, which are traced in batches, bounce by bounce. All methods use this estimator.
+// At each vertex, emission, next-event estimation and one continued direction are combined by multiple importance
+// sampling [Veach97]. If a cache gives the indirect irradiance E at a vertex, the diffuse lobes contribute ρ_d / π · E
+// and are not continued; the path continues only by the other lobes. Without a cache this is plain unbiased path
+// tracing [Kajiya86].
 //
 // Symbol   name here           meaning
 //   x_k      vertices[i]         the k-th vertex of path i, x_0 being where its ray begins
@@ -34,25 +34,26 @@
 
 namespace eclat {
 
-/// Indirect irradiance at a point that a ray of length `distance` met, on the side of its shading frame; nothing where
-/// the cache does not serve it. For what comes through a sheet it is asked for the other side (`SurfacePoint::other_side`).
+/// Returns the indirect irradiance at a point that a ray of length `distance` hit, on the side of its shading frame, or
+/// nothing if the cache does not serve the point. For light that is transmitted through a surface, it is called with
+/// the other side (`SurfacePoint::other_side`).
 using CachedIrradiance = std::function<std::optional<Color>(const SurfacePoint& point, float distance)>;
 
-/// Indirect radiance that lobes which are not diffuse reflect towards `wo` (in the point's frame), for those that a cache of
-/// radiance serves: it marks them in `point.bsdf`.
+/// Returns the indirect radiance that lobes which are not diffuse reflect towards `wo`, which is in the point's frame.
+/// It covers the lobes that a cache of radiance serves, and marks them in `point.bsdf`.
 using CachedReflection = std::function<Color(SurfacePoint& point, Vec3 wo)>;
 
 struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
     int roulette_depth = roulette_after::picture_edges;
-    int light_samples = 1;               // at the first vertex
-    int miss_paths = 1;                  // that go on from a first vertex which the cache does not serve
-    LightSet light_set = LightSet::all;  // without the environment image, rays that escape collect it whole
-    bool emission_at_first_hit = true;   // false: whoever sent the rays samples the lights itself
+    int light_samples = 1;  // number of light samples at the first vertex
+    int miss_paths = 1;     // number of paths that continue from a first vertex that the cache does not serve
+    LightSet light_set = LightSet::all;  // if it excludes the environment, rays that escape count it fully
+    bool emission_at_first_hit = true;   // false if the caller samples the lights itself
     Coherence coherence = Coherence::none;
-    CachedIrradiance cache;  // asked at every matte vertex: near records in pictures, far records in gathers
+    CachedIrradiance cache;  // read at every matte vertex: near records in pictures, far records in gathers
     CachedReflection reflection;
-    CachedIrradiance far_cache;  // asked beyond the first vertex, where `cache` does not serve
+    CachedIrradiance far_cache;  // read beyond the first vertex, at points that `cache` does not serve
 };
 
 struct PathRay {
@@ -60,32 +61,33 @@ struct PathRay {
     Sampler sampler;
 };
 
-/// What one path found.
+/// The result of one path.
 struct PathResult {
-    Color radiance;  // all of it
+    Color radiance;  // the whole radiance
     Color direct;    // the part of paths with at most two edges
-    Color albedo;    // of the first vertex
-    Vec3 normal;     // of shading, at the first vertex
-    // The same of the first vertex that is neither mirror nor clear glass, the albedo times what those before it let pass, at
-    // most 1: what a denoiser takes for the surface that a pixel shows. Of the last vertex, where a path meets no other.
+    Color albedo;    // albedo of the first vertex
+    Vec3 normal;     // shading normal at the first vertex
+    // These are the albedo and the normal of the first vertex that is neither a mirror nor clear glass, which a
+    // denoiser takes for the surface that a pixel shows. The albedo is multiplied by the throughput of the vertices
+    // before it, and is at most 1. If there is no such vertex, they are those of the last vertex.
     Color rough_albedo;
     Vec3 rough_normal;
-    float distance = infinity;  // to the first vertex
-    bool behind = false;        // it lies on the back of a surface that has none
-    bool cache_missed = false;  // a matte vertex was not served and was answered by going on
-    bool gloss_cached = false;  // at the first vertex some lobe that is not diffuse was served by a cache
-    bool gloss_traced = false;  // … some was not, and was traced
+    float distance = infinity;  // distance to the first vertex
+    bool behind = false;        // whether it lies on the back of a one-sided surface
+    bool cache_missed = false;  // whether the cache did not serve a matte vertex, so that the path continued
+    bool gloss_cached = false;  // whether a cache served a lobe of the first vertex that is not diffuse
+    bool gloss_traced = false;  // whether such a lobe was traced
 };
 
-/// `out` gets one result for each ray. Counts rays in `progress`.
+/// Traces paths; `out` gets one result for each ray. Counts rays in `progress`.
 void trace_paths(const World& world, std::span<const PathRay> rays, const PathOptions& options,
                  std::span<PathResult> out, Progress& progress);
 
-/// Tells the result of a path what its first vertex is, and then which rough surface comes first. `first`: whether `vertex`
-/// is the first.
+/// Stores in the result of a path the properties of its first vertex, and then those of its first rough surface.
+/// `first` tells whether `vertex` is the first.
 void describe(const World& world, const Vertex& vertex, bool first, PathState& path, PathResult& out);
 
-/// Adds what was found at `vertex`, at the end of a path of so many `edges`, to the path's result.
+/// Adds the light found at `vertex`, at the end of a path with that number of `edges`, to the path's result.
 inline void deposit(const Vertex& vertex, int edges, PathResult& out) {
     out.radiance += vertex.arriving;
     if (edges <= 2) out.direct += vertex.arriving;

@@ -12,10 +12,10 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t path_dimension = 8;  // where a path's numbers begin, after those of the light sample
+constexpr uint32_t path_dimension = 8;  // first dimension of a path, after those of the light sample
 
-/// Sum over samples [first, end) of a point, of which `block(first, end)` returns a part's sum: a block at a time, so that
-/// memory and the wait after a cancelled progress are bounded.
+/// Sums the samples [first, end) of a point in blocks, whose sums `block(first, end)` returns. Blocks bound the memory
+/// and the time until a cancellation is noticed.
 template <class Block>
 Color sum_over_samples(int first, int end, Progress& progress, Block&& block) {
     constexpr int samples_at_once = 4096;
@@ -50,8 +50,8 @@ Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t 
     return sum / static_cast<float>(options.samples);
 }
 
-/// Light straight from lights, found by light samples and by half as many directions in proportion to the cosine, weighted as
-/// two techniques [Veach97 §9]. Light samples alone are noisy beside what is large and near.
+/// Computes direct light from light samples and half as many cosine-distributed directions, which are weighted as two
+/// techniques [Veach97 §9]. Light samples alone are noisy close to large lights.
 class DirectSampler {
   public:
     DirectSampler(const World& world, const SurfacePoint& point, LightSet set, const PointIrradianceOptions& options)
@@ -95,7 +95,8 @@ class DirectSampler {
     Color sum_of_arrivals(uint32_t index, int first, int end, Progress& progress) {
         rays_.clear();
         const uint32_t seed = stream_seed(seed_, Stream::point_arrivals);
-        // Numbers of directions are those of every second sample, so that parts of the samples need not begin evenly.
+        // Every second sample has a direction, and the number of the direction follows from that of the sample, so that
+        // parts of the samples may begin anywhere.
         for (int s = first + first % samples_per_direction; s < end; s += samples_per_direction) {
             Sampler sampler(seed, index, static_cast<uint32_t>(s / samples_per_direction));
             rays_.push_back(point_.ray(point_.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
@@ -108,7 +109,7 @@ class DirectSampler {
         return sum * (pi / directions_);
     }
 
-    /// The same beyond panes, which light samples pass.
+    /// Follows the directions through panes, which light samples pass too.
     Color arriving_through_panes(Vec3 w, Hit hit) const {
         constexpr int most_panes = 64;
         Color sum = arriving(w, hit), passed(1);
@@ -125,7 +126,7 @@ class DirectSampler {
         return sum;
     }
 
-    /// Radiance along a direction, in so far as light samples have not counted it.
+    /// Returns the radiance along a direction, without the share that light samples count.
     Color arriving(Vec3 w, const Hit& hit) const {
         Color radiance;
         float pdf_of_lights = 0;
@@ -145,7 +146,7 @@ class DirectSampler {
     const SurfacePoint& point_;
     LightSet set_;
     uint32_t seed_;
-    float directions_;  // for each light sample
+    float directions_;  // number of directions per light sample
     std::vector<Ray> rays_;
     std::vector<Color> contributions_;
 };
@@ -171,7 +172,7 @@ Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t 
         return sum_over_samples(from, to, progress,
                                 [&](int first, int end) { return sampler.sum(index, first, end, progress); });
     };
-    // How far halves of the samples differ tells how far their mean lies from the truth, half as much.
+    // The standard error of the mean is half the difference between the two halves of the samples.
     const int first_half = (options.samples + 1) / 2, second_half = options.samples - first_half;
     const Color first = sum(0, first_half), second = sum(first_half, options.samples);
     if (!options.direct_errors.empty() && second_half > 0) {

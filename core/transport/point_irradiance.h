@@ -13,12 +13,12 @@
 
 namespace eclat {
 
-/// A point, and the unit normal on whose side light is asked for.
+/// A point, and the unit normal of the side on which the light arrives.
 struct PointNormal {
     Vec3 position, normal;
 };
 
-/// As a surface without a material: rays start as far from it as the scene's float coordinates resolve.
+/// Makes a surface point without a material. Rays start at an offset that the float coordinates of the scene resolve.
 SurfacePoint bare_point(const World& world, const PointNormal& at);
 
 /// Light straight from lights (environment and suns included), all other light, or both.
@@ -26,21 +26,21 @@ enum class Component : uint8_t { total, direct, indirect };
 
 struct PointIrradianceOptions {
     Component component = Component::total;
-    int samples = 1024;  // of the lights, and paths where there is no cache, per point
-    int max_depth = -1;  // as for pictures: 2 is direct light
+    int samples = 1024;  // number of light samples, and of paths without a cache, per point
+    int max_depth = -1;  // greatest number of edges as for pictures: 2 is direct light
     uint32_t seed = 0;
     int threads = 0;
-    /// Gets a standard error for each point's light straight from lights, W m⁻² of luminance, where it is not empty; filled
-    /// with 0 by the caller.
+    /// If this is not empty, it gets the standard error of the luminance of direct light at each point, in W m⁻². The
+    /// caller fills it with 0.
     std::span<float> direct_errors{};
 };
 
-/// Light straight from the lights of `set` at the point with that index, by light samples [W m⁻²].
+/// Computes the direct light of the lights of `set` at the point with that index, from light samples, in W m⁻².
 Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t index, LightSet set,
                         const PointIrradianceOptions& options, Progress& progress);
 
-/// Samples of the lights, and cosine-distributed paths for the rest, which end where `far` is known [W m⁻²]. Unbiased
-/// without it.
+/// Computes the irradiance in W m⁻² from light samples and cosine-distributed paths, which end at points for which
+/// `far` gives the light. Without `far` it is unbiased.
 std::vector<Color> path_irradiance(const World& world, std::span<const PointNormal> points,
                                    const PointIrradianceOptions& options, Progress& progress,
                                    const CachedIrradiance& far = {});

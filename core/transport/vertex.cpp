@@ -9,9 +9,9 @@ namespace eclat {
 
 namespace {
 
-/// What the hits after the i-th will read lies anywhere in a large scene.
+/// Prefetches the data of the hits after the i-th, which may be anywhere in the memory of a large scene.
 void prefetch_after(size_t i, std::span<const Hit> hits, const Geometry& geometry) {
-    constexpr size_t for_face = 12, for_vertices = 6;  // hits ahead, about as long as memory takes to answer
+    constexpr size_t for_face = 12, for_vertices = 6;  // number of hits ahead, which covers about the latency of memory
     if (i + for_face < hits.size() && !hits[i + for_face].missed()) geometry.prefetch_face(hits[i + for_face].triangle);
     if (i + for_vertices < hits.size() && !hits[i + for_vertices].missed())
         geometry.prefetch_vertices(hits[i + for_vertices].triangle);

@@ -18,32 +18,32 @@
 
 namespace eclat {
 
-/// How much of the light that a direction finds has not been counted by light samples where the direction was chosen.
+/// The share of the light that a ray finds which light samples at the ray's origin have not counted.
 enum class Arrival : uint8_t { whole, weighted, none };
 
-/// A path under way. Its ray is kept beside it, since rays are traced in batches.
+/// The state of a path. Its ray is stored separately, because rays are traced in batches.
 struct PathState {
     Color throughput{1};
     Sampler sampler;
-    uint32_t index = 0;                // of the ray that it began with
-    float pdf = 0;                     // of the ray's direction, summed over the paths that share its last vertex
-    float eta2 = 1;                    // radiance scaling by refraction, which roulette must not mistake for absorption
-    Arrival arrival = Arrival::whole;  // of light that the ray finds
-    int light_samples = 1;             // that the last vertex took
+    uint32_t index = 0;  // index of the ray with which it began
+    float pdf = 0;       // density of the ray's direction, summed over the paths that share its last vertex
+    float eta2 = 1;      // scaling of radiance by refraction, which roulette must not take for absorption
+    Arrival arrival = Arrival::whole;  // how light that the ray finds is counted
+    int light_samples = 1;             // number of light samples of the last vertex
     Vec3 from{};                       // position of the last vertex
-    int panes = 0;           // that it went straight through; they are no vertices, since light samples pass too
-    bool described = false;  // the first surface that is rough is in the result
+    int panes = 0;           // panes that it passed; they are no vertices, because light samples pass them too
+    bool described = false;  // whether the result holds the first rough surface
 };
 
-/// Where the ray of a path ended: on a surface, or beyond the scene, where `point` is empty.
+/// The end of a path's ray: a point on a surface, or, if `point` is empty, infinity.
 struct Vertex {
     Hit hit;
-    Vec3 wo;        // back along the ray
-    Vec3 wo_local;  // the same in the point's frame
-    // Light towards the path's beginning that was found here, times the path's throughput:
-    Color arriving;     // emission, or what lies behind everything
-    Color read_matte;   // what a cache knows of the matte lobes
-    Color read_glossy;  // … and of the others
+    Vec3 wo;        // direction back along the ray
+    Vec3 wo_local;  // this direction in the point's frame
+    // These are the contributions of this vertex, multiplied by the path's throughput.
+    Color arriving;     // emission, or light from infinity
+    Color read_matte;   // light of the matte lobes that a cache gave
+    Color read_glossy;  // light of the other lobes that a cache gave
     SurfacePoint point;
 
     Vertex(const Geometry& geometry, const Ray& ray, const Hit& hit)
@@ -54,13 +54,15 @@ struct Vertex {
     bool missed() const { return hit.missed(); }
 };
 
-/// The vertices of a batch of rays, in memory that is used again for the next batch.
+/// The vertices of a batch of rays, in memory that is reused for the next batch.
 class Vertices {
   public:
-    /// One vertex for each ray, in their order; valid until the next call. Counts the rays in `progress`.
+    /// Makes one vertex for each ray, in the order of the rays. The vertices are valid until the next call. Counts the
+    /// rays in `progress`.
     std::span<Vertex> meet(const World& world, std::span<const Ray> rays, Coherence coherence, Progress& progress);
 
-    /// The same in two steps: all rays of a batch are traced, then their vertices are made a part [begin, end) at a time.
+    /// These do the same in two steps: all rays of a batch are traced, and then their vertices are made in parts
+    /// [begin, end).
     void trace(const World& world, std::span<const Ray> rays, Coherence coherence, Progress& progress);
     std::span<Vertex> part(const World& world, std::span<const Ray> rays, size_t begin, size_t end);
 
@@ -69,21 +71,21 @@ class Vertices {
     std::vector<Vertex> vertices_;
 };
 
-/// The sampler's next number; 0 where nobody will look at it, which costs nothing.
+/// Returns the next number of the sampler, or 0 without computing it if it is not used.
 inline float draw_if(bool wanted, Sampler& sampler) {
     if (wanted) return sampler.next_1d();
     sampler.skip(1);
     return 0;
 }
 
-/// A direction in which light reaches a point from.
+/// A direction from which light arrives at a point.
 struct Scattered {
     Vec3 direction;     // in world coordinates
-    BsdfSample sample;  // the same in the point's frame, with its weight
+    BsdfSample sample;  // the direction in the point's frame, with its weight
 };
 
-/// Samples the BSDF at `point`, seen from `wo` (in its frame); nothing where light is absorbed, or where the shading normal
-/// and the surface disagree on which side the direction is.
+/// Samples the BSDF at `point`, seen from `wo`, which is in its frame. Returns nothing if the light is absorbed, or if
+/// the direction is on different sides of the shading and geometric normals.
 inline std::optional<Scattered> scatter(const SurfacePoint& point, Vec3 wo, float u_lobe, Vec2 u, LobeSet lobes) {
     const auto sample = point.bsdf.sample(wo, u_lobe, u, lobes);
     if (!sample) return std::nullopt;
@@ -91,27 +93,29 @@ inline std::optional<Scattered> scatter(const SurfacePoint& point, Vec3 wo, floa
     if (dot(direction, point.normal) * sample->wi.z <= 0) return std::nullopt;
     return Scattered{direction, *sample};
 }
-/// The same with the sampler's next numbers, two dimensions of them.
+/// Does the same with the next two dimensions of the sampler.
 inline std::optional<Scattered> scatter(const SurfacePoint& point, Vec3 wo, Sampler& sampler, LobeSet lobes) {
     const float u_lobe = draw_if(point.bsdf.chooses_lobe(), sampler);
     return scatter(point, wo, u_lobe, sampler.next_2d(), lobes);
 }
 
-/// Edges after which paths may end by chance. Set by judgement, not measured: later ends cost rays, earlier ones noise.
+/// The number of edges after which roulette may end paths. These numbers are chosen by judgement: larger numbers take
+/// more rays, and smaller ones cause more noise.
 namespace roulette_after {
-constexpr int picture_edges = 5;        // of paths from the camera
-constexpr int gather_edges = 2;         // of what one of a record's many rays finds
-constexpr int photon_gather_edges = 3;  // from the camera, through gathers that end in photons
-constexpr int probe_edges = 3;          // from the camera, of a path whose served vertices are examined
-constexpr int photon_edges = 8;         // of photons that lost nothing; those that did may end at any vertex
+constexpr int picture_edges = 5;        // for paths from the camera
+constexpr int gather_edges = 2;         // for gather rays of records
+constexpr int photon_gather_edges = 3;  // for camera paths with final gathers that end in photons
+constexpr int probe_edges = 3;          // for camera paths of error probes
+constexpr int photon_edges = 8;         // for photons without loss of power; others may end at any vertex
 }  // namespace roulette_after
-/// The greatest chance to survive, by judgement: light caught in glass must end, here after 20 more edges on average.
+/// The greatest probability of survival, chosen by judgement: paths that are trapped in glass must end, here after 20
+/// more edges on average.
 constexpr float largest_survival = 0.95f;
 
-/// Lets the path go on from `vertex` along `ray` by one direction of `lobes`, with `roulette` if it survives that; false
-/// where it ends. Uses three dimensions of its sampler, whatever happens.
-/// `paths` and `light_samples` are how many share the vertex, unless it goes straight through a pane: then nothing changes
-/// of what the vertex before it said.
+/// Continues the path from `vertex` in one direction of `lobes`, which is stored in `ray`; with `roulette`, the path
+/// may end. Returns false if it ends. Three dimensions of its sampler are used in any case. `paths` and `light_samples`
+/// are the numbers of those at the vertex. They are not stored if the path goes straight through a pane; those of the
+/// vertex before the pane are then kept.
 bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray, int paths = 1,
            int light_samples = 1);
 
