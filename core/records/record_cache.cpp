@@ -3,11 +3,15 @@
 
 // Irradiance between records is a weighted mean of what each record extrapolates to the point [WardHeckbert92],
 //   E(P) = Σ w_i (E_i + (n_i × n) · ∇_r E_i + (P − P_i) · ∇_t E_i + X_i) / Σ w_i ,
-// where X_i is the mean excess of the gathers around the record. Inserting records may shrink others: a neighbour that
-// is closer to an obstacle, or that disagrees, shows that a record reaches too far [Krivanek06].
+// where X_i is the mean excess of the gathers around the record. A bump or a smooth normal that bends n to s, by an angle
+// α, turns each term into
+//   (1 + cos α) / 2 · E + (1 − α / π) (n × s) · ∇_r E .
+// Inserting records may shrink others: a neighbour that is closer to an obstacle, or that disagrees, shows that a record
+// reaches too far [Krivanek06].
 //
 // Symbol       name here              meaning                                                          unit
-//   P, n       p, shading             the point and its normal
+//   P, n       p, normal              the point and its geometric normal
+//   s          shading                its shading normal
 //   P_i, n_i   position, normal       those of record i
 //   E_i        irradiance             irradiance there, without excess                                 W m⁻²
 //   X_i        shared_excess_         excess, shared with surroundings                                 W m⁻²
@@ -18,7 +22,7 @@
 //
 // References   [WardHeckbert92], [Tabellion04] strict and relaxed tests, [Krivanek06] neighbour clamping, disagreement
 // Departures   Neighbours are clamped in one exact round over all records instead of whenever one is inserted, so that the
-//              order of records does not matter. Extrapolation is bounded.
+//              order of records does not matter. Extrapolation is bounded. Bends are integrated, see `Bend`.
 // Held to      tests/core/records/test_record_cache.cpp
 
 #include "records/record_cache.h"
@@ -27,8 +31,16 @@
 
 #include "base/parallel.h"
 #include "hemisphere/hemisphere.h"
+#include "scene/surface_point.h"
 
 namespace eclat {
+
+// Rays above the surface that lie below s bring no light. For radiance that is linear in direction, L = a + b · ω, the integral
+// over the others has the form above: of what a brings the share (1 − cos α) / 2 is lost, of what b brings α / π.
+RecordCache::Bend::Bend(Vec3 normal, Vec3 shading) : normal(normal), even(even_share(normal, shading)) {
+    if (shading == normal) return;
+    turn = cross(normal, shading) * (1 - std::acos(clamp(dot(normal, shading), -1, 1)) * inv_pi);
+}
 
 void RecordCache::insert(std::span<const IrradianceRecord> records, float spacing, int threads) {
     records_.insert(records_.end(), records.begin(), records.end());
@@ -148,7 +160,7 @@ size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing
     const auto error = [&](uint32_t from, uint32_t at) {
         const IrradianceRecord &a = records_[from], &b = records_[at];
         const float there = luminance(b.irradiance + shared_excess(at));
-        const float read = luminance(extrapolate(a, b.position, b.normal) + shared_excess(from));
+        const float read = luminance(extrapolate(a, b.position, Bend(b.normal, b.normal)) + shared_excess(from));
         // The lower bound is that of the error measure.
         const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
         const float explained = deviations * std::sqrt(sqr(a.own_noise) + sqr(b.own_noise)) * there;
@@ -207,19 +219,20 @@ float RecordCache::density(Vec3 p, Vec3 normal) const {
     return sum;
 }
 
-Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shading) const {
+Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, const Bend& bend) const {
     Color E = record.irradiance;
-    const Vec3 turn = cross(record.normal, shading), shift = p - record.position;
+    const Vec3 turn = cross(record.normal, bend.normal) * bend.even + bend.turn, shift = p - record.position;
     for (int c = 0; c < 3; ++c) {
         const float value = E[c];  // first-order extrapolation with both gradients [WardHeckbert92]
-        float change = 0;
-        if (options_.rotation_gradient) change += dot(turn, record.rotation.channel[c]);
-        if (options_.translation_gradient) change += dot(shift, record.translation.channel[c]);
+        float bent = value;
+        if (options_.translation_gradient) bent += dot(shift, record.translation.channel[c]);
+        bent *= bend.even;
+        if (options_.rotation_gradient) bent += dot(turn, record.rotation.channel[c]);
         // These factors are the ones that Radiance uses. A larger first-order change is due to a record that is read
         // too far away and not to a real change of the light. Tighter bounds would cut off real penumbrae; without
         // bounds, a gradient could make the irradiance negative or cause a bright spot.
         constexpr float least = 0.05f, most = 20;
-        E[c] = clamp(value + change, least * value, most * value);
+        E[c] = clamp(bent, least * value, most * value);
     }
     return E;
 }
@@ -227,9 +240,10 @@ Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shad
 std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading, float* mean_radius) const {
     Color sum;
     float weights = 0, radii = 0;
+    const Bend bend(normal, shading);
     for_each_weight(p, normal, options_.relaxation, 0, [&](uint32_t slot, float w) {
         const IrradianceRecord& record = records_[tree_.order()[slot]];
-        sum += (extrapolate(record, p, shading) + shared_excess_[slot]) * w;
+        sum += (extrapolate(record, p, bend) + shared_excess_[slot] * bend.even) * w;
         weights += w;
         radii += w * record.radius;
     });

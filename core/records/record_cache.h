@@ -123,7 +123,15 @@ class RecordCache {
     void rebuild(float spacing, int threads);
     void clamp_to_neighbors(float spacing, int threads);
     void share_excess(int threads);
-    Color extrapolate(const IrradianceRecord& record, Vec3 p, Vec3 shading) const;
+    /// What the turn from the geometric to the shading normal does to irradiance, and the geometric normal.
+    struct Bend {
+        Vec3 normal;
+        float even;  // the share that is kept of what a uniform hemisphere brings
+        Vec3 turn{};     // what the rotation gradient is multiplied with, rad
+
+        Bend(Vec3 normal, Vec3 shading);
+    };
+    Color extrapolate(const IrradianceRecord& record, Vec3 p, const Bend& bend) const;
 
     CacheOptions options_;
     std::vector<IrradianceRecord> records_;

@@ -11,6 +11,13 @@
 
 namespace eclat {
 
+/// The share of a uniform hemisphere's irradiance that is left where a shading normal bends by an angle α from the geometric
+/// one: light is measured by its cosine to the shading normal, and what is above the surface but below that brings none. It
+/// is (1 + cos α) / 2, and 1 where both are the same.
+inline float even_share(Vec3 normal, Vec3 shading) {
+    return shading == normal ? 1 : 0.5f * (1 + clamp(dot(normal, shading), -1, 1));
+}
+
 /// Where a ray met a surface, and how that point scatters.
 struct SurfacePoint {
     Vec3 position;
@@ -23,6 +30,9 @@ struct SurfacePoint {
 
     /// The geometric normal, on the side that `bsdf` looks at.
     Vec3 normal_towards_shading() const { return dot(normal, frame.n) >= 0 ? normal : -normal; }
+
+    /// The share of a uniform hemisphere's irradiance that its shading normal leaves.
+    float even_share() const { return eclat::even_share(normal_towards_shading(), frame.n); }
 
     /// The same place as it is seen from the other side of a sheet, without what scatters there.
     SurfacePoint other_side() const {

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Photon maps on floors with normal maps, against `path`, which is right with shading normals by definition."""
+"""Methods on floors with normal maps, against `path`, which is right with shading normals by definition."""
 
 from __future__ import annotations
 
@@ -8,7 +8,8 @@ import numpy as np
 import pytest
 
 import eclat
-from eclat.scene import Camera, Material, Mesh, NormalMap, Scene, Texture, Value, grey, look_at
+from eclat.methods import Method
+from eclat.scene import Camera, Environment, Material, Mesh, NormalMap, Scene, Texture, Value, grey, look_at
 from eclat.scenes.geometry import box
 
 
@@ -45,3 +46,35 @@ def test_photon_maps_lose_no_light_on_bumps() -> None:
     truth = eclat.render(scene, eclat.Path(), samples=512).pixels.mean()
     for options in (eclat.PhotonMap(), eclat.PhotonMap(progressive=True, photons=20_000)):
         assert eclat.render(scene, options, samples=64).pixels.mean() == pytest.approx(truth, rel=0.01)
+
+
+METHODS: dict[str, Method] = {
+    "irradiance-cache": eclat.IrradianceCache(),
+    "radiance-cache": eclat.RadianceCache(),
+    "photon-map": eclat.PhotonMap(photons=20_000),
+    "radiosity": eclat.Radiosity(patches=500),
+    "patches": eclat.Radiosity(patches=500, gather=0),
+}
+
+
+@pytest.mark.parametrize("method", METHODS)
+def test_a_bumpy_ground_under_an_even_sky(method: str) -> None:
+    """A normal that bends by α loses the light below it: (1 + cos α) / 2 of π is left, to the caches and patches as well,
+    which were 11 % too bright."""
+    amplitude, floor = 0.6, bumpy_room(0.6).meshes[-1]
+    above = Camera(look_at((0, 3, 0), (0, 0, 0.01), up=(0, 0, -1)), fov=40.0, size=(24, 24))
+    scene = Scene((floor,), environment=Environment(np.ones((1, 1, 3), np.float32)), cameras=(above,))
+    y, x = np.mgrid[0:128, 0:128] / 128 * 2 * np.pi
+    cosines = np.sqrt(1 - (amplitude * np.sin(6 * x)) ** 2 - (amplitude * np.cos(5 * y)) ** 2)
+    # The picture shows 2.2 m of a texture of 3 m, which differs from the whole by less than 1 %.
+    found = eclat.render(scene, METHODS[method], samples=64, seed=1).pixels.mean()
+    assert found == pytest.approx(0.6 * (1 + cosines.mean()) / 2, rel=0.015)
+
+
+@pytest.mark.slow
+@pytest.mark.parametrize("method", ["irradiance-cache", "radiance-cache", "radiosity"])
+def test_a_bumpy_floor_of_a_room(method: str) -> None:
+    """Light from all sides but an even sky's: the lower half of the picture, the floor, was 4 % (radiosity: 9 %) too bright."""
+    scene = bumpy_room(0.6)
+    truth = eclat.render(scene, eclat.Path(), samples=1024).pixels[12:].mean()
+    assert eclat.render(scene, METHODS[method], samples=64).pixels[12:].mean() == pytest.approx(truth, rel=0.025)

@@ -75,8 +75,10 @@ class PatchMeter {
             const Vec3 wo = frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()));
             const SurfacePoint point = world_.geometry.surface_point(hit, wo);
             const Vec3 local = point.frame.to_local(wo);
-            albedo += point.bsdf.albedo(local, material.transmits ? LobeSet::diffuse : LobeSet::all);
-            transmittance += point.bsdf.translucent_albedo(local);
+            // Bumps and smooth normals reflect less of what arrives on the patch.
+            const float kept = point.even_share();
+            albedo += point.bsdf.albedo(local, material.transmits ? LobeSet::diffuse : LobeSet::all) * kept;
+            transmittance += point.bsdf.translucent_albedo(local) * kept;
             if (emitter != not_emitting) emitted += world_.lights.emitted(emitter, {hit.u, hit.v}, patch.normal);
             opacity += opacity_at(material, world_.geometry.coordinates(patch.triangle, hit.u, hit.v));
         }

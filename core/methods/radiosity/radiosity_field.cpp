@@ -79,7 +79,7 @@ uint32_t RadiosityField::find(const SurfacePoint& point) const {
 std::optional<RadiosityField::OnPatch> RadiosityField::on_patch(const SurfacePoint& point) const {
     const uint32_t node = find(point);
     if (node == no_node || unknown_[node]) return std::nullopt;
-    return OnPatch{light_[node], tree_[node].radius};
+    return OnPatch{light_[node].scaled(point.even_share()), tree_[node].radius};
 }
 
 std::optional<RadiosityField::Light> RadiosityField::smooth(const SurfacePoint& point) const {
@@ -90,8 +90,8 @@ std::optional<RadiosityField::Light> RadiosityField::smooth(const SurfacePoint& 
     const float radius =
         centers_.nearest(disc, neighbors, found, [&](uint32_t i) { return disc.same_side(tree_[node_of_[i]].normal); });
     if (beside_[node]) drop_hidden(point, disc, found);
-    if (found.empty()) return light_[node];
-    return fit(disc, found, radius);
+    const Light light = found.empty() ? light_[node] : fit(disc, found, radius);
+    return light.scaled(point.even_share());
 }
 
 void RadiosityField::drop_hidden(const SurfacePoint& point, const Disc& disc, std::vector<Neighbor>& found) const {

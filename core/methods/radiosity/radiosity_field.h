@@ -20,11 +20,14 @@ class RadiosityField {
     struct Light {
         Color direct, total;
 
+        Light scaled(float share) const { return {direct * share, total * share}; }
         Color indirect() const { return max(total - direct, Color(0.0f)); }
     };
 
     /// Throws std::invalid_argument where the patches are not those of the scene.
     RadiosityField(const Geometry& geometry, std::span<const SolvedPatch> patches, int threads);
+
+    // A shading normal that bends away from the surface takes its share of the light, as of a uniform hemisphere.
 
     /// The light of the patch that holds the point, constant over it; nothing where there is no patch or no known light.
     struct OnPatch {

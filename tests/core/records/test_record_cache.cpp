@@ -102,10 +102,12 @@ TEST_CASE("a linear field is reproduced, in position and normal, under both weig
             const auto E = cache.interpolate(p, n, shading);
             if (!E) continue;
             ++served;
-            // Normals are unit vectors, so that they are linear to the square of 12 degrees only.
-            CHECK(E->r == doctest::Approx(field(p, shading)).epsilon(0.004));
-            CHECK(E->g == doctest::Approx(2 * field(p, shading)).epsilon(0.004));
-            CHECK(E->b == doctest::Approx(1).epsilon(1e-6));
+            // Normals are unit vectors, so that they are linear to the square of 12 degrees only. A bend loses what lies below
+            // the shading normal.
+            const float even = 0.5f * (1 + dot(n, shading));
+            CHECK(E->r == doctest::Approx(even * field(p, shading)).epsilon(0.006));
+            CHECK(E->g == doctest::Approx(2 * even * field(p, shading)).epsilon(0.006));
+            CHECK(E->b == doctest::Approx(even).epsilon(1e-6));
         }
         CHECK(served > 1500);
     }
@@ -223,7 +225,30 @@ TEST_CASE("the rotation gradient answers to a turned normal") {
     cache.insert(records, spacing, 1);
     const float a = 0.1f;
     const Vec3 n{std::sin(a), 0, std::cos(a)};  // turned about +y
-    CHECK(cache.interpolate({}, {0, 0, 1}, n)->r == doctest::Approx(3 - 0.5f * std::sin(a)).epsilon(1e-5));
+    CHECK(cache.interpolate({}, n, n)->r == doctest::Approx(3 - 0.5f * std::sin(a)).epsilon(1e-5));
+}
+
+TEST_CASE("a bump bends irradiance as the integral over what lies above both normals") {
+    // Radiance 1 + 0.8 x over the hemisphere of z: E = π, and ∫ x (1 + 0.8 x) = 0.8 · 2π / 3 is the gradient.
+    const float slope = 0.8f;
+    std::vector<IrradianceRecord> records{bare_record({}, 2, Color(pi))};
+    records[0].rotation.channel.fill({0, slope * 2 * pi / 3, 0});
+    RecordCache cache;
+    cache.insert(records, spacing, 1);
+    for (const float a : {-1.5f, -1.0f, -0.3f, 0.2f, 0.6f, 1.0f, 1.4f}) {
+        CAPTURE(a);
+        const Vec3 bump{std::sin(a), 0, std::cos(a)};
+        double sum = 0;
+        constexpr int rows = 400, columns = 800;
+        for (int i = 0; i < rows; ++i)
+            for (int k = 0; k < columns; ++k) {
+                const double z = (i + 0.5) / rows, s = std::sqrt(1 - z * z), phi = 2 * M_PI * (k + 0.5) / columns;
+                const Vec3 w{float(s * std::cos(phi)), float(s * std::sin(phi)), float(z)};
+                sum += std::max(0.0f, dot(w, bump)) * (1 + slope * w.x);
+            }
+        CHECK(cache.interpolate({}, {0, 0, 1}, bump)->r ==
+              doctest::Approx(sum * 2 * M_PI / (rows * columns)).epsilon(1e-3));
+    }
 }
 
 TEST_CASE("where no record reaches there is a miss, not darkness") {
