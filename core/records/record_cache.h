@@ -126,8 +126,8 @@ class RecordCache {
     /// What the turn from the geometric to the shading normal does to irradiance, and the geometric normal.
     struct Bend {
         Vec3 normal;
-        float even;  // the share that is kept of what a uniform hemisphere brings
-        Vec3 turn{};     // what the rotation gradient is multiplied with, rad
+        float even;   // the share that is kept of what a uniform hemisphere brings
+        Vec3 turn{};  // what the rotation gradient is multiplied with, rad
 
         Bend(Vec3 normal, Vec3 shading);
     };

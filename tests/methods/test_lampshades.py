@@ -21,6 +21,7 @@ from eclat.scene import (
     Mesh,
     PointLight,
     Scene,
+    SpotLight,
     grey,
     look_at,
 )
@@ -63,6 +64,8 @@ BULB = ball(0.3, Material("thin_dielectric"), 8)
 ONE = (INTENSITY,) * 3
 WITHIN = 4 * math.pi * INTENSITY
 """Power of the lamps, W."""
+CONE = 2 * math.pi * INTENSITY * (1 - math.cos(math.radians(45)))
+"""Power of the spot, W."""
 AREA = 4 * math.pi
 
 
@@ -71,12 +74,14 @@ def around(power: float) -> float:
     return PASSED / math.pi * power / (AREA * (1 - REFLECTED))
 
 
-Parts = tuple[tuple[Mesh, ...], tuple[PointLight | DirectionalLight, ...], Environment | None, float]
+Parts = tuple[tuple[Mesh, ...], tuple[PointLight | DirectionalLight | SpotLight, ...], Environment | None, float]
 LAMPS: dict[str, Parts] = {
     "point": ((), (PointLight((0.0, 0.0, 0.0), ONE),), None, around(WITHIN)),
     "lamp": ((lamp(0.15),), (), None, around(WITHIN)),
     # A pane that takes nothing changes no sum of all bounces.
     "lamp-in-a-bulb": ((lamp(0.15), BULB), (), None, around(WITHIN)),
+    # It shines away from the camera, where all light is reflected at least once.
+    "spot": ((), (SpotLight((0.0, 0.0, 0.0), (0.0, 0.0, -1.0), ONE, 45.0, 45.0),), None, around(REFLECTED * CONE)),
     # From behind and without: its cross-section takes it, lets it in, and lets it out again.
     "sun": ((), (DirectionalLight((0.0, 0.0, 1.0), ONE),), None, around(PASSED * INTENSITY * math.pi)),
     "sky": ((), (), SKY, REFLECTED + around(PASSED * math.pi * AREA)),

@@ -104,12 +104,8 @@ class Begun:
             parts = [layers[name] for name in sorted(layers) if name.startswith(f"sums_{number}_")]
             film.restore(np.ascontiguousarray(np.concatenate(parts, axis=2)))
         if sampling.adaptive is not None:
-            sampling.adaptive.restore(
-                layers["sample_counts"],
-                sampling.film.radiance,
-                layers.get("sample_variance"),
-                layers.get("sample_contrast"),
-            )
+            begun = {name.removeprefix("sample_"): v for name, v in layers.items() if name.startswith("sample_")}
+            sampling.adaptive.restore(begun, sampling.film.radiance)
         sampling.take_up(self.samples)
 
     def add_bad_samples(self, image: Image) -> None:
