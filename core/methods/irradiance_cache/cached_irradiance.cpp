@@ -9,7 +9,8 @@ namespace eclat {
 
 namespace {
 
-/// The part of `component` that the caches leave out, without the environment's image, which they include.
+/// Returns the light of `component` that the caches do not contain. The environment image is excluded, because they
+/// contain it.
 Color beside_cache(const World& world, const SurfacePoint& point, uint32_t index, const PointIrradianceOptions& options,
                    Progress& progress) {
     if (options.component == Component::indirect && !world.lights.has_environment_image()) return {};
@@ -24,7 +25,7 @@ Color beside_cache(const World& world, const SurfacePoint& point, uint32_t index
 CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
                                const IrradianceCacheOptions& cache_options, const PointIrradianceOptions& options,
                                Progress& progress) {
-    constexpr size_t block = 256;  // points between two reports of progress
+    constexpr size_t block = 256;  // number of points between two reports of progress
     progress.begin(points.size());
     CachedPoints out;
     out.irradiance.resize(points.size());
@@ -33,8 +34,8 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
         std::vector<Candidate> missed;
         std::vector<size_t> missed_index;
         for (size_t i = begin; i < begin + count; ++i) {
-            // By the strict test: the records may have been made for a view, in which nobody looked at this point, and the
-            // relaxed ones of its neighbours reach under a panel's edge.
+            // The strict test is used, because the records may have been made for a view that does not show this point,
+            // and with the relaxed test neighbouring records would be read under the edge of a panel.
             const auto E = caches.near.serves(points[i].position, points[i].normal)
                                ? caches.near.interpolate(points[i].position, points[i].normal, points[i].normal)
                                : std::nullopt;
@@ -47,7 +48,7 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
         }
         const auto gathered = gather_records(world, missed, far_end(world, caches, cache_options, progress),
                                              cache_options, Stream::point_gathers, cache_options.rows, progress);
-        // Nobody shares the excess of a single gather: both are its whole estimate.
+        // A single gather has no neighbours to average the excess over, so its estimate is the sum of both parts.
         for (size_t k = 0; k < gathered.size(); ++k)
             out.irradiance[missed_index[k]] = gathered[k].irradiance + gathered[k].excess;
         out.gathered += missed.size();

@@ -15,10 +15,11 @@ namespace eclat {
 
 struct CachedPoints {
     std::vector<Color> irradiance;
-    size_t served = 0, gathered = 0;  // points whose indirect light the near cache knew, and the others
+    size_t served = 0, gathered = 0;  // numbers of points that the near cache served, and of the others
 };
 
-/// Indirect light from the near cache; where that does not serve a point, from a gather that ends in the far cache.
+/// Computes indirect light from the near cache or, at points that it does not serve, from a gather that ends in the far
+/// cache.
 CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> points, const SolvedCaches& caches,
                                const IrradianceCacheOptions& cache_options, const PointIrradianceOptions& options,
                                Progress& progress);

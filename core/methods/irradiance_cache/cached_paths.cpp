@@ -16,7 +16,7 @@ Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, 
     options.max_depth = max_depth;
     options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches);
-    // Far records know of no greatest length of paths.
+    // Far records contain light of all path lengths.
     if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_far(caches.far);
     options.miss_paths = cached_miss_paths;
     if (tables) options.reflection = read_radiance(caches.radiance, *tables);

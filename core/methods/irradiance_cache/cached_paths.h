@@ -10,11 +10,13 @@
 
 namespace eclat {
 
-/// Paths of a camera that read `caches`, and with `tables` their records of radiance. All that is given is borrowed.
+/// Makes the estimator of camera paths that read `caches` and, with `tables`, their records of radiance. All arguments
+/// must outlive it.
 Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, const RadianceTables* tables,
                                 int max_depth);
 
-/// Irradiance at points from `caches`; what they do not serve is gathered by `cache_options`. Borrows the caches.
+/// Makes the estimator of irradiance at points from `caches`. Points that they do not serve are gathered with
+/// `cache_options`. The caches must outlive it.
 PointEstimator cached_point_estimator(const World& world, const SolvedCaches& caches,
                                       const IrradianceCacheOptions& cache_options);
 

@@ -3,10 +3,10 @@
 
 // Irradiance caching: indirect light on diffuse surfaces is computed at few points and interpolated between them. Irradiance
 // changes slowly where the surrounding surfaces are far away, so records may be sparse there and must be dense in corners.
-//
-// For a picture the candidates are what its pixels see, at first or after mirrors. They are looked at coarse to fine: every 32nd
-// pixel first, then the three points that halve the lattice, until neighbouring candidates are no farther apart than the
-// smallest records reach. Here is only the order of the passes; each step has its own file:
+// For a picture, the candidates are the surface points that its pixels see, directly or by way of mirrors. They are
+// processed from coarse to fine: first every 32nd pixel, then the three points that halve the spacing of the lattice,
+// and so on, until the spacing is at most the smallest radius of a record. This file has only the order of the passes;
+// each step has its own file:
 //
 //   one gather                  records/gather.cpp, hemisphere/hemisphere.cpp     [Ward88], [WardHeckbert92]
 //   the radius of a record      records/spacing.cpp                               [Schwarzhaupt12]
@@ -33,12 +33,13 @@ namespace eclat {
 
 namespace {
 
-// Pixels between the candidates of the first pass, by judgement: the power of two just below the largest radius of a record (40
-// pixels by default). A wider first pass would find few records, a narrower one places wide records on each other.
+// This is the distance in pixels between the candidates of the first pass, chosen by judgement: the power of two just
+// below the largest radius of a record (40 pixels by default). A larger distance would give few records, and with a
+// smaller one large records overlap.
 constexpr float coarsest = 32;
 
-/// Pixel centres, or places between them, of one class of a lattice: the three finer points of each cell of `2 · step`, or
-/// all of the first. `step`: a power of two.
+/// Returns the pixel centres, or positions between them, of one pass: the three new points of each lattice cell of `2 ·
+/// step`, or all points of the first lattice. `step` is a power of two.
 std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
     std::vector<Vec2> out;
     const auto dx = static_cast<float>(kind & 1), dy = static_cast<float>(kind >> 1);
@@ -48,18 +49,20 @@ std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
     return out;
 }
 
-/// Pixels between the candidates of the last passes: no more than the radius of the smallest records.
+/// Returns the distance in pixels between the candidates of the last passes, which is at most the radius of the
+/// smallest records.
 float finest_step(const IrradianceCacheOptions& options) {
     float step = coarsest;
     while (step > options.least_pixels) step /= 2;
     return step;
 }
 
-/// Rows of the gathers of a pass, in units of the usual number. A record that a pass wants serves about as wide a part of the
-/// picture as the pass's step, so its noise is seen in step² pixels. The sum over records of that area times the variance,
-/// which falls with N^{-3/2} (records/record_passes.cpp), is least for a sum of rays N where N^{5/2} ∝ step², so M ∝ step^{2/5}.
-/// The step that gets the usual number and the bounds are tuned: in `living-room` at 640 × 360 the denoised error falls from
-/// 3.9 to 3.5 % with 3 % more rays; fewer rows than 0.7 in the last passes undo that.
+/// Returns the number of rows of the gathers of a pass, divided by the usual number. A new record serves a part of the
+/// picture about as wide as the step of the pass, so its noise is visible in step² pixels. For a given total of rays,
+/// the sum over records of that area times the variance, which is proportional to N^{-3/2} (records/record_passes.cpp),
+/// is least if N^{5/2} ∝ step², so M ∝ step^{2/5}. The step with the usual number of rows and the bounds are tuned: in
+/// `living-room` at 640 × 360 the denoised error decreases from 3.9 to 3.5 % with 3 % more rays; factors below 0.7 in
+/// the last passes undo that.
 float rows_share(float step) {
     constexpr float usual_step = 2, fewest = 0.7f, most = 2;
     return clamp(std::pow(step / usual_step, 0.4f), fewest, most);
@@ -95,8 +98,9 @@ uint64_t camera_passes(const IrradianceCacheOptions& options, int sweeps) {
 
 void solve_far_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
                           RecordSolve& solve, Progress& progress) {
-    // Pixels between the points from which the far cache is found, by judgement: a picture of 512 × 512 has 1024 of them, so
-    // that 8000 rays leave evenly from all it sees. Closer ones only cost rays from the camera.
+    // This is the distance in pixels between the points from which far candidates are searched, chosen by judgement: a
+    // picture of 512 × 512 has 1024 such points, so that 8000 rays start evenly from all visible surfaces. A smaller
+    // distance would only take more camera rays.
     constexpr int far_sources = 16;
     solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
               solve, progress);

@@ -19,9 +19,9 @@ namespace eclat {
 
 namespace {
 
-constexpr size_t first_pass = 64;  // candidates of the coarsest pass; each later one doubles what has been tried
+constexpr size_t first_pass = 64;  // candidates of the coarsest pass; each later pass doubles their total number
 
-constexpr size_t far_round = 512;  // far candidates that are tried together
+constexpr size_t far_round = 512;  // number of far candidates that are tried together
 
 using Candidates = std::vector<Candidate>;
 
@@ -31,14 +31,14 @@ uint32_t far_rounds(const IrradianceCacheOptions& options) {
     return static_cast<uint32_t>((count + far_round - 1) / far_round);
 }
 
-/// Points where irradiance is wanted, on each side that reflects it or lets it through.
+/// Points at which irradiance is needed, on each side that reflects or transmits it.
 Candidates diffuse_candidates(const SurfacePoints& surface, size_t count, uint32_t pass, uint32_t seed) {
     Candidates out;
     for (const auto& [hit, key] : surface.spread(count, pass, seed)) {
         Candidates wanted;
         surface.for_each_side(
             hit, [&](const SurfacePoint& point, Vec3 wo) { add_sides(point, wo, Candidate(point, 0.0f, 0), wanted); });
-        Candidates sides;  // each of them once, though what is seen from both sides of a curtain wants both
+        Candidates sides;  // each side once, although both sides of a curtain need both
         for (const Candidate& c : wanted)
             if (std::ranges::none_of(sides, [&](const Candidate& o) { return dot(o.normal, c.normal) > 0; }))
                 sides.push_back(c);
@@ -54,7 +54,7 @@ Candidates diffuse_candidates(const SurfacePoints& surface, size_t count, uint32
 
 void solve_at_points(const World& world, std::span<const PointNormal> points, const IrradianceCacheOptions& options,
                      SolvedCaches& caches, Progress& progress) {
-    constexpr int retries = 3;  // clamping by later records may leave a point unserved that was served
+    constexpr int retries = 3;  // later records may shrink the record that served a point
     caches = empty_caches(options);
     RecordSolve solve{caches};
     size_t coarsest = 1;
@@ -69,7 +69,7 @@ void solve_at_points(const World& world, std::span<const PointNormal> points, co
         return out;
     };
     solve_far(world, every(1, 0), options, solve, progress);
-    // Each pass takes the points halfway between those of all passes before.
+    // Each pass takes the points halfway between those of all previous passes.
     add_near(world, every(coarsest, 0), options, solve, progress);
     for (size_t step = coarsest; step > 1; step /= 2) add_near(world, every(step, step / 2), options, solve, progress);
     for (int retry = 0; retry < retries; ++retry) add_near(world, every(1, 0), options, solve, progress);

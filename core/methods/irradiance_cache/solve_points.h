@@ -15,26 +15,27 @@
 
 namespace eclat {
 
-/// Fills `caches`, which must be empty, with what serves each point on the side of its normal. Whatever stops it (an
-/// exception, a cancelled progress) leaves the passes that were finished. `progress` counts passes.
+/// Fills `caches`, which must be empty, with records that serve each point on the side of its normal. After an
+/// exception or a cancellation, they hold the passes that were finished. `progress` counts passes.
 void solve_at_points(const World& world, std::span<const PointNormal> points, const IrradianceCacheOptions& options,
                      SolvedCaches& caches, Progress& progress);
 
-/// The same for all diffuse surfaces, on each side that reflects: candidates are spread evenly over their area, and
-/// doubled until the records serve almost all new ones.
+/// Fills the caches for all diffuse surfaces, on each side that reflects. Candidates are distributed evenly over the
+/// area, and their number is doubled until the records serve almost all new ones.
 void solve_everywhere(const World& world, const IrradianceCacheOptions& options, SolvedCaches& caches,
                       Progress& progress);
 
-// Its steps, between which another cache can be filled in a sweep of its own; `surface` must not be empty.
+// These are the steps of the solve, between which another cache can be filled in a separate sweep. `surface` must not
+// be empty.
 
-/// The most passes of a solve with so many sweeps over the surfaces.
+/// Returns the greatest number of passes of a solve with that number of sweeps over the surfaces.
 uint64_t surface_passes(const IrradianceCacheOptions& options, int sweeps);
 void solve_far_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                           RecordSolve& solve, Progress& progress);
 void solve_near_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                            RecordSolve& solve, Progress& progress);
 
-/// Points spread evenly over the same surfaces, about `count` of them, but not those that a solve looked at.
+/// Returns about `count` points that are evenly distributed over the same surfaces and differ from those of a solve.
 std::vector<PointNormal> points_everywhere(const World& world, size_t count, uint32_t seed);
 
 }  // namespace eclat

@@ -1,14 +1,14 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Density estimation: E = Σ k(d_p / r) Φ_p / r² over the photons nearest to a point [Jensen01], by a kernel k whose integral
-// over the unit disc is 1.
-//
-// Near a wall, an edge or a box on the floor, a part of the disc is no surface that the point shares light with: dividing
-// by all of it darkens edges, and photons behind a thin wall would light the other side. So both the sum and the area
-// take the same part only, that which can be seen from the point, just above the surface. For the area, points spread by
-// the kernel look for the surface under them, and rays from there to the centre for what stands between; photons are
-// tested by the same rays. Where light is even, the estimate is then right whatever the shape of that part.
+// Density estimation: E = Σ k(d_p / r) Φ_p / r² over the photons nearest to a point [Jensen01], with a kernel k whose
+// integral over the unit disc is 1.
+// Near a wall, an edge or a box on the floor, a part of the disc is not a surface, or its light does not belong to the
+// point. Dividing by the whole area would darken edges, and photons behind a thin wall would light the other side.
+// Therefore the sum and the area are both restricted to the part of the disc that is visible from the point, just above
+// the surface. To measure the area, probes that are distributed like the kernel search for the surface below them, and
+// rays from there to the centre test the visibility. Photons are tested by the same rays. For uniform light, the
+// estimate is then correct for any shape of that part.
 //
 // Symbol       name here     meaning
 //   r            radius        of the disc: the distance of the next photon after the nearest ones, or the largest one
@@ -70,7 +70,8 @@ class Estimate {
         const float weight = kernel_weight(options_.kernel, n.distance2 / sqr(disc_.radius));
         // Photons arrive on the geometric surface; light is measured against the shading normal.
         const float cosine = dot(photon.direction, at_.shading), on_surface = dot(photon.direction, photon.normal);
-        // Rays that come flatly are few and weigh much: to bound their weight lower would darken bumps (at 4 by 1.6 %).
+        // Photons at grazing angles are few and have large weights. A lower bound of the weights would darken bumps (a
+        // bound of 4 by 1.6 %).
         const float tilt = at_.shading == at_.normal ? 1 : std::max(0.0f, cosine) / std::max(on_surface, 1e-3f);
         return map_.power(photon) * (weight * tilt);
     }
@@ -88,7 +89,8 @@ class Estimate {
         occluded(rays_, hidden);
     }
 
-    /// Whether any photon near the rim is hidden: probes are few there, but what lies behind a wall may be bright.
+    /// Returns whether any photon near the rim is occluded. There are few probes near the rim, but an area behind a
+    /// wall may be bright.
     bool hides_rim(std::span<const Neighbor> photons) {
         rays_.clear();
         for (const auto& n : photons)
@@ -99,13 +101,14 @@ class Estimate {
         return std::ranges::any_of(hidden, [](uint8_t h) { return h != 0; });
     }
 
-    /// Sum of the kernel-weighted areas that probes [first, end) see, each the whole disc's where all is flat and clear.
+    /// Returns the sum of the kernel-weighted areas that the probes [first, end) represent; each represents the whole
+    /// disc if the surface is flat and unoccluded.
     double visible_area(size_t first, size_t end) {
         const Frame frame = Frame::around(at_.normal);
         std::array<Ray, probes> down;
-        std::array<float, probes> planned;  // the kernel there in the plane
+        std::array<float, probes> planned;  // value of the kernel at each probe in the plane
         for (size_t i = first; i < end; ++i) {
-            // The first ones are a spiral of their own.
+            // The first probes form a separate spiral.
             const float rank = i < first_probes
                                    ? (static_cast<float>(i) + 0.5f) / first_probes
                                    : (static_cast<float>(i - first_probes) + 0.5f) / (probes - first_probes);
@@ -113,7 +116,7 @@ class Estimate {
             const float phi = golden_angle * static_cast<float>(i);
             const Vec3 on_plane =
                 at_.position + frame.u * (distance * std::cos(phi)) + frame.v * (distance * std::sin(phi));
-            // Where the ellipsoid begins and ends above and below the plane.
+            // These are the heights of the ellipsoid above and below the plane.
             const float height = disc_.radius * safe_sqrt(1 - x2) / Disc::flatness + 4 * at_.offset;
             down[i - first] = {on_plane + at_.normal * height, 0, -at_.normal, 2 * height};
             planned[i - first] = kernel_weight(options_.kernel, x2);
@@ -133,7 +136,7 @@ class Estimate {
             if (dot(n, at_.normal) < 0) n = -n;
             const float x2 = disc_.distance2(position) / sqr(disc_.radius);
             if (!disc_.same_side(n) || !(x2 < 1)) continue;
-            // A tilted surface has more area than its shadow on the disc.
+            // A tilted surface has a larger area than its projection onto the disc.
             weights[found] = kernel_weight(options_.kernel, x2) / (planned[i] * dot(n, at_.normal));
             back[found++] = to_center(position, n);
         }
@@ -154,7 +157,7 @@ class Estimate {
     Disc disc_;
     Progress& progress_;
     std::vector<Ray> rays_;
-    size_t clear_ = 0;  // probes so far that saw surface, and were seen
+    size_t clear_ = 0;  // number of probes so far that found a visible surface
 };
 
 }  // namespace
@@ -162,7 +165,7 @@ class Estimate {
 DensityPoint DensityPoint::of_photon(const World& world, const Photon& photon, Vec3 wo) {
     DensityPoint at{photon.position, photon.normal,
                     coordinate_resolution * (world.geometry.longest_edge() + length(photon.position))};
-    // Photons do not know their surface: a short ray finds it, to learn the shading normal.
+    // Photons do not store their surface, so a short ray finds it, for its shading normal.
     const Ray down{photon.position + photon.normal * (4 * at.offset), 0, -photon.normal, 8 * at.offset};
     Hit hit;
     world.geometry.rays().intersect({&down, 1}, {&hit, 1});
@@ -179,7 +182,7 @@ Ray ray_between(const DensityPoint& from, const DensityPoint& to, float radius) 
 }
 
 float progressive_radius(uint32_t pass, float alpha) {
-    double squared = 1;  // double: a product of thousands
+    double squared = 1;  // in double precision, because it is a product of thousands of factors
     for (uint32_t i = 1; i <= pass; ++i) squared *= (i + static_cast<double>(alpha)) / (i + 1.0);
     return static_cast<float>(std::sqrt(squared));
 }

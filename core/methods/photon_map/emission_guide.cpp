@@ -4,12 +4,12 @@
 // Importance sampling of emission in the space of its random numbers, which serves every kind of light: for a point light the
 // numbers of the direction matter, for the sun those of the position, for a lamp both, for many lights the choice of the light.
 // It replaces the projection maps of [Jensen01]; it learns from emissions what projection maps compute from objects.
-//
-// Boxes of the cube get emissions in proportion to their volume times the root of their mean squared value, which gives a sum the
-// least variance for its number of terms. But a photon from a box of small density is a strong one, and shows as a blot: boxes of
-// which anything was ever stored get at least an eighth of the densest one's density. The others share a tenth of all
-// emissions, so that what was missed while learning is still found; it was asked as often while learning as it will be later,
-// so that there is about one such photon in a map, if any.
+// The number of emissions from a box of the cube is proportional to its volume times the root of its mean squared
+// value, which minimises the variance of a sum with a given number of terms. However, a photon from a box of low
+// density has a large power and would be visible as a spot. Boxes from which any photon was stored therefore get at
+// least an eighth of the highest density. The other boxes share a tenth of all emissions, so that paths that were
+// missed while learning are still found. They get as many emissions later as they had while learning, so a map contains
+// about one such photon, if any.
 //
 // Held to      tests/core/methods/photon_map/test_emission_guide.cpp
 
@@ -23,15 +23,15 @@ namespace eclat {
 namespace {
 
 constexpr double uniform_part = 0.1;
-constexpr double largest_spread = 8;      // of the density, among boxes that are hit
-constexpr size_t least_hits = 64;         // results with a value, that a box is split by
-constexpr size_t least_results = 64;      // without a value, to call a box empty
-constexpr double least_share = 1e-3;      // of all value, below which a box is not worth another split
-constexpr double least_volume = 0x1p-14;  // a tenth of it is still many units of a random number
+constexpr double largest_spread = 8;      // largest ratio of densities among boxes that are hit
+constexpr size_t least_hits = 64;         // number of results with a value that is needed to split a box
+constexpr size_t least_results = 64;      // number of results without a value for which a box counts as empty
+constexpr double least_share = 1e-3;      // share of the total value below which a box is not split
+constexpr double least_volume = 0x1p-14;  // a tenth of it is still many steps of a random number
 constexpr size_t bins = 8;
-constexpr double least_chi_square = 40;  // of hits in bins: by chance, with 7 degrees of freedom, once in a million
+constexpr double least_chi_square = 40;  // exceeded by chance, with 7 degrees of freedom, once in a million
 
-/// How unevenly hits are spread over the bins.
+/// Returns the χ² statistic of the distribution of hits over the bins.
 double chi_square(const std::array<size_t, bins>& counts, size_t hits) {
     const double expected = static_cast<double>(hits) / bins;
     double sum = 0;
@@ -62,11 +62,11 @@ EmissionGuide::Guided EmissionGuide::sample(float u_box, const EmissionNumbers& 
     return out;
 }
 
-/// A box and the results in it; each stands for the volume over their number.
+/// A box and the results in it, each of which represents the volume divided by their number.
 struct EmissionGuide::Part {
     Box box;
     std::vector<Result> results;
-    double value = 0;   // integral over the box
+    double value = 0;   // integral of the value over the box
     double square = 0;  // mean of the squared values
     size_t hits = 0;
 

@@ -15,31 +15,33 @@
 
 namespace eclat {
 
-/// Random numbers of an emission: the light's choice, the place on it (2), the direction (2).
+/// The random numbers of an emission: one for the choice of the light, two for the position on it, and two for the
+/// direction.
 using EmissionNumbers = std::array<float, 5>;
 
-/// A density on the unit cube of emission numbers, constant on boxes.
+/// A density on the unit cube of emission numbers, which is constant on boxes.
 class EmissionGuide {
   public:
-    /// One box: uniform.
+    /// Makes a uniform density, which has one box.
     EmissionGuide();
 
     struct Guided {
         EmissionNumbers u;
-        float pdf;  // with respect to uniform numbers
+        float pdf;  // density with respect to uniform numbers
         uint32_t box;
     };
-    /// A box by `u_box`, and a place in it by `u`: all uniform numbers. They stay stratified.
+    /// Chooses a box by `u_box` and a position in it by `u`. The results are stratified if these uniform numbers are.
     Guided sample(float u_box, const EmissionNumbers& u) const;
 
-    /// What one emission brought: `value` is the flux that was stored of it, as if it had been emitted uniformly.
+    /// The result of one emission: `value` is the flux that was stored, converted to uniform emission.
     struct Result {
         EmissionNumbers u;
         uint32_t box;
         float value;
     };
-    /// Splits boxes in halves where the value of one half is much more than the other's, and takes more emissions from boxes
-    /// whose value is large. `results` are all those of numbers that this guide sampled, those without a value included.
+    /// Splits boxes in halves if the value of one half is much larger than that of the other, and increases the density
+    /// of boxes with large values. `results` must contain all results of numbers that this guide sampled, including
+    /// those without a value.
     void refine(std::span<const Result> results);
 
     size_t boxes() const { return boxes_.size(); }
@@ -48,7 +50,7 @@ class EmissionGuide {
   private:
     struct Box {
         EmissionNumbers low{}, high{};
-        bool hit = true;  // something of it has been stored, or it has not been asked often enough to tell
+        bool hit = true;  // whether a photon from it was stored, or it had too few emissions to tell
 
         double volume() const;
     };
@@ -56,7 +58,7 @@ class EmissionGuide {
     static void split(Part part, double total, std::vector<Part>& out);
 
     std::vector<Box> boxes_;
-    std::vector<float> cumulative_;  // probability of the boxes before each, and 1
+    std::vector<float> cumulative_;  // sum of the probabilities before each box, and finally 1
 };
 
 }  // namespace eclat

@@ -14,8 +14,9 @@ namespace eclat {
 
 enum class Kernel : uint8_t { uniform, cone, epanechnikov };
 
-/// Weight at the squared distance `x2` (in units of the disc's radius, 0 ≤ x2 ≤ 1); its integral over the disc of radius 1
-/// is 1. The cone is that of [Jensen01] with k = 1; [Silverman86] has Epanechnikov's in two dimensions.
+/// Returns the weight at the squared distance `x2`, in units of the squared radius of the disc (0 ≤ x2 ≤ 1). Its
+/// integral over the disc of radius 1 is 1. The cone is that of [Jensen01] with k = 1; the kernel of Epanechnikov in
+/// two dimensions is in [Silverman86].
 inline float kernel_weight(Kernel kernel, float x2) {
     switch (kernel) {
         case Kernel::cone: return 3 * inv_pi * (1 - std::sqrt(x2));
@@ -24,7 +25,7 @@ inline float kernel_weight(Kernel kernel, float x2) {
     }
 }
 
-/// Squared distance from the centre within which the part `u` of the kernel's integral lies.
+/// Returns the squared distance from the centre within which the fraction `u` of the kernel's integral lies.
 inline float kernel_quantile2(Kernel kernel, float u) {
     switch (kernel) {
         case Kernel::cone: {

@@ -33,7 +33,7 @@ namespace eclat {
 namespace {
 
 struct State : PathState {
-    bool gathering = false;  // a diffuse ray led here from what the camera sees
+    bool gathering = false;  // whether a gather ray from a visible surface led here
 };
 
 class Gatherer {
@@ -66,7 +66,7 @@ class Gatherer {
     }
 
   private:
-    /// The stages of a vertex, each for all vertices of the batch.
+    /// The stages of the processing, each for all vertices of a batch.
     void at_vertices(std::span<State> paths, std::span<Vertex> vertices, Paths<State>& next) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             describe(world_, vertices[i], edges_ == 1, paths[i], out_[paths[i].index]);
@@ -81,7 +81,8 @@ class Gatherer {
         if (goes_on) continue_paths(paths, vertices, next);
     }
 
-    /// Direct light: the matte lobes take all of it; the glossy lobes, where no gather leads here, their weighted part.
+    /// Adds direct light: all of it for the matte lobes and, unless a gather ray led here, the weighted share for the
+    /// glossy lobes.
     void sample_lights(std::span<State> paths, std::span<const Vertex> vertices) {
         LitLobes lobes{.alone = LobeSet::matte, .shared = LobeSet::glossy};
         for (size_t i = 0; i < vertices.size(); ++i) {
@@ -94,8 +95,8 @@ class Gatherer {
         }
     }
 
-    /// Indirect light that the matte lobes scatter, as far as photons tell it here; where gather rays must find it,
-    /// `gathers_` says by which lobes.
+    /// Adds the indirect light of the matte lobes that photons give at this vertex. If gather rays must find it, the
+    /// lobes are stored in `gathers_`.
     void read_photons(std::span<const State> paths, std::span<Vertex> vertices) {
         gathers_.assign(vertices.size(), std::nullopt);
         for (size_t i = 0; i < vertices.size(); ++i) {
@@ -110,7 +111,8 @@ class Gatherer {
         }
     }
 
-    /// The part of those `lobes` that scatter the light on the side of `from`; true where gather rays must find more.
+    /// Adds the light of those `lobes` that scatter light from the side of `from`. Returns true if gather rays must
+    /// find it instead.
     bool read_side(const State& path, Vertex& v, LobeSet lobes, Vec3 from) {
         const Color albedo = v.point.bsdf.albedo(v.wo_local, lobes);
         if (is_black(albedo)) return false;
@@ -132,12 +134,13 @@ class Gatherer {
         return estimate_irradiance(world_, map, at, options, progress_).irradiance;
     }
 
-    /// Most edges that a photon's path may have so that it is not too long together with the camera's path.
+    /// Returns the greatest number of edges of a photon's path for which it is not too long together with the camera
+    /// path.
     int max_photon_edges() const { return options_.max_depth < 0 ? -1 : options_.max_depth - edges_; }
 
-    /// Gather rays by the matte lobes, and one ray by the glossy lobes.
+    /// Continues with gather rays by the matte lobes and one ray by the glossy lobes.
     void continue_paths(std::span<const State> paths, std::span<const Vertex> vertices, Paths<State>& next) {
-        constexpr uint32_t gather_dimensions = 6;  // kept for gathers, so that both parts never share one
+        constexpr uint32_t gather_dimensions = 6;  // dimensions reserved for gather rays, so that the parts share none
         const auto parts = static_cast<uint32_t>(edges_ == 1 ? options_.gather_rays : 1);
         for (size_t i = 0; i < vertices.size(); ++i) {
             const Vertex& v = vertices[i];
@@ -156,7 +159,7 @@ class Gatherer {
         }
     }
 
-    /// One more edge by `lobes`, if it survives.
+    /// Continues the path by `lobes` unless roulette ends it.
     void push(State& path, const Vertex& v, LobeSet lobes, Paths<State>& next) const {
         Ray ray;
         if (go_on(v, lobes, edges_ >= roulette_after::photon_gather_edges, path, ray)) next.push(path, ray);
@@ -168,9 +171,9 @@ class Gatherer {
     DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;  // of all paths under way
+    int edges_ = 0;  // number of edges of all paths that have not ended
     Shadows shadows_;
-    std::vector<std::optional<LobeSet>> gathers_;  // for each vertex
+    std::vector<std::optional<LobeSet>> gathers_;  // lobes of the gather rays at each vertex
 };
 
 }  // namespace
@@ -183,7 +186,8 @@ void trace_to_photons(const World& world, const PhotonMaps& maps, const PhotonMa
 
 std::vector<Color> photon_irradiance(const World& world, std::span<const PointNormal> points, const PhotonMaps& maps,
                                      const PointIrradianceOptions& options, Progress& progress) {
-    // The maps hold light of any depth. Points need not lie on a surface, where photons are: caustics are found by paths.
+    // The maps hold light of any path length. Photons lie on surfaces, but points need not, so caustics are found by
+    // paths.
     if (options.max_depth >= 0) return path_irradiance(world, points, options, progress);
     return path_irradiance(world, points, options, progress, [&](const SurfacePoint& point, float distance) {
         return far_irradiance(world, maps, {point, point.frame.n}, distance, -1, progress);

@@ -14,15 +14,15 @@
 namespace eclat {
 
 struct PhotonMapOptions {
-    int gather_rays = 4;  // of a final gather, per camera ray; 0 looks at the photons directly
+    int gather_rays = 4;  // number of final gather rays per camera ray; with 0, photons are read directly
     int max_depth = -1;
 };
 
-/// What `trace_paths` does, with diffuse indirect light from the maps. `out` gets one result for each ray.
+/// Traces paths like `trace_paths`, with diffuse indirect light from the maps. `out` gets one result for each ray.
 void trace_to_photons(const World& world, const PhotonMaps& maps, const PhotonMapOptions& options,
                       std::span<const PathRay> rays, std::span<PathResult> out, Progress& progress);
 
-/// Irradiance at points, whose gather rays end in the maps [W m⁻²].
+/// Computes the irradiance at points in W m⁻², with gather rays that end in the maps.
 std::vector<Color> photon_irradiance(const World& world, std::span<const PointNormal> points, const PhotonMaps& maps,
                                      const PointIrradianceOptions& options, Progress& progress);
 

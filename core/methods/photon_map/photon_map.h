@@ -14,25 +14,25 @@
 
 namespace eclat {
 
-/// Light that arrived somewhere [Jensen01].
+/// A packet of light that arrived at a surface [Jensen01].
 struct Photon {
     Vec3 position;
-    Color power;      // W, as if it were the only one that was emitted: divided by their number when it is read
-    Vec3 direction;   // unit, towards where it came from
-    Vec3 normal;      // unit, geometric, on the side where it arrived
-    float edges = 1;  // of its path; 1 = straight from a light
+    Color power;      // W, as if it were the only one emitted; divided by the number of paths when it is read
+    Vec3 direction;   // unit vector in the direction from which it came
+    Vec3 normal;      // geometric unit normal on the side where it arrived
+    float edges = 1;  // number of edges of its path; 1 means straight from a light
 };
 static_assert(sizeof(Photon) == 13 * sizeof(float));
 
 class PhotonMap {
   public:
     PhotonMap() = default;
-    /// `emitted`: paths that the photons are of, those that ended without one included.
+    /// `emitted` is the number of paths, including those that stored no photon.
     PhotonMap(std::span<const Photon> photons, double emitted, int threads);
 
-    /// The `count` photons nearest to the disc's centre, on its side, within its radius, of paths with at most `max_edges`
-    /// (−1: any); into `found`, in no order. Returns the radius of the disc that they fill: with it their number over the
-    /// area is an unbiased density.
+    /// Finds the `count` photons nearest to the disc's centre, on its side and within its radius, of paths with at most
+    /// `max_edges` edges (−1 means any number). They are written to `found` in no particular order. Returns the radius
+    /// of the disc that they fill, with which their number divided by the area is an unbiased density.
     float nearest(const Disc& disc, size_t count, int max_edges, std::vector<Neighbor>& found) const {
         return tree_.nearest(disc, count, found, [&](uint32_t i) {
             const Photon& photon = photons_[i];
@@ -40,11 +40,11 @@ class PhotonMap {
         });
     }
 
-    /// In the tree's order.
+    /// The photons in the order of the tree.
     const std::vector<Photon>& photons() const { return photons_; }
     const Photon& photon(const Neighbor& n) const { return photons_[n.index]; }
     bool empty() const { return photons_.empty(); }
-    /// Power of a photon in the sum of all, W.
+    /// Returns the power of a photon divided by the number of paths, W.
     Color power(const Photon& photon) const { return photon.power * per_emitted_; }
 
   private:

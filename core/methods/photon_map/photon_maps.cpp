@@ -55,7 +55,7 @@ const IrradianceMap::Record* IrradianceMap::nearest(const World& world, const De
 }
 
 void PhotonMaps::precompute(const World& world, std::span<const Photon> places, int threads, Progress& progress) {
-    constexpr size_t block = 256;  // places between two looks at Ctrl-C, set by judgement; results do not depend on it
+    constexpr size_t block = 256;  // points between two tests for cancellation; results do not depend on it
     std::vector<IrradianceMap::Record> records(places.size());
     progress.begin((places.size() + block - 1) / block);
     parallel_blocks(places.size(), block, threads, [&](size_t begin, size_t end) {
@@ -76,7 +76,8 @@ void PhotonMaps::precompute(const World& world, std::span<const Photon> places, 
 
 std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, const DensityPoint& at, float distance,
                                     int max_edges, Progress& progress) {
-    // Records hold photons of all paths. Where there is none, photons are rare: tracing on is cheaper than their density.
+    // Records contain photons of all path lengths. If there is no record, photons are rare, and continuing the path is
+    // cheaper than estimating their density.
     if (max_edges < 0 && !maps.irradiance.empty()) {
         const auto* known = maps.irradiance.nearest(world, at, maps.reading.global.radius, progress);
         return known == nullptr || distance < known->radius ? std::nullopt : std::optional(known->irradiance);
@@ -91,7 +92,7 @@ std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, 
 float largest_radius(const World& world, size_t photons, int nearest) {
     if (photons == 0) return 0;
     const Geometry& g = world.geometry;
-    double area = 0;  // double: the areas of millions of triangles
+    double area = 0;  // in double precision, since there may be millions of triangles
     for (uint32_t t = 0; t < g.triangle_count(); ++t) {
         const Vec3 a = g.vertex(t, 0);
         area += 0.5 * static_cast<double>(length(cross(g.vertex(t, 1) - a, g.vertex(t, 2) - a)));

@@ -12,14 +12,14 @@
 
 namespace eclat {
 
-/// Irradiance at places that photons reach [Christensen99]: found by one look at the nearest, not by the density of a
-/// hundred.
+/// Precomputed irradiance at points that photons reach [Christensen99]. Reading the nearest point is cheaper than
+/// estimating the density of a hundred photons.
 class IrradianceMap {
   public:
     struct Record {
         Vec3 position, normal;
         Color irradiance;
-        float radius = 0;   // of the estimate's disc
+        float radius = 0;   // radius of the estimate's disc
         bool clear = true;  // as in DensityEstimate
     };
 
@@ -28,7 +28,8 @@ class IrradianceMap {
 
     bool empty() const { return records_.empty(); }
     const std::vector<Record>& records() const { return records_; }
-    /// The nearest record on the point's side that lies within `radius` and that the point sees; null if there is none.
+    /// Returns the nearest record on the point's side that lies within `radius` and is visible from the point, or null
+    /// if there is none.
     const Record* nearest(const World& world, const DensityPoint& at, float radius, Progress& progress) const;
 
   private:
@@ -36,7 +37,7 @@ class IrradianceMap {
     std::vector<Record> records_;
 };
 
-/// How both maps are read.
+/// The settings with which both maps are read.
 struct MapReading {
     DensityOptions global, caustic;
 };
@@ -47,19 +48,21 @@ struct PhotonMaps {
     MapReading reading;
     IrradianceMap irradiance;
 
-    /// Fills `irradiance` at the places of photons. They must not be those of the maps: an estimate at a photon's own place
-    /// counts it, and a point's nearest such place tells that around the point photons are missing. Both errors are about two
-    /// photons of those that are read: 2 % where `nearest` is 100.
+    /// Fills `irradiance` at the positions of photons, which must not be those of the maps. An estimate at the position
+    /// of a photon counts this photon, and if the nearest such position is read, photons are missing around the query.
+    /// Both errors are about two photons, or 2 % if `nearest` is 100.
     void precompute(const World& world, std::span<const Photon> places, int threads, Progress& progress);
 };
 
-/// Indirect irradiance where a gather ray of length `distance` ended; nothing where it was too short (photons are blurred,
-/// which would be seen from near by, in corners), or where photons are too rare. `max_edges`: of the photons' paths, −1 unlimited.
+/// Returns the indirect irradiance at the end of a gather ray of length `distance`. Returns nothing if photons are too
+/// rare, or if the ray is too short, as in corners, where the blur of the photons would be visible. `max_edges` is the
+/// greatest number of edges of the photons' paths; −1 means unlimited.
 std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, const DensityPoint& at, float distance,
                                     int max_edges, Progress& progress);
 
-/// The radius of a disc that would hold `nearest` of so many photons if all were spread evenly over the scene: no estimate
-/// needs to reach farther. Where it is dark, light is then what few photons say, and not what lies elsewhere.
+/// Returns the radius of a disc that would contain `nearest` photons if all were distributed evenly over the scene,
+/// which bounds the radius of estimates. In dark areas, the light is then estimated from the few photons there and not
+/// from distant ones.
 float largest_radius(const World& world, size_t photons, int nearest);
 
 }  // namespace eclat

@@ -22,16 +22,16 @@ namespace eclat {
 
 namespace {
 
-constexpr uint64_t block = 4096;  // paths that are traced together
+constexpr uint64_t block = 4096;  // number of paths that are traced together
 
 struct State {
     Color power;
     Sampler sampler;
-    uint32_t emission;  // its number in the block
-    float pdf;          // of its emission, with respect to a uniform one
+    uint32_t emission;  // number of its emission in the block
+    float pdf;          // density of its emission relative to uniform emission
     bool scattered_diffusely = false;
-    int passed = 0;        // edges that ended where it passed through a surface, which are none of its path
-    bool passing = false;  // its ray starts at such a place
+    int passed = 0;        // number of surfaces that it passed, whose edges do not count
+    bool passing = false;  // whether its ray starts at such a surface
 };
 
 class Tracer {
@@ -51,15 +51,15 @@ class Tracer {
             [](Paths<State>&) {});
     }
 
-    std::vector<Photon> photons;                 // in order of their edges
-    std::vector<EmissionGuide::Result> emitted;  // what each path brought
+    std::vector<Photon> photons;                 // photons in the order of their edges
+    std::vector<EmissionGuide::Result> emitted;  // result of each emission
 
   private:
     Paths<State> emit(PhotonPaths range) {
         Paths<State> paths;
         if (options_.max_edges == 0) return paths;
         for (uint64_t i = range.first; i < range.end; ++i) {
-            // The sampler counts 2^32 samples; what lies beyond is another sequence.
+            // The sampler has 2^32 samples; further paths use another sequence.
             Sampler sampler(stream_seed(options_.seed, stream_), static_cast<uint32_t>(i >> 32),
                             static_cast<uint32_t>(i));
             const float u_box = sampler.next_1d(), u_light = sampler.next_1d();
@@ -76,7 +76,7 @@ class Tracer {
         return paths;
     }
 
-    /// Off the surface that it leaves, if it leaves one.
+    /// Moves the origin of the ray off the surface on which it starts, if there is one.
     Vec3 start(const PhotonSample& photon) const {
         if (photon.triangle == no_triangle) return photon.origin;
         const Vec3 n = world_.geometry.geometric_normal(photon.triangle);
@@ -86,7 +86,8 @@ class Tracer {
 
     int edges(const State& s) const { return edges_ - s.passed; }
 
-    /// Finds which photons met culled backs on their way: where they arrived does not see where they came from.
+    /// Finds the photons that hit culled backs on their way, because the point at which they arrive does not see their
+    /// origin.
     void look_back(std::span<const State> states, std::span<const Vertex> vertices) {
         ended_.assign(vertices.size(), 0);
         const Intersector& rays = world_.geometry.rays();
@@ -94,7 +95,8 @@ class Tracer {
         looks_.clear();
         for (size_t i = 0; i < states.size(); ++i) {
             const Vertex& v = vertices[i];
-            // A surface that was passed is not met from behind, but the front of another sheet that lies on it is.
+            // The surface that was passed is not hit again from behind, but the front of another surface that lies on
+            // it may be hit.
             const float reach =
                 states[i].passing ? v.hit.t / shadow_shortening + 2 * v.point.offset : v.hit.t * shadow_shortening;
             looks_.push_back(v.missed() ? Ray{{}, 0, {0, 0, 1}, 0} : v.point.ray(v.wo, reach));
@@ -108,7 +110,7 @@ class Tracer {
         return s.scattered_diffusely ? options_.stored.indirect : options_.stored.caustic;
     }
 
-    /// Stores the photons that arrived at matte surfaces, on the side where they arrived.
+    /// Stores the photons that arrived at matte surfaces, with the side on which they arrived.
     void store(std::span<const State> states, std::span<const Vertex> vertices) {
         for (size_t i = 0; i < states.size(); ++i) {
             const Vertex& v = vertices[i];
@@ -143,7 +145,8 @@ class Tracer {
         const Vec2 u = s.sampler.next_2d();
         const float u_roulette = s.sampler.next_1d();
 
-        // Choose the matte or the glossy lobes, in proportion to what they reflect of this photon.
+        // The matte or the glossy lobes are chosen with probabilities proportional to the power of this photon that
+        // they reflect.
         const float diffuse = luminance(point.bsdf.albedo(from_local, LobeSet::matte) * s.power),
                     glossy = luminance(point.bsdf.albedo(from_local, LobeSet::glossy) * s.power);
         if (!(diffuse + glossy > 0)) return false;
@@ -157,14 +160,15 @@ class Tracer {
                             : scatter_by_lobes(point, v, u_lobe, u, diffusely ? LobeSet::matte : LobeSet::glossy);
         if (!to) return false;
         const Color power = s.power * to->weight * (1 / p);
-        // Unlike paths from the eye, photons keep equal powers: roulette at each vertex takes what the surface absorbs.
+        // Unlike paths from the camera, photons keep equal powers: roulette at each vertex accounts for the absorption
+        // of the surface.
         float survival = std::min(1.0f, max_component(power) / max_component(s.power));
         if (edges(s) >= roulette_after::photon_edges) survival = std::min(survival, largest_survival);
         if (!(u_roulette < survival)) return false;
         s.power = power * (1 / survival);
         s.scattered_diffusely |= diffusely;
         s.passing = false;
-        s.passed += to->straight;  // as direct light does
+        s.passed += to->straight;  // direct light passes panes too
         ray = point.ray(to->direction);
         return true;
     }
@@ -172,10 +176,11 @@ class Tracer {
     struct Onward {
         Vec3 direction;
         Color weight;
-        bool straight = false;  // through a pane
+        bool straight = false;  // whether it passes a pane
     };
 
-    /// What `scatter` weighs is radiance that travels the other way [Veach97 §5.3].
+    /// Converts the weight of `scatter`, which is that of radiance, to the weight of a photon, which travels in the
+    /// other direction [Veach97 §5.3].
     static std::optional<Onward> scatter_by_lobes(const SurfacePoint& point, const Vertex& v, float u_lobe, Vec2 u,
                                                   LobeSet lobes) {
         const auto to = scatter(point, v.wo_local, u_lobe, u, lobes);
@@ -187,9 +192,10 @@ class Tracer {
         return Onward{to->direction, sample.weight * adjoint, sample.straight};
     }
 
-    /// By the matte lobes of a surface whose shading normal is not its geometric one. Who looks at it flatly sees it with a
-    /// normal bent towards him, so light leaves in all directions above the geometric surface, and not only above the
-    /// shading normal's: a direction is chosen by the geometric cosine, and weighed with what is seen from there.
+    /// Scatters a photon by the matte lobes of a surface whose shading normal differs from its geometric normal. For
+    /// grazing views the shading normal is bent towards the viewer, so light leaves in all directions above the
+    /// geometric surface. A direction is therefore chosen with a density proportional to the geometric cosine, and
+    /// weighted by the reflection that is seen from there.
     std::optional<Onward> scatter_as_seen(const Vertex& v, float u_side, Vec2 u) const {
         const Vec3 n = dot(v.point.normal, v.wo) >= 0 ? v.point.normal : -v.point.normal;
         const float reflected = luminance(v.point.bsdf.diffuse_albedo(v.wo_local)),
@@ -211,10 +217,10 @@ class Tracer {
     Progress& progress_;
     int edges_ = 0;  // of all paths under way
     std::vector<Ray> looks_;
-    std::vector<uint8_t> ended_;  // of each vertex
+    std::vector<uint8_t> ended_;  // whether the path ended at each vertex
 };
 
-/// `f(tracer, b)` for each block b of paths, once it is traced.
+/// Calls `f(tracer, b)` for each block b of paths after it has been traced.
 template <class F>
 void trace_blocks(const World& world, PhotonPaths paths, const TraceOptions& options, Stream stream, Progress& progress,
                   const F& f) {
@@ -247,8 +253,8 @@ std::vector<Photon> trace_photons(const World& world, PhotonPaths paths, const T
 
 EmissionGuide learn_emission(const World& world, const TraceOptions& options, Progress& progress) {
     constexpr uint64_t first_round = 16 * block;
-    constexpr int rounds = 6;      // each refines what the one before has found
-    constexpr double often = 0.2;  // of emissions that bring something: then nothing is to be learnt
+    constexpr int rounds = 6;      // each round refines the guide of the round before
+    constexpr double often = 0.2;  // share of emissions with stored photons above which no guide is needed
     TraceOptions learning = options;
     learning.guide = EmissionGuide();
     uint64_t first = 0;
@@ -271,14 +277,15 @@ TracedPhotons trace_until(const World& world, size_t wanted, uint64_t most_paths
     TracedPhotons out;
     progress.begin(wanted);
     while (out.photons.size() < wanted && out.paths < most_paths) {
-        // As many as are probably needed; at most what keeps memory bounded where hits are frequent.
+        // The number of paths is what is probably needed; its upper bound limits the memory if many photons are stored.
         uint64_t paths = round;
         if (!out.photons.empty()) {
             const double rate = static_cast<double>(out.photons.size()) / static_cast<double>(out.paths);
             const double missing = static_cast<double>(wanted - out.photons.size()) / rate;
             paths = std::clamp<uint64_t>(static_cast<uint64_t>(missing / block + 1) * block, block, 16 * round);
         } else {
-            paths = std::clamp<uint64_t>(out.paths, block, 16 * round);  // nothing yet: look ever wider
+            paths =
+                std::clamp<uint64_t>(out.paths, block, 16 * round);  // nothing was stored yet, so the number is doubled
         }
         paths = std::min(paths, std::max(block, most_paths - out.paths));
         const auto more = trace_photons(world, {out.paths, out.paths + paths}, options, progress);

@@ -15,13 +15,14 @@
 
 namespace eclat {
 
-/// Which photons are stored where they meet a surface with a diffuse lobe. A caustic photon has met glossy lobes only
-/// (mirrors and glass included), at least one; a direct one has come straight from a light.
+/// The kinds of photons that are stored when they hit a surface with a diffuse lobe. A caustic photon has been
+/// scattered by at least one glossy lobe (including mirrors and glass) and by no others; a direct one has come straight
+/// from a light.
 struct Stored {
     bool direct = false, caustic = false, indirect = false;
 };
 
-/// Paths [first, end) of an endless sequence.
+/// The paths [first, end) of an infinite sequence.
 struct PhotonPaths {
     uint64_t first = 0, end = 0;
 };
@@ -34,23 +35,23 @@ struct TraceOptions {
     EmissionGuide guide{};
 };
 
-/// Photons in the order of their paths: the same on any number of threads. Their powers are those of single photons, to be
-/// divided by how many paths there were. Counts rays in `progress`.
+/// Traces photons, which are returned in the order of their paths, so that they are the same with any number of
+/// threads. Their powers must be divided by the number of paths. Counts rays in `progress`.
 std::vector<Photon> trace_photons(const World& world, PhotonPaths paths, const TraceOptions& options,
                                   Progress& progress);
 
-/// A guide for what is to be stored, learnt from some hundred thousand emissions of their own; uniform where that already
-/// stores most of what is emitted, or nothing was found.
+/// Returns a guide to emissions from which photons are stored, learnt from some hundred thousand separate emissions. It
+/// is uniform if most of these stored photons, or none did.
 EmissionGuide learn_emission(const World& world, const TraceOptions& options, Progress& progress);
 
-/// Photons traced until about so many are stored.
+/// Photons that were traced until about a given number was stored.
 struct TracedPhotons {
     std::vector<Photon> photons;
-    uint64_t paths = 0;  // emitted
+    uint64_t paths = 0;  // number of emitted paths
 };
 
-/// Traces paths, from the first on, until `wanted` photons are stored, or `most_paths` have been traced. The number of
-/// paths is a multiple of some thousands, and follows from counts alone.
+/// Traces paths, from the first one, until `wanted` photons are stored or `most_paths` have been traced. The number of
+/// paths is a multiple of a few thousand and depends only on counts, so it is the same on every machine.
 TracedPhotons trace_until(const World& world, size_t wanted, uint64_t most_paths, const TraceOptions& options,
                           Progress& progress);
 

@@ -35,14 +35,14 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t glossy_pass = 1u << 21;  // of points everywhere, beside those of diffuse ones
+constexpr uint32_t glossy_pass = 1u << 21;  // first pass number of glossy surface points, after those of diffuse ones
 
-/// Where a radiance record could be wanted.
+/// A point at which a radiance record may be needed.
 struct GlossyCandidate {
     Candidate at;
-    bool served = false;   // there is one
-    bool diffuse = false;  // an irradiance record serves there as well
-    PlacedLobe lobe;       // where it is not served
+    bool served = false;   // whether a radiance record serves it
+    bool diffuse = false;  // whether an irradiance record is needed too
+    PlacedLobe lobe;       // its lobe if it is not served
 };
 
 GlossyCandidate candidate_for(const Candidate& at, const SurfacePoint& point, Vec3 wo, const ReflectedFactors& factors,
@@ -57,7 +57,7 @@ bool within_tilt(const SurfacePoint& point) {
     return dot(point.frame.n, point.normal_towards_shading()) > std::cos(largest_radiance_tilt);
 }
 
-/// What pixels see with lobes that may be cached, at first or after mirrors and narrow lobes.
+/// Returns the points with cacheable lobes that pixels see, directly or by way of mirrors and narrow lobes.
 std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera& camera, const RadianceTables& tables,
                                                const RadianceCache& cache, std::span<const Vec2> pixels,
                                                const RadianceCacheOptions& options, Progress& progress) {
@@ -76,8 +76,8 @@ std::vector<GlossyCandidate> glossy_candidates(const World& world, const Camera&
         });
 }
 
-/// The narrowest lobe that may be cached, of views from four heights and two sides; false where there is none. The heights
-/// are judgement; at views flatter than 0.25 few lobes can be cached.
+/// Finds the narrowest lobe that may be cached, for views from four heights and two sides; returns false if there is
+/// none. The heights are chosen by judgement; for views below a height of 0.25 few lobes can be cached.
 bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFactors& out) {
     ReflectedFactors factors;
     out.order = 0;
@@ -90,7 +90,7 @@ bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFac
     return out.order > 0;
 }
 
-/// The same on all surfaces.
+/// Returns the points with cacheable lobes on all surfaces.
 std::vector<GlossyCandidate> glossy_candidates(const SurfacePoints& surface, size_t count, uint32_t pass,
                                                const RadianceTables& tables, const RadianceCache& cache,
                                                const RadianceCacheOptions& options) {
@@ -112,8 +112,8 @@ std::vector<GlossyCandidate> glossy_candidates(const SurfacePoints& surface, siz
     return out;
 }
 
-/// A pass: radiance records for the candidates that are not served, and irradiance records of the same gathers. Returns how
-/// many were not served.
+/// Performs a pass, which makes radiance records for the candidates that are not served, and irradiance records from
+/// the same gathers. Returns how many were not served.
 size_t add_radiance(const World& world, std::span<const GlossyCandidate> candidates,
                     const RadianceProjection& projection, const RadianceCacheOptions& options, RecordSolve& solve,
                     Progress& progress) {
@@ -141,7 +141,7 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
         gather_records(world, places, far_end(world, caches, spaced, progress, solve.tables), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
-        // Where a lower bound widened the radius, the gradients go with it, as those of irradiance did.
+        // If a lower bound increased the radius, the gradients are reduced like those of irradiance.
         const float raised = options.spacing * records[i].distance / records[i].radius;
         if (raised < 1)
             for (float& g : coefficients[i].gradients) g *= raised;
@@ -174,7 +174,7 @@ void solve_radiance_cache(const World& world, const Camera& camera, const Radian
                      projection, options, solve, progress);
     });
 
-    // Lobes that radiance records answer for need no irradiance records behind them.
+    // If radiance records serve a lobe, the surfaces that it reflects need no irradiance records.
     solve_near_for_camera(world, camera, irradiance, solve, progress, [&](SurfacePoint& point, Vec3 wo) {
         if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
         ReflectedFactors factors;

@@ -15,16 +15,16 @@ namespace eclat {
 struct RadianceCacheOptions {
     IrradianceCacheOptions irradiance;
     int order = 8;
-    int rows = 16;         // of a gather for a radiance record
-    float spacing = 0.8f;  // as that of irradiance records, for a lobe as wide as a Lambertian one
+    int rows = 16;         // number of rows of a gather for a radiance record
+    float spacing = 0.8f;  // spacing as for irradiance records, for a lobe as wide as a Lambertian one
 };
 
-/// As `solve_irradiance_cache`, and the radiance records for what `camera` sees: on glossy surfaces, and on those that mirrors
-/// and narrow lobes lead to.
+/// Does the work of `solve_irradiance_cache`, and makes radiance records on the glossy surfaces that `camera` sees
+/// directly or by way of mirrors and narrow lobes.
 void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress);
 
-/// As `solve_everywhere`, and radiance records on all glossy surfaces, for views from any side.
+/// Does the work of `solve_everywhere`, and makes radiance records on all glossy surfaces for all view directions.
 void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
                                SolvedCaches& caches, Progress& progress);
 
