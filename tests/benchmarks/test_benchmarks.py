@@ -46,7 +46,7 @@ def test_cost_of_an_error_worse_than_all_is_the_cheapest_point_s() -> None:
     assert cost_at(NOISY, 0.5) == Cost(1, False)
 
 
-def test_a_point_that_costs_more_and_reaches_less_does_not_count() -> None:
+def test_a_point_with_more_cost_and_a_larger_error_is_ignored() -> None:
     assert cost_at([*NOISY[:2], point(9, 0.06), NOISY[2]], 0.03) == cost_at(NOISY, 0.03)
     assert cost_at([point(1, 0.02), point(2, 0.05)], 0.03) == Cost(1, False)
 
@@ -85,13 +85,13 @@ def test_error_of_a_cache_is_free_of_its_pictures_noise(truth: tuple) -> None:
     assert reference.error(pair[0])[0] > 3 * expected  # a single picture's noise counts
 
 
-def test_an_error_that_noise_hides_stands_as_its_bound(truth: tuple) -> None:
+def test_an_error_hidden_by_noise_is_quoted_as_its_upper_bound(truth: tuple) -> None:
     _, reference, _ = truth
     everywhere, _ = reference.error(picture((reference.a + reference.b) / 2))  # its mean square comes out below zero
     assert 0 < everywhere < reference.noise / 3
 
 
-def test_turns_are_taken_by_all_and_stop_within_the_budget() -> None:
+def test_all_renderers_take_turns_and_stop_within_the_budget() -> None:
     calls: list[str] = []
     runs = {"ours": lambda: calls.append("ours"), "theirs": lambda: calls.append("theirs")}
     timed = in_turn(runs, 3, warm_up=False)
@@ -100,7 +100,7 @@ def test_turns_are_taken_by_all_and_stop_within_the_budget() -> None:
     assert len(in_turn(runs, 3, warm_up=False, budget=0.0)["ours"].rounds) == 1
 
 
-def test_a_table_replaces_what_stood_between_its_markers(tmp_path: Path) -> None:
+def test_a_table_replaces_the_text_between_its_markers(tmp_path: Path) -> None:
     path = tmp_path / "benchmarks.md"
     path.write_text("before\n<!-- x -->\nold\n<!-- end of x -->\nafter\n", encoding="utf-8")
     document.write("x", "| 1 \\g<0> |", path)
@@ -150,7 +150,7 @@ def test_a_flame_graph_has_each_call_once_as_wide_as_its_share() -> None:
     assert "a &lt;picture&gt;" in drawn
 
 
-def test_points_that_stand_still_are_found_again_from_another_place() -> None:
+def test_fixed_points_are_reprojected_into_another_view() -> None:
     """A plane whose light changes with the place alone: no change, no flicker, whatever the camera does."""
     base = Camera(look_at((0, 0, 3), (0, 0, 0)), fov=40)
 

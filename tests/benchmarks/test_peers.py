@@ -66,7 +66,7 @@ def test_entrants_draw_in_turn_and_are_judged_by_the_measure(judge: Judge) -> No
     assert (second.seconds, second.rounds) == (2.0, (2.0, 2.0))
 
 
-def test_an_entrant_that_fails_keeps_what_it_drew_and_stops(judge: Judge) -> None:
+def test_a_renderer_that_fails_keeps_its_pictures_and_stops(judge: Judge) -> None:
     log: list[str] = []
     courses = race({"a": Scripted(log, "a", [1.1, None, 1.01])}, judge, 1)
     assert [level.label for level in courses["a"].levels] == ["level 0"]
@@ -74,13 +74,13 @@ def test_an_entrant_that_fails_keeps_what_it_drew_and_stops(judge: Judge) -> Non
     assert log == ["a0", "a1"]
 
 
-def test_an_unbiased_entrant_with_another_mean_draws_another_scene(judge: Judge) -> None:
+def test_an_unbiased_renderer_with_another_mean_renders_another_scene(judge: Judge) -> None:
     courses = race({"a": Scripted([], "a", [1.02], unbiased=True), "b": Scripted([], "b", [1.009], True)}, judge, 1)
     assert not courses["a"].levels and "not the same scene" in courses["a"].stopped
     assert courses["b"].levels and not courses["b"].stopped
 
 
-def test_noise_widens_what_an_unbiased_mean_may_be(judge: Judge) -> None:
+def test_noise_widens_the_tolerance_for_an_unbiased_mean(judge: Judge) -> None:
     rng = np.random.default_rng(1)
     noisy = 0.5 * (1 + rng.standard_normal((16, 16, 3)))
     noisy *= 0.5 * 1.04 / noisy.mean()
@@ -93,7 +93,7 @@ def course(*points: tuple[float, float]) -> Course:
     return Course("1", False, levels)
 
 
-def test_times_lie_between_levels_and_beyond_them_there_are_none() -> None:
+def test_times_are_interpolated_between_levels_and_not_extrapolated() -> None:
     measured = course((1, 0.08), (4, 0.04), (16, 0.02))
     cost, at_once = time_to(measured, 0.02 * 2**0.5)
     assert cost is not None and cost.value == pytest.approx(8) and not at_once
@@ -118,7 +118,7 @@ def result() -> dict[str, Any]:
     return {"scenes": {"cornell-box": json.loads(json.dumps(scene))}}
 
 
-def test_tables_say_what_was_not_reached_and_who_was_not_there(result: dict[str, Any]) -> None:
+def test_tables_show_unreached_errors_and_missing_renderers(result: dict[str, Any]) -> None:
     text = peers.tables(result)
     assert "| cornell-box | Radiance | ≤ 3 s | 30 s | not reached | not reached |" in text
     assert "| cornell-box | POV-Ray | not installed |" in text
@@ -126,7 +126,7 @@ def test_tables_say_what_was_not_reached_and_who_was_not_there(result: dict[str,
     assert "not measured" in text  # FLIP
 
 
-def test_losses_are_named_from_the_data(result: dict[str, Any]) -> None:
+def test_warnings_about_losses_depend_on_the_data(result: dict[str, Any]) -> None:
     said = peers.losses(result)
     assert said == "- cornell-box, 5 %: Mitsuba 3 + OIDN takes 0.5 s, Éclat takes 1 s."
     assert set(peers.plots(result)) == {"peers-cornell-box"}
@@ -187,7 +187,7 @@ def test_paint_is_the_mean_of_the_texels_in_linear_light() -> None:
     assert glossy.meshes[0].material.emission is not None
 
 
-def test_what_a_peer_has_no_model_for_is_refused_by_name() -> None:
+def test_features_that_a_peer_cannot_model_are_named() -> None:
     scene = eclat.load("glossy-box")
     for refuse in (
         lambda: radiance_peer.describe(scene),

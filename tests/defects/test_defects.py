@@ -160,7 +160,7 @@ def test_points_inside_of_solids_take_no_part() -> None:
     assert read(scene, everywhere, floor(0.7, 1.605, 0.55, 0.055, (4, 20))).error < 0.25
 
 
-def test_where_leaves_are_as_small_as_records_the_solve_leaves_them_to_paths() -> None:
+def test_leaves_as_small_as_records_are_left_to_paths() -> None:
     """It says so, and makes far fewer records than there are pixels of leaves; a bare room has hardly such a place."""
     size = (160, 120)
     found = eclat.solve(scene_of("foliage"), size=size, check=False)

@@ -63,12 +63,12 @@ print(len(found), *[f"{{one.number}} {{one.word}} {{one.is_finding}}" for one in
         ("import eclat; raise eclat.EclatError('two\\nlines')", "error of many lines"),
     ],
 )
-def test_a_planted_fault_is_found_and_the_next_input_is_tried(tmp_path: Path, fault: str, word: str) -> None:
+def test_the_fuzzer_finds_a_planted_fault_and_continues(tmp_path: Path, fault: str, word: str) -> None:
     done = run(["-c", PLANTED.format(fault=fault)], tmp_path)
     assert done.stdout.strip() == f"2; 0 {word} True; 1 {word} True", done.stderr
 
 
-def test_an_input_is_made_by_its_number_alone() -> None:
+def test_a_fuzz_input_depends_only_on_its_number() -> None:
     seeds = {name: [{"a.txt": b"1 2 3", "b.txt": b"x"}] for name in SHARES}
     first, again = make_input(seeds, 1, 17), make_input(seeds, 1, 17)
     assert first.files == again.files and first.random.random() == again.random.random()
@@ -76,7 +76,7 @@ def test_an_input_is_made_by_its_number_alone() -> None:
 
 
 @pytest.mark.parametrize("name", ["a.json", "a.gltf", "a.glb", "a.png", "a.npz", "a.xml", "a.ply", "a.obj"])
-def test_damage_takes_any_bytes(name: str) -> None:
+def test_damaging_works_on_any_bytes(name: str) -> None:
     from random import Random
 
     for number in range(200):

@@ -96,7 +96,7 @@ def test_the_validator_finds_nothing_wrong(baked: Baked) -> None:
     assert issues["errors"] == issues["warnings"] == []
 
 
-def test_the_browser_has_nothing_to_say(baked: Baked) -> None:
+def test_the_browser_reports_no_errors(baked: Baked) -> None:
     assert baked.said == []
     for (_, version), view in baked.views.items():
         kinds = {light_map["type"] for light_map in view.light_maps.values()}

@@ -62,7 +62,7 @@ def test_a_rectangle_falls_where_projection_puts_it(settings: dict, half_height:
     check_place(camera, half_height if camera.projection == "orthographic" else half_height * depth, depth)
 
 
-def test_what_lies_in_focus_is_as_sharp_as_through_a_pinhole() -> None:
+def test_objects_in_focus_are_as_sharp_as_with_a_pinhole() -> None:
     camera = Camera(look_at(EYE, TARGET, UP), fov=40.0, aperture_radius=0.3, focus_distance=3.0)
     check_place(camera, 3 * float(np.tan(np.radians(20))), 3.0)
 

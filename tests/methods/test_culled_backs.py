@@ -72,7 +72,7 @@ def test_two_sheets_back_to_back_are_a_wall(method: str, front_first: bool) -> N
 
 
 @pytest.mark.parametrize("method", [name for name in METHODS if name != "direct"])
-def test_a_room_is_looked_into_from_outside_and_the_sky_does_not_shine_in(method: str) -> None:
+def test_a_closed_room_seen_from_outside_gets_no_daylight_inside(method: str) -> None:
     # The inside is a furnace, L = L_e / (1 − ρ), whatever shines outside.
     wall = Material("diffuse", {"reflectance": grey(0.5)}, two_sided=False, back_culled=True, emission=grey(1))
     corners = np.array([(x, y, z) for x in (-1.0, 1) for y in (-1.0, 1) for z in (-1.0, 1)])
@@ -114,7 +114,7 @@ def test_photons_light_what_sees_their_source() -> None:
         assert found == pytest.approx(truth, rel=0.05, abs=1e-4)
 
 
-def test_gltf_says_which_backs_are_culled(tmp_path: Path) -> None:
+def test_single_sided_gltf_materials_are_culled_from_behind(tmp_path: Path) -> None:
     for double in (False, True):
         file = GltfFile()
         file.mesh_node(file.primitive(material=file.append("materials", {"doubleSided": double})))

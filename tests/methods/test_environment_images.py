@@ -60,7 +60,7 @@ def test_irradiance_of_open_ground(sky: str, method: str) -> None:
 
 
 @pytest.mark.parametrize("turn", [0.0, 1.0, 2.5])
-def test_a_turned_image_is_the_same_sky(turn: float) -> None:
+def test_a_rotated_environment_image_gives_the_same_sky(turn: float) -> None:
     # About x, so that the sun leaves its row of texels.
     c, s = math.cos(turn / 5), math.sin(turn / 5)
     matrix = np.array([(1, 0, 0), (0, c, -s), (0, s, c)])
@@ -81,7 +81,7 @@ def block_in_the_sun() -> Scene:
 
 
 @pytest.mark.parametrize("method", [name for name in QUICK if name not in ("direct", "path")])
-def test_a_block_in_the_sun_has_one_sharp_shadow(method: str) -> None:
+def test_a_block_in_the_sun_casts_one_sharp_shadow(method: str) -> None:
     scene = block_in_the_sun()
     a, b = (eclat.render(scene, eclat.Path(), samples=256, seed=seed).pixels for seed in (1, 2))
     picture = eclat.render(scene, QUICK[method], samples=32, seed=3)
@@ -92,7 +92,7 @@ def test_a_block_in_the_sun_has_one_sharp_shadow(method: str) -> None:
         assert error < 2 * picture.metadata["statistics"]["estimated_error_high"]
 
 
-def test_what_lies_in_the_sun_is_direct_light() -> None:
+def test_sunlit_surfaces_receive_direct_light() -> None:
     scene = block_in_the_sun()
     direct = eclat.render(scene, QUICK["irradiance-cache"], samples=32).layers["direct"]
     wanted = eclat.render(scene, eclat.Direct(), samples=32).pixels

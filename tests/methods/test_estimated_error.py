@@ -126,7 +126,7 @@ def test_depth_is_that_of_the_solve(furnace: eclat.Scene) -> None:
     assert found.error == pytest.approx(served * 0.25 / (1.75 * 1.01**0.5), rel=0.05)
 
 
-def test_what_solve_and_render_say(furnace: eclat.Scene) -> None:
+def test_the_output_of_solve_and_render(furnace: eclat.Scene) -> None:
     solution = eclat.solve(furnace, size=SIZE)
     said = solution.statistics
     assert said["estimated_error_low"] <= said["estimated_error"] <= said["estimated_error_high"] < 0.02

@@ -64,7 +64,7 @@ def test_a_room_in_a_countrys_coordinates_with_a_stray_triangle_at_their_origin(
 
 @pytest.mark.parametrize("method", ["irradiance-cache", "radiance-cache"])
 @pytest.mark.parametrize("far", ["ground", "another room", "stray"])
-def test_records_here_are_as_fine_whatever_lies_far_away(method: str, far: str) -> None:
+def test_the_spacing_of_records_does_not_depend_on_distant_parts(method: str, far: str) -> None:
     """Far records had a least radius of a hundredth of the scene's, which reached through walls of this room."""
     dark = Material("diffuse", {"reflectance": grey(0.2)})
     others: dict[str, tuple[Mesh, ...]] = {

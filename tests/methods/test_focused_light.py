@@ -40,7 +40,7 @@ def statistics(scene: Scene) -> dict[str, float]:
     return eclat.solve(scene, points=(POINTS, NORMALS)).statistics
 
 
-def test_light_of_a_small_lamp_by_a_mirror_is_not_claimed_to_be_right() -> None:
+def test_light_of_a_small_lamp_by_a_mirror_raises_the_stated_error() -> None:
     """The floor cannot see itself, so that all its indirect light is that of the lamp's image, a fifth of all; the cache
     misses it, and its probes said 0.00 %."""
     found = statistics(lamp_beside(MIRROR, 0.01))
@@ -54,19 +54,19 @@ def test_light_of_a_small_lamp_by_a_mirror_is_not_claimed_to_be_right() -> None:
     [lamp_beside(MIRROR, 0.5), lamp_beside(Material("diffuse", {"reflectance": grey(0.9)}), 0.01)],
     ids=["large lamp", "white wall"],
 )
-def test_light_that_gathers_find_is_not_held_against_them(scene: Scene) -> None:
+def test_light_that_gathers_find_does_not_raise_the_stated_error(scene: Scene) -> None:
     assert LIGHT_BY_CHANCE not in statistics(scene)
 
 
 @pytest.mark.parametrize("half_width", [0.01, 0.5])
-def test_light_through_a_pane_needs_no_chance(half_width: float) -> None:
+def test_light_through_a_pane_does_not_count_as_found_by_chance(half_width: float) -> None:
     """Light samples pass straight through panes; what this one reflects meets nothing."""
     lamp, floor, _ = lamp_beside(MIRROR, half_width).meshes
     pane = quad([(0, 1, 4), (4, 1, 4), (4, 1, -4), (0, 1, -4)], Material("thin_dielectric", {"ior": grey(1.5)}))
     assert LIGHT_BY_CHANCE not in statistics(Scene(meshes=(lamp, floor, pane)))
 
 
-def test_path_says_that_light_of_points_by_mirrors_is_missing() -> None:
+def test_path_warns_that_light_of_point_lights_by_mirrors_is_missing() -> None:
     floor, mirror = lamp_beside(MIRROR, 0.01).meshes[1:]
     scene = Scene(meshes=(floor, mirror), lights=(PointLight((0.8, 1.5, 0.0), (1.0, 1.0, 1.0)),))
     with pytest.warns(EclatWarning, match="no path can find this light"):

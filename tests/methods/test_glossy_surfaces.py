@@ -133,14 +133,14 @@ CACHED = {
 
 
 @pytest.mark.parametrize(("model", "alpha"), CACHED)
-def test_what_order_8_can_hold_is_cached_and_the_rest_traced(model: str, alpha: float) -> None:
+def test_lobes_that_order_8_represents_are_cached_and_others_traced(model: str, alpha: float) -> None:
     image = pictures(floor_and_sphere(lobe(model, alpha)), samples=1)[0]
     cached, traced = (image.layers[name] for name in ("gloss_cached", "gloss_traced"))
     low, high = CACHED[model, alpha]
     assert low < cached.mean() / np.maximum(cached, traced).mean() <= high
 
 
-def test_light_that_goes_the_other_way_is_as_much() -> None:
+def test_light_transport_is_reciprocal() -> None:
     """L(ω₁ → ω₂) / cosθ₁ = L(ω₂ → ω₁) / cosθ₂ of a small distant light: the reflectance is reciprocal."""
     one, two = np.array([0.5, 0.8, 0.2]), np.array([-0.25, 0.6, 0.7])
     one, two = one / np.linalg.norm(one), two / np.linalg.norm(two)

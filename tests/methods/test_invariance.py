@@ -49,7 +49,7 @@ def cached_box(box: Scene) -> tuple[int, np.ndarray]:
 
 
 @pytest.mark.parametrize("name", SIZES_AND_PLACES)
-def test_paths_stay_the_same_path_by_path(box: Scene, name: str) -> None:
+def test_paths_do_not_change_when_samples_are_taken_in_parts(box: Scene, name: str) -> None:
     # Rounding differs; a path that it sends past another edge would show as a hundredth.
     assert relative_error(traced(SIZES_AND_PLACES[name].scene(box)), traced(box)) < 1e-3
 

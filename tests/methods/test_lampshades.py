@@ -119,5 +119,5 @@ def test_a_closed_shade_shines_with_the_sum_of_all_bounces(light: str, method: s
 
 
 @pytest.mark.parametrize("method", METHODS)
-def test_a_blend_of_what_lets_light_through_and_what_does_not(method: str) -> None:
+def test_a_blend_of_transmitting_and_opaque_materials(method: str) -> None:
     assert seen(SHADES["blend"], LAMPS["point"], METHODS[method]) == pytest.approx(around(WITHIN), rel=0.04)

@@ -77,7 +77,7 @@ def test_the_second_bsdf_of_twosided_is_seen_from_behind(kind: str, method: str)
 
 @pytest.mark.parametrize("method", list(QUICK))
 @pytest.mark.parametrize("glossy", ["conductor", "plastic", "ward", "principled"])
-def test_a_glossy_second_bsdf_of_twosided_is_what_it_is_alone(glossy: str, method: str) -> None:
+def test_a_glossy_second_bsdf_of_twosided_looks_as_it_does_alone(glossy: str, method: str) -> None:
     front = {"type": "diffuse", "reflectance": {"type": "rgb", "value": 0.5}}
     bsdf: dict[str, Any] = {"type": glossy}
     turned, seen = np.diag([-3.0, 3.0, -3.0, 1.0]), np.diag([3.0, 3.0, 3.0, 1.0])
@@ -99,7 +99,9 @@ f 1 4 3 2\nf 5 6 7 8\nf 1 2 6 5\nf 2 3 7 6\nf 3 4 8 7\nf 4 1 5 8
 @pytest.mark.parametrize("method", ["path", "irradiance-cache"])
 @pytest.mark.parametrize("illum", [4, 6, 7, 9])
 @pytest.mark.parametrize("rest", ["Ni 1.00\n", "Ni 1.00\nd 1\n", "Ni 1\nTr 0\nTf 1 1 1\n"])
-def test_a_box_without_a_sign_of_glass_is_opaque(tmp_path: Path, illum: int, rest: str, method: str) -> None:
+def test_a_box_whose_material_does_not_indicate_glass_is_opaque(
+    tmp_path: Path, illum: int, rest: str, method: str
+) -> None:
     (tmp_path / "o.mtl").write_text(f"newmtl m\nillum {illum}\nKd 0.5 0.5 0.5\nKa 0 0 0\n{rest}")
     (tmp_path / "o.obj").write_text(BOX)
     lit = eclat.load_dict(

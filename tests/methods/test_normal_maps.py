@@ -106,7 +106,7 @@ def test_the_back_shows_the_same_relief() -> None:
     ],
     ids=lambda m: m.kind,
 )
-def test_a_constant_map_shines_like_a_plane_that_is_turned(material: Material) -> None:
+def test_a_constant_normal_map_looks_like_a_rotated_plane(material: Material) -> None:
     normal = unit(0.25, -0.15, 1)
     fields = {"kind": material.kind, "parameters": material.parameters}
     mapped = square(Material(**fields, normal_map=constant_map(*normal)))
@@ -135,7 +135,7 @@ def test_a_ramp_of_heights_tilts_the_normal_by_its_slope(slope: tuple[float, flo
     expect(square(material, uvs=uvs), unit(-gradient[0], -gradient[1], 1))
 
 
-def test_a_bump_bends_a_smooth_normal_by_the_surface_gradient() -> None:
+def test_a_bump_map_bends_a_smooth_normal_by_the_surface_gradient() -> None:
     """n' ∝ n − ∇h on a surface whose normal leans against its triangle [Blinn78]."""
     size, scale = 64, 0.6
     ramp = (np.arange(size) + 0.5) / size

@@ -85,7 +85,7 @@ def test_error_by_order(alpha: float) -> None:
         assert errors[4] > 1.15 * errors[10], errors
 
 
-def test_records_that_reflect_otherwise_than_their_neighbours_shrink() -> None:
+def test_records_whose_reflection_disagrees_with_neighbours_shrink() -> None:
     """Too sparse a spacing is made up for where it matters."""
     scene, errors, counts = glossy_box.build(0.4), {}, {}
     for adaptive in (False, True):
@@ -200,7 +200,7 @@ def test_merged_with_itself_nothing_changes(solved: tuple[Scene, eclat.Solution]
     assert a.mean() == pytest.approx(b.mean(), rel=1e-3)  # records come in another order
 
 
-def test_threads_do_not_matter(solved: tuple[Scene, eclat.Solution]) -> None:
+def test_results_do_not_depend_on_the_number_of_threads(solved: tuple[Scene, eclat.Solution]) -> None:
     scene, solution = solved
     single = eclat.solve(scene, eclat.RadianceCache(), size=SIZE, check=False, threads=1)
     assert single.radiance is not None and solution.radiance is not None
@@ -219,7 +219,7 @@ def test_scene_and_camera_turned_together_give_the_same_picture() -> None:
     assert np.sqrt(np.mean((x - y) ** 2) / np.mean(x**2)) < 0.05
 
 
-def test_a_fly_through_gathers_nothing_is_served_and_does_not_flicker() -> None:
+def test_a_fly_through_needs_no_gathers_and_does_not_flicker() -> None:
     scene = glossy_box.build(0.5)
     solution = eclat.solve(scene, eclat.RadianceCache(), size=SIZE, check=False)
     first = scene.cameras[0]

@@ -82,7 +82,7 @@ def test_limited_depth(gather: int) -> None:
     assert bias(scene, direct, options, samples=32, max_depth=2) < 0.03
 
 
-def test_gloss_is_told_and_traced() -> None:
+def test_gloss_causes_a_warning_and_is_traced() -> None:
     scene, reference = traced("glossy-box", 256)
     with pytest.warns(eclat.EclatWarning, match="gloss will light other surfaces as diffuse surfaces do"):
         assert bias(scene, reference, eclat.Radiosity(), samples=32) < 0.04

@@ -59,7 +59,7 @@ def test_backs_of_one_sided_sheets_absorb_as_black_ones_do() -> None:
 
 
 @pytest.mark.parametrize("hole", [0.4, 0.1])
-def test_a_keyhole_lets_through_what_its_area_says(hole: float) -> None:
+def test_light_through_a_keyhole_is_proportional_to_its_area(hole: float) -> None:
     """A room whose black walls emit radiance 1 shines through a thin hole of area A into a black room: π A arrives."""
     h = hole / 2
     bright = inner_sides((-2, -1, -1), (0, 1, 1), emitting(1.0))

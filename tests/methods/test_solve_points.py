@@ -183,7 +183,7 @@ def test_a_solution_of_another_depth_is_refused(cornell: eclat.Scene) -> None:
     assert not eclat.irradiance(cornell, *points, component="indirect", max_depth=2).any()
 
 
-def test_no_points_no_trouble(cornell: eclat.Scene) -> None:
+def test_an_empty_set_of_points_is_allowed(cornell: eclat.Scene) -> None:
     nothing = np.zeros((0, 3))
     assert len(eclat.solve(cornell, points=(nothing, nothing))) == 0
     for what in (None, eclat.Path()):

@@ -156,7 +156,7 @@ def test_records_lie_on_both_sides_of_a_curtain(small: Scene) -> None:
         assert set(np.round(on_sheet[:, 1])) == sides
 
 
-def test_a_cache_for_all_views_knows_what_comes_through_a_curtain(small: Scene) -> None:
+def test_a_view_independent_cache_contains_light_through_a_curtain(small: Scene) -> None:
     cache = eclat.solve(small, eclat.IrradianceCache(), view_independent=True, seed=1)
     scene = replace(small, cameras=(Camera(CURTAIN_ABOVE, fov=120.0),))
     truth = np.asarray(eclat.render(scene, eclat.Path(), size=(16, 16), samples=128, seed=1).pixels).mean()

@@ -146,7 +146,7 @@ def test_pipes_in_the_way_and_no_home_are_warnings(folder: Path, monkeypatch: py
         brdf_table("lambert")
 
 
-def test_nothing_is_written_when_told_so(folder: Path) -> None:
+def test_nothing_is_written_with_keep_false(folder: Path) -> None:
     with warnings.catch_warnings():
         warnings.simplefilter("error")
         brdf_table("lambert", keep=False)
@@ -182,7 +182,7 @@ def test_fresnel_factors_start_at_normal_incidence() -> None:
         ({"kind": "lambert", "basis": "zonal"}, "basis must be one of"),
     ],
 )
-def test_what_cannot_be_is_refused(arguments: dict[str, object], message: str) -> None:
+def test_impossible_values_are_refused(arguments: dict[str, object], message: str) -> None:
     with pytest.raises(EclatError, match=message):
         brdf_table(**arguments, keep=False)  # type: ignore[arg-type]
 

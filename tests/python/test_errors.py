@@ -20,7 +20,7 @@ def test_the_nearest_word_is_proposed_and_only_a_near_one() -> None:
     assert did_you_mean("x", []) == ""
 
 
-def test_a_warning_points_at_the_line_that_called_the_loader() -> None:
+def test_a_warning_is_located_at_the_caller_of_the_loader() -> None:
     def loader() -> None:
         warn("texture missing")
 
@@ -58,7 +58,7 @@ def test_warnings_of_two_threads_stay_apart() -> None:
     assert heard == {name: [f"{name} {number}" for number in range(5)] for name in ("a", "b")}
 
 
-def test_warnings_in_a_block_within_are_heard_outside_too() -> None:
+def test_warnings_in_an_inner_block_are_collected_by_the_outer_one() -> None:
     with pytest.warns(EclatWarning), heard_warnings() as outer:
         warn("one")
         with heard_warnings() as inner:

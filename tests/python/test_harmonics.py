@@ -52,7 +52,7 @@ def test_hemispherical_harmonics_are_shifted_legendre_functions_of_scipy() -> No
 
 
 @pytest.mark.parametrize(("basis", "domain"), [("spherical", "sphere"), ("hemispherical", "hemisphere")])
-def test_functions_survive_the_way_to_coefficients_and_back(basis: harmonics.Basis, domain: harmonics.Domain) -> None:
+def test_projecting_and_reconstructing_a_function_returns_it(basis: harmonics.Basis, domain: harmonics.Domain) -> None:
     w, weights = harmonics.quadrature(2 * ORDER, domain)
     values = np.stack([1 + w[:, 2] ** 3, w[:, 2]], axis=1)
     coefficients = harmonics.project(basis, ORDER, w, values, weights)
@@ -87,7 +87,7 @@ def test_the_series_is_as_good_as_its_tolerance() -> None:
     assert 0 < error < 1e-4 * np.linalg.norm(coefficients)
 
 
-def test_a_sky_stays_a_sky_where_its_continuation_rises() -> None:
+def test_continuing_a_constant_sky_below_the_horizon_keeps_it_constant() -> None:
     sky = np.zeros(100)
     sky[0] = np.sqrt(2 * np.pi)
     tilt = Rotation.from_euler("y", 0.2).as_matrix()
@@ -124,7 +124,7 @@ def test_a_sky_stays_a_sky_where_its_continuation_rises() -> None:
         (lambda: harmonics.quadrature(0), "count must be at least 1"),
     ],
 )
-def test_what_cannot_be_is_refused(call: object, message: str) -> None:
+def test_impossible_values_are_refused(call: object, message: str) -> None:
     with pytest.raises(EclatError, match=message):
         call()  # type: ignore[operator]
 

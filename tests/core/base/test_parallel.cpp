@@ -38,12 +38,12 @@ TEST_CASE("blocks follow each other, none is longer than asked, the last ends at
     }
 }
 
-TEST_CASE("results stand in the order of their indices") {
+TEST_CASE("results are in the order of their indices") {
     const auto squares = parallel_map<size_t>(500, 2, [](size_t i) { return i * i; });
     for (size_t i = 0; i < squares.size(); ++i) CHECK(squares[i] == i * i);
 }
 
-TEST_CASE("whoever cancels ends the loop by an exception") {
+TEST_CASE("a cancelled loop ends with an exception") {
     Progress progress;
     progress.begin(10000);
     const auto work = [&](size_t) {
@@ -80,7 +80,7 @@ long resident() {
 
 }  // namespace
 
-TEST_CASE("memory stays flat however many calls there are") {
+TEST_CASE("the memory does not grow with the number of calls") {
     const auto call = [] { parallel_for(4, 2, [](size_t) {}); };
     for (int i = 0; i < 200; ++i) call();
     const long before = resident();
@@ -89,7 +89,7 @@ TEST_CASE("memory stays flat however many calls there are") {
     CHECK(resident() - before < 2048);
 }
 
-TEST_CASE("calls within calls, of any number of threads, from several threads at once") {
+TEST_CASE("nested calls with any number of threads, from several threads at once") {
     std::atomic<long> sum{0};
     const auto nest = [&] {
         for (int k = 0; k < 90; ++k)

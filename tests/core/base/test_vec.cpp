@@ -26,7 +26,7 @@ TEST_CASE("cross product: right-handed, at right angles to both, as long as the 
     }
 }
 
-TEST_CASE("a rounding error below zero has no root, and is no NaN") {
+TEST_CASE("the root of a rounding error below zero is 0 and not NaN") {
     CHECK(safe_sqrt(-1e-9f) == 0);
     CHECK(safe_sqrt(4) == 2);
     CHECK(clamp(3, 0, 1) == 1);
@@ -34,7 +34,7 @@ TEST_CASE("a rounding error below zero has no root, and is no NaN") {
     CHECK(lerp(2, 6, 0.25f) == 3);
 }
 
-TEST_CASE("what is not finite is told, in each component") {
+TEST_CASE("components that are not finite are reported") {
     for (int i = 0; i < 3; ++i) {
         Color c(1);
         c[i] = infinity;

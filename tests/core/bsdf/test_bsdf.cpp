@@ -26,7 +26,7 @@ Color sampled_albedo(const Bsdf& bsdf, Vec3 wo, LobeSet set = LobeSet::all) {
 
 }  // namespace
 
-TEST_CASE("white furnace: never more than arrives, and all of it where the model loses nothing") {
+TEST_CASE("white furnace: no lobe reflects more light than arrives, and lossless models reflect all of it") {
     for (const BsdfCase& c : white_cases())
         for (const Vec3 wo : directions_of(c)) {
             CAPTURE(c.name);
@@ -38,7 +38,7 @@ TEST_CASE("white furnace: never more than arrives, and all of it where the model
         }
 }
 
-TEST_CASE("facets lose only what scatters between them") {
+TEST_CASE("facets lose only the light that is scattered between them") {
     // Measured by this code, 1 to 2 % below the values; the next test file holds the integrals to account.
     const auto albedo = [](float alpha, Distribution d) {
         return sampled_albedo(make_conductor(Color(0), Color(1), Color(1), alpha, alpha, d), direction(40, 0)).r;
@@ -146,7 +146,7 @@ TEST_CASE("values are finite at grazing and normal incidence, along and against 
                 }
 }
 
-TEST_CASE("refraction obeys Snell's law and says how radiance scales") {
+TEST_CASE("refraction obeys Snell's law and gives the scaling of radiance") {
     const Bsdf glass = make_dielectric(1.5f, 0, 0, Color(1), Color(1), Distribution::ggx);
     const Vec3 wo = direction(50, 0);
     const auto in = glass.sample(wo, 0.9f, {}, LobeSet::all);
@@ -222,7 +222,7 @@ TEST_CASE("a blend is the weighted sum; Lambertian lobes share a place") {
     for (int i = 0; i < 3; ++i) CHECK(blend.eval(wo, wi, LobeSet::all).f[i] == doctest::Approx(expected[i]));
 }
 
-TEST_CASE("a lobe of which a cache gives a share is cut in two that add up to it") {
+TEST_CASE("a lobe that is partly cached is split into two lobes whose sum it is") {
     Bsdf bsdf = make_phong({0.3f, 0.2f, 0.1f}, Color(0.2f), 20);
     const Vec3 wo = direction(20, 0), wi = direction(25, 170);
     const Color all = bsdf.eval(wo, wi, LobeSet::all).f, gloss = bsdf.eval(wo, wi, LobeSet::glossy).f;

@@ -33,7 +33,7 @@ TEST_CASE("samples whose gloss was cached, and those whose gloss was traced, are
     CHECK(film.pixels()[0].gloss_traced == 4);
 }
 
-TEST_CASE("a sample that met nothing counts for the radiance, not for the depth") {
+TEST_CASE("a sample that hit nothing counts for the radiance but not for the depth") {
     Film film(1, 1);
     film.add(0, 0, 0, {Color(1), {}, {}, {}, 0, false});
     film.add(0, 0, 1, {Color(1), {}, {}, {}, 3, false});

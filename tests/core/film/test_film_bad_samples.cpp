@@ -9,7 +9,7 @@
 
 namespace eclat {
 
-TEST_CASE("samples that are not finite are told by their place, whatever the order in which they come") {
+TEST_CASE("the first sample that is not finite is reported by position, whatever the order of the samples") {
     const FilmSample bad{.radiance = Color(NAN), .direct = {}, .albedo = {}, .normal = {}};
     Film forwards(4, 4), backwards(4, 4);
     for (int i = 0; i < 20; ++i) {

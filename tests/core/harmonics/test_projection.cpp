@@ -47,7 +47,7 @@ double relative_error(const Samples& s, const std::vector<double>& f, Basis basi
 
 }  // namespace
 
-TEST_CASE("projecting what a basis holds gives its coefficients back, per channel") {
+TEST_CASE("projecting a sum of basis functions returns its coefficients, per channel") {
     const Samples s = hemisphere(24);
     constexpr int order = 6, count = order * order;
     const std::vector<double> a = random_coefficients(order, 1), b = random_coefficients(order, 2);

@@ -53,7 +53,7 @@ std::vector<double> projected(Basis basis, int order, const std::vector<Node>& g
 
 }  // namespace
 
-TEST_CASE("a rotated function is the function of the rotated direction") {
+TEST_CASE("rotated coefficients evaluate to the function of the rotated direction") {
     constexpr int order = 12;
     const std::vector<double> c = random_coefficients(order, 1);
     for (const Matrix3& R : rotations()) {
@@ -96,7 +96,7 @@ TEST_CASE("high orders, as hemispherical rotations use them") {
     }
 }
 
-TEST_CASE("a turn about z is the same in both bases, and the matrix's") {
+TEST_CASE("a rotation about z is the same in both bases and by the matrix") {
     constexpr int order = 9;
     const std::vector<double> c = random_coefficients(order, 4);
     std::vector<double> turned = c;
@@ -125,7 +125,7 @@ TEST_CASE("the series equals the matrix to its tolerance") {
     }
 }
 
-TEST_CASE("tiny tilts keep their turn") {
+TEST_CASE("rotations with tiny tilts keep their rotation about z") {
     constexpr int order = 6;
     const std::vector<double> c = random_coefficients(order, 6);
     for (const double tilt : {1e-9, 1e-17, 1e-300}) {
@@ -161,7 +161,7 @@ TEST_CASE("hemispherical coefficients of a function that stays above the horizon
     }
 }
 
-TEST_CASE("the step at the horizon costs hemispherical rotation what the page states") {
+TEST_CASE("the step at the horizon causes the error of hemispherical rotation that the documentation states") {
     constexpr int order = 10;
     const auto grid = hemisphere_grid(40);
     const Matrix3 R = about_z(0.3) * about_y(0.2) * about_z(1);
@@ -217,7 +217,7 @@ TEST_CASE("spherical coefficients of a hemispherical function are those by quadr
     CHECK(distance(HemisphericalRotation(order, Horizon::dark, spherical_order).to_spherical(c), exact) < 1e-12);
 }
 
-TEST_CASE("what is no rotation is refused") {
+TEST_CASE("matrices that are no rotations are refused") {
     const std::vector<Matrix3> wrong{
         {1, 0, 0, 0, 1, 0, 0, 0, 1.001}, {1, 0, 0, 0, 1, 0, 0, 0, -1}, {1, 0, 0, 0, std::nan(""), 0, 0, 0, 1}};
     for (const Matrix3& R : wrong) CHECK_THROWS_AS(SphericalRotation(3, R), std::invalid_argument);

@@ -104,7 +104,8 @@ TEST_CASE("rotation gradient: light from the side, from few rows on, and its sig
     }
 }
 
-TEST_CASE("excess: few bright cells are lowered to their share, and what is taken is what is missing") {
+TEST_CASE(
+    "excess: a few bright cells are reduced to their share, and the removed irradiance is the missing irradiance") {
     const HemisphereSamples calm = gather(16, 0.3f, 0.2f);
     HemisphereSamples same = calm;
     CHECK(is_black(take_excess(same)));
@@ -124,7 +125,7 @@ TEST_CASE("excess: few bright cells are lowered to their share, and what is take
     CHECK(rest.g > irradiance(calm).g * 0.99f);
 }
 
-TEST_CASE("excess in rows of unlike height: what is taken is what is missing") {
+TEST_CASE("excess in rows of different height: the removed irradiance is the missing irradiance") {
     HemisphereSamples bright = gather(16, 0.3f, 0.2f);
     bright.kind = Rows::balanced;
     for (const size_t cell : {size_t(5), size_t(400)}) bright.radiance[cell] = Color(900, 1000, 1100);
@@ -160,7 +161,7 @@ TEST_CASE("distances: a miss is infinitely far, and only what stands apart count
     CHECK(harmonic_mean_distance(s) == infinity);
 }
 
-TEST_CASE("how far a point sees: the farther half of what it meets, neither corners nor windows") {
+TEST_CASE("the reach of a point is that of the farther half of its hits and depends little on corners and windows") {
     HemisphereSamples s = gather(16, 0, 0);
     for (float& r : s.distance) r = 2;
     CHECK(reach(s) == doctest::Approx(2));
@@ -181,7 +182,7 @@ TEST_CASE("how far a point sees: the farther half of what it meets, neither corn
     CHECK(farthest_distance(s) == 0);
 }
 
-TEST_CASE("a surface that goes on in a curve does not stand apart from itself; walls and lips do") {
+TEST_CASE("a curved surface is not its own obstacle, but walls and lips are") {
     const Vec3 up{0, 0, 1};
     for (float elevation : {0.005f, 0.02f, 0.1f, 0.2f, 0.25f}) {
         const Vec3 w{std::cos(elevation), 0, std::sin(elevation)};
@@ -194,7 +195,7 @@ TEST_CASE("a surface that goes on in a curve does not stand apart from itself; w
     CHECK(stands_apart(up, {std::cos(0.5f), 0, std::sin(0.5f)}, up));
 }
 
-TEST_CASE("clearance: a wall stands in the sectors that look at it, at its horizontal distance") {
+TEST_CASE("the clearance of sectors towards a wall is the horizontal distance of the wall") {
     HemisphereSamples s;
     s.rows = 32;
     s.columns = 720;
@@ -230,7 +231,7 @@ TEST_CASE("clearance: a wall stands in the sectors that look at it, at its horiz
     }
 }
 
-TEST_CASE("what touches the point is kept off: gradients stay finite") {
+TEST_CASE("gradients stay finite if an object touches the point") {
     HemisphereSamples s = gather(8, 0.3f, 0.2f);
     s.distance[100] = 1e-30f;
     keep_off(s, 0.25f);

@@ -75,7 +75,7 @@ TEST_CASE("the edges of a polygon add up to the second derivatives of its irradi
     }
 }
 
-TEST_CASE("what hides and appears: ceiling, patch and plate, within 14 % at 64 rows") {
+TEST_CASE("occlusion: curvature under ceiling, patch and plate, within 14 % at 64 rows") {
     for (const auto& [x, y] : {std::pair{0.3, 0.2}, {-0.2, 0.1}, {-0.5, -0.3}}) {
         CAPTURE(x);
         const TangentHessian expected = finite_differences(x, y, [](double px, double py) { return exact(px, py); });
@@ -86,7 +86,7 @@ TEST_CASE("what hides and appears: ceiling, patch and plate, within 14 % at 64 r
     }
 }
 
-TEST_CASE("few rays still tell the size of the bend: within 40 % at 14 rows") {
+TEST_CASE("14 rows give the curvature within 40 %") {
     const auto exact_size =
         principal_curvatures(finite_differences(0.3, 0.2, [](double x, double y) { return exact(x, y); })).larger;
     for (uint32_t seed = 0; seed < 20; ++seed) {
@@ -97,7 +97,7 @@ TEST_CASE("few rays still tell the size of the bend: within 40 % at 14 rows") {
     }
 }
 
-TEST_CASE("a wide even ceiling bends nothing, whichever patch is looked at") {
+TEST_CASE("the curvature under a wide uniform ceiling is 0") {
     const auto look = [](Vec3 w) { return Seen{1, 1 / w.z}; };
     for (const Curvature curvature : {Curvature::occlusion, Curvature::radiometric, Curvature::geometric}) {
         const TangentHessian found = averaged_hessian(
@@ -106,7 +106,7 @@ TEST_CASE("a wide even ceiling bends nothing, whichever patch is looked at") {
     }
 }
 
-TEST_CASE("patches that stay visible: a bright rectangle in a dark world") {
+TEST_CASE("the curvature from patches that stay visible: a bright rectangle in a dark scene") {
     const auto look = [](Vec3 w) {
         const float t = 1 / w.z, x = t * w.x, y = t * w.y;
         return x > 0.2f && x < 1.1f && y > -0.5f && y < 0.6f ? Seen{1, t} : Seen{};
@@ -121,7 +121,7 @@ TEST_CASE("patches that stay visible: a bright rectangle in a dark world") {
     }
 }
 
-TEST_CASE("twice as far, bent a quarter; twice as bright, twice") {
+TEST_CASE("at twice the distance the curvature is a quarter; with twice the radiance it is twice as large") {
     const HemisphereSamples near = gather(16, 0.1f, 0.2f);
     HemisphereSamples far = near;
     for (float& r : far.distance) r *= 2;
@@ -135,7 +135,7 @@ TEST_CASE("twice as far, bent a quarter; twice as bright, twice") {
     }
 }
 
-TEST_CASE("nothing but sky, and nothing at all, bend nothing") {
+TEST_CASE("the curvature under a sky alone, and in an empty scene, is 0") {
     for (const float radiance : {0.0f, 1.0f}) {
         const auto look = [&](Vec3) { return Seen{radiance, infinity}; };
         for (const Curvature curvature : {Curvature::occlusion, Curvature::radiometric, Curvature::geometric}) {

@@ -121,7 +121,7 @@ TEST_CASE("light of radiance 1 has the coefficients of 1, whatever the direction
     }
 }
 
-TEST_CASE("coefficients against the cosine are the irradiance of the same gather") {
+TEST_CASE("the inner product of coefficients with the cosine is the irradiance of the same gather") {
     for (const Rows kind : {Rows::cosine, Rows::balanced}) {
         const RadianceProjection projection(6, kind, 20);
         const HemisphereSamples s = turned_gather(kind, 20, 0.3f, 0.2f, 2, 3);
@@ -158,7 +158,7 @@ TEST_CASE("translation gradient of every coefficient against finite differences"
     }
 }
 
-TEST_CASE("against the cosine, the gradients are those of irradiance") {
+TEST_CASE("inner products of the gradients with the cosine are the gradients of irradiance") {
     for (const Rows kind : {Rows::cosine, Rows::balanced}) {
         const RadianceProjection projection(6, kind, 32);
         const HemisphereSamples s = turned_gather(kind, 32, 0.3f, 0.2f, 1, 3);
@@ -171,7 +171,7 @@ TEST_CASE("against the cosine, the gradients are those of irradiance") {
     }
 }
 
-TEST_CASE("a gather of another shape is refused") {
+TEST_CASE("samples of another grid than that of the projection are refused") {
     const RadianceProjection projection(4, Rows::balanced, 10);
     CHECK_THROWS_AS(projection(turned_gather(Rows::balanced, 12, 0, 0, 0, 1)), std::invalid_argument);
     CHECK_THROWS_AS(projection(turned_gather(Rows::cosine, 10, 0, 0, 0, 1)), std::invalid_argument);

@@ -56,7 +56,7 @@ TEST_CASE("coefficients in another frame are those of the rotated function") {
         }
 }
 
-TEST_CASE("a lobe seen from a tilted frame reflects what it reflects from its own") {
+TEST_CASE("a lobe reflects the same in a tilted frame as in its own") {
     // ∫ f L where f is a lobe around a direction well above both horizons, and L a smooth light.
     const int order = 10;
     const HemisphereFit fit(order, radiance_tikhonov);

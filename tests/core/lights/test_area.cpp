@@ -108,7 +108,7 @@ TEST_CASE("a large triangle is sampled with one density, the reciprocal of its s
     }
 }
 
-TEST_CASE("one side shines, or both") {
+TEST_CASE("triangles emit on one side or on both") {
     EmitterTriangle t = ceiling;
     const Vec3 below{0, 0, 0}, above{0, 0, 2}, level{5, 5, 1};
     for (const bool two_sided : {false, true}) {
@@ -143,7 +143,7 @@ TEST_CASE("broken triangles and points on the triangle give nothing, not NaN") {
     }
 }
 
-TEST_CASE("textured emission: what is sampled is what a hit shows") {
+TEST_CASE("textured emission: samples agree with hits") {
     std::vector<float> image(16 * 16 * 3);
     Rng rng(9, 9);
     for (float& x : image) x = rng.next();
@@ -167,7 +167,7 @@ TEST_CASE("textured emission: what is sampled is what a hit shows") {
     }
 }
 
-TEST_CASE("mean emission over a footprint: near the texture's mean, zero only where nothing shines") {
+TEST_CASE("the mean emission over a footprint is near the texture's mean, and 0 only if nothing emits") {
     const uint32_t size = 1500;  // more than the blocks' number, so that blocks hold several texels
     std::vector<uint8_t> image(size * size, 0);
     image[700 * size + 300] = 255;

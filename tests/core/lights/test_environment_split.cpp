@@ -47,7 +47,7 @@ EnvironmentImage environment(const std::vector<float>& rgb) {
 
 }  // namespace
 
-TEST_CASE("smooth skies stay whole") {
+TEST_CASE("smooth skies have no sharp part") {
     CHECK(limit_of([](double, double) { return 1.0f; }) == infinity);
     CHECK(limit_of([](double, double) { return 0.0f; }) == infinity);
     CHECK(limit_of([](double t, double) { return t < M_PI / 2 ? 1.0f : 0.0f; }) == infinity);  // a horizon
@@ -56,7 +56,7 @@ TEST_CASE("smooth skies stay whole") {
           infinity);  // a wide glow
 }
 
-TEST_CASE("a sun is sharp wherever it stands, the sky around it is not") {
+TEST_CASE("a sun belongs to the sharp part at any position, and the sky around it does not") {
     for (const double theta : {0.0, 0.01, 0.3, 1.5, M_PI})
         for (const double phi : {0.0, 1.0, 6.28}) {
             const float limit = limit_of(sun_at(theta, phi, 20000));
@@ -72,11 +72,11 @@ TEST_CASE("the limit is a radiance: it scales with the image") {
     CHECK(smooth_limit(bright, width, height) == doctest::Approx(1024 * one).epsilon(1e-4));
 }
 
-TEST_CASE("a lamp on black is sharp as a whole") {
+TEST_CASE("a lamp on a black sky belongs completely to the sharp part") {
     CHECK(limit_of([](double t, double p) { return t > 1 && t < 1.02 && p > 1 && p < 1.03 ? 5.0f : 0.0f; }) < 1e-6f);
 }
 
-TEST_CASE("images of one row, one column and one texel") {
+TEST_CASE("images with one row, one column or one texel") {
     for (const auto& [w, h] : {std::pair{1u, 1u}, {8u, 1u}, {1u, 8u}}) {
         std::vector<float> rgb(size_t(3) * w * h, 1.0f);
         CHECK(smooth_limit(rgb, w, h) == infinity);
@@ -85,7 +85,7 @@ TEST_CASE("images of one row, one column and one texel") {
     }
 }
 
-TEST_CASE("smooth and sharp parts are not negative and add up to the image between texels too") {
+TEST_CASE("the smooth and the sharp part are not negative and add up to the image, between texels too") {
     const EnvironmentImage all = environment(image(sun_at(0.6, 1, 20000)));
     const auto sharp = all.sharp_part();
     REQUIRE(sharp.has_value());

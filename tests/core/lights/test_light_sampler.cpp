@@ -18,7 +18,7 @@ TEST_CASE("half of the choices follow power, half are shared by the groups, so t
     CHECK(pdf(LightKind::directional, 0) == doctest::Approx(0.5 * 98 / 100 + 0.5 / 2).epsilon(1e-5));
 }
 
-TEST_CASE("points and spots are one group, and the environment is left out where it is not wanted") {
+TEST_CASE("point and spot lights are one group, and the environment can be excluded") {
     const LightSampler sampler({{{}, {3}, {1}, {}, {4}}});
     const auto pdf = [&](LightSet set, LightKind kind) { return sampler.pdf_discrete(set, kind, 0); };
     CHECK(pdf(LightSet::all, LightKind::point) == doctest::Approx(0.5 * 3 / 8 + 0.5 * 3 / (2 * 4)).epsilon(1e-5));

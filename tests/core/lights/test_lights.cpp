@@ -209,7 +209,7 @@ TEST_CASE("no light at all, and lights that are black") {
     CHECK(Lights({.triangles = black}).pdf_solid_angle(0, {0, 0, 1}, {0.2f, 0.2f, 0}) == 0);
 }
 
-TEST_CASE("lights that cannot be are refused") {
+TEST_CASE("invalid lights are refused") {
     using Falloff = SpotLight::Falloff;
     CHECK_THROWS_WITH_AS(SpotLight({}, {0, 0, 1}, Color(1.0f), 30, 20, Falloff::smooth),
                          "spot light: expected 0 <= inner angle <= outer angle <= 180 degrees, got 30.000000 and "

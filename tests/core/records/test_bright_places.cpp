@@ -51,7 +51,7 @@ TEST_CASE("the density of aimed directions integrates to 1 and is what they have
     CHECK(from_cones == doctest::Approx(even).epsilon(0.08));
 }
 
-TEST_CASE("sightings of one cell are one place; what is below the horizon or as near as a cell is left to the grid") {
+TEST_CASE("sightings in one cell are one place; places below the horizon or closer than a cell are left to the grid") {
     BrightPlaces places;
     const std::vector<Sighting> same{
         {{0.01f, 0.02f, 1.01f}, 1, 6}, {{0.05f, 0.06f, 1.05f}, 3, 6}, {{0.01f, 0.02f, -1.01f}, 1, 6}};
@@ -69,7 +69,7 @@ TEST_CASE("sightings of one cell are one place; what is below the horizon or as 
     CHECK_FALSE(places.seen_from({700, 0, 4.5f}, up).empty());
 }
 
-TEST_CASE("cells are as wide as a part of the distance from which they were met, whatever else a scene holds") {
+TEST_CASE("the width of a cell is a share of the distance of the hit, whatever else is in the scene") {
     // The same lamp, once beside a sighting a thousand times as far away: two sightings 4 cm apart stay two places where they
     // were met from one metre, and are one where they were met from a kilometre.
     const auto lamps = [](float distance) {

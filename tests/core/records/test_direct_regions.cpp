@@ -30,7 +30,7 @@ std::vector<Candidate> part(const std::vector<Candidate>& all, size_t count) {
 
 }  // namespace
 
-TEST_CASE("where records serve less than two candidates each, no more are made") {
+TEST_CASE("no records are made in regions where records serve fewer than two candidates") {
     DirectRegions regions;
     const auto leaves = in_region(7, 40), wall = in_region(8, 40);
     auto tried = leaves, unserved = part(leaves, 30);
@@ -43,7 +43,7 @@ TEST_CASE("where records serve less than two candidates each, no more are made")
     CHECK(regions.left_to_paths() == 30);
 }
 
-TEST_CASE("a few candidates tell nothing, several passes together do") {
+TEST_CASE("a few candidates decide nothing, but several passes together do") {
     DirectRegions regions;
     const auto all = in_region(7, 20);
     CHECK(regions.worth_records(all, all).size() == 20);
@@ -51,7 +51,7 @@ TEST_CASE("a few candidates tell nothing, several passes together do") {
     CHECK(regions.left_to_paths() == 20);
 }
 
-TEST_CASE("half of them served is enough, and what no camera sees is always worth a record") {
+TEST_CASE("records are made if half of the candidates are served, and always at points that no camera sees") {
     DirectRegions regions;
     const auto all = in_region(7, 64);
     CHECK(regions.worth_records(all, part(all, 32)).size() == 32);

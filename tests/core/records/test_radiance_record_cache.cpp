@@ -126,7 +126,7 @@ TEST_CASE("records with tilted normals, and a bent shading normal") {
                          lobe_around(axis, 10)));
 }
 
-TEST_CASE("narrow lobes are served from less far") {
+TEST_CASE("narrow lobes are served from a shorter distance") {
     Records records;
     records.add({0, 0, 0}, {0, 0, 1});
     const RadianceCache cache = records.cache();
@@ -165,7 +165,7 @@ TEST_CASE("a record whose neighbour reflects otherwise shrinks until it no longe
     CHECK(shrunk(1.1f, 0.3f, 0.5f) == 0);  // too far for so narrow a lobe
 }
 
-TEST_CASE("what a cache gives is read back by another") {
+TEST_CASE("the arrays of a cache are read by another cache") {
     Records records;
     records.add({0, 0, 0}, {0, 0, 1});
     records.add({0.5f, 0, 0}, {0.05f, 0, 1});

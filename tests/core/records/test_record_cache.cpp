@@ -153,7 +153,7 @@ TEST_CASE("a lookup finds every record that reaches the point") {
         }
 }
 
-TEST_CASE("extrapolation stops short of darkness and of twenty times the value") {
+TEST_CASE("extrapolation is bounded below and above") {
     IrradianceRecord r = record_at({0, 0, 0}, {0, 0, 1}, 1);
     r.irradiance = Color(1.0f);
     r.translation.channel = {Vec3{100, 0, 0}, Vec3{-100, 0, 0}, Vec3{1, 0, 0}};
@@ -251,7 +251,7 @@ TEST_CASE("a bump bends irradiance as the integral over what lies above both nor
     }
 }
 
-TEST_CASE("where no record reaches there is a miss, not darkness") {
+TEST_CASE("a point that no record reaches is a miss and not dark") {
     RecordCache cache;
     CHECK_FALSE(cache.interpolate({}, {0, 0, 1}, {0, 0, 1}).has_value());
     const std::vector<IrradianceRecord> records{bare_record({}, 2, Color(1))};
@@ -299,7 +299,7 @@ TEST_CASE("no radius exceeds a neighbour's by more than the distance between the
     CHECK(changed > 100);
 }
 
-TEST_CASE("of two records that disagree the worse shrinks to where its error is the tolerated one") {
+TEST_CASE("the worse of two records that disagree shrinks until its error is the tolerated one") {
     // E = 1 + x²: each knows its value and slope, so both err by the square of the distance; relative to what is there, that
     // is more where it is darker.
     const auto parabola = [](float x) {
@@ -358,7 +358,7 @@ TEST_CASE("a wall beside a record ends its validity in that direction only") {
     CHECK(cache.serves({0, 1, 0}, {0, 0, 1}));
 }
 
-TEST_CASE("what few rays brought in excess is read as the mean of the surroundings") {
+TEST_CASE("the excess is read as a mean over neighbouring records") {
     const Vec3 up{0, 0, 1};
     const auto with_excess = [](Vec3 p, float excess, Vec3 normal) {
         IrradianceRecord r = bare_record(p, 1, Color(1), normal);

@@ -57,7 +57,7 @@ constexpr Stream stream{7};
 
 }  // namespace
 
-TEST_CASE("a gather in a furnace: E = π L_e ρ / (1 − ρ), the emission of what its rays meet left out") {
+TEST_CASE("a gather in a furnace gives E = π L_e ρ / (1 − ρ), without the emission of the surfaces that its rays hit") {
     const Room room = furnace(0.5f, 2);
     Progress progress;
     const auto records = gather_records(room.world(), on_the_floor(9), {}, coarse(), stream, 16, progress);
@@ -68,7 +68,7 @@ TEST_CASE("a gather in a furnace: E = π L_e ρ / (1 − ρ), the emission of wh
     CHECK(progress.rays > 9 * 16 * 50);
 }
 
-TEST_CASE("rays aimed at bright places change nothing but the noise") {
+TEST_CASE("rays aimed at bright places change only the noise") {
     // A lamp close under the ceiling shines up: all light comes from one small spot.
     std::vector<Wall> walls{{{-1, -1, -1}, {0, 0, 2}, {2, 0, 0}, 0.5f, 0},
                             {{-1, 1, -1}, {2, 0, 0}, {0, 0, 2}, 0.5f, 0}};
@@ -198,7 +198,7 @@ TEST_CASE("a panel that hangs close under the ceiling ends a record's validity, 
     }
 }
 
-TEST_CASE("where the lower bound raises a radius, the gradient shrinks by as much") {
+TEST_CASE("if the lower bound increases a radius, the gradient is reduced by the same factor") {
     const Room room = closed_room({0.5f, 0.5f, 0.9f, 0.1f, 0.5f, 0.5f}, {0, 1, 0, 0, 0, 0});
     IrradianceCacheOptions options = coarse();
     options.gradient_limit = false;

@@ -24,7 +24,7 @@ float length_of(IrradianceRecord r, float footprint, float mean, Metric metric =
 
 }  // namespace
 
-TEST_CASE("the summed square error of a record's disc, relative and in pixels, is the same whatever bends there") {
+TEST_CASE("the relative squared error summed over a record's disc, in pixels, does not depend on curvature") {
     const float footprint = 0.01f;
     const auto summed = [&](float E, float curvature) {
         IrradianceRecord r = record();
@@ -57,7 +57,7 @@ TEST_CASE("all lengths scale together, and the unit of light does not matter") {
     }
 }
 
-TEST_CASE("what stands near, the gradient and darkness bound the length") {
+TEST_CASE("near objects, the gradient and darkness bound the length") {
     IrradianceRecord r = record();
     r.distance = 0.05f;
     CHECK(length_of(r, 0.01f, 1) == 0.05f);
@@ -80,7 +80,7 @@ TEST_CASE("distances alone count for the split sphere, and where there are no pi
     CHECK(length_of(record(), 0, 1) == 10);
 }
 
-TEST_CASE("bounds of the radius, and a gradient that a raised one shrinks") {
+TEST_CASE("the radius is bounded, and a larger radius reduces the gradient") {
     IrradianceRecord r = record();
     r.translation.channel = {Vec3{3, 0, 0}, Vec3{3, 0, 0}, Vec3{3, 0, 0}};
     r.least_radius = 20;
@@ -93,7 +93,7 @@ TEST_CASE("bounds of the radius, and a gradient that a raised one shrinks") {
     CHECK(r.radius == 1);
 }
 
-TEST_CASE("by option the summed absolute error is the same whatever bends there") {
+TEST_CASE("with the option `absolute`, the summed absolute error does not depend on curvature") {
     const float footprint = 0.01f;
     const auto summed = [&](float E, float curvature) {
         IrradianceRecord r = record();
@@ -107,7 +107,7 @@ TEST_CASE("by option the summed absolute error is the same whatever bends there"
     CHECK(summed(0.1f, 4) == doctest::Approx(summed(2, 4)).epsilon(1e-3));
 }
 
-TEST_CASE("an ellipse is no longer than the distance to obstacles lets a circle be") {
+TEST_CASE("the long axis of an ellipse is at most the distance of obstacles") {
     const auto half_length = [](float obstacle, float least) {
         IrradianceRecord r = record();
         r.distance = obstacle;

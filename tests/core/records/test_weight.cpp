@@ -117,7 +117,7 @@ TEST_CASE("the unit of length does not matter") {
         }
 }
 
-TEST_CASE("reach, height and turn at which a weight ends grow with the relaxation") {
+TEST_CASE("the distance, height and angle at which a weight ends increase with the relaxation") {
     const Vec3 up{0, 0, 1};
     const Footing record{{1, 2, 3}, 0.5f, up, infinity};
     for (const Weight kind : {Weight::tabellion, Weight::ward})

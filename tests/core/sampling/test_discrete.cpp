@@ -19,7 +19,7 @@ float number(uint32_t i) { return static_cast<float>(i) * 0x1p-24f; }
 
 }  // namespace
 
-TEST_CASE("over all 2^24 random numbers each entry comes out exactly as often as its pdf says") {
+TEST_CASE("over all 2^24 random numbers, the frequency of each entry is exactly its probability") {
     Rng rng(1, 1);
     for (const size_t size : {1, 2, 3, 7, 1000}) {
         CAPTURE(size);

@@ -23,7 +23,7 @@ TEST_CASE("the weights of two techniques sum to one") {
     CHECK(power_heuristic(1, 3) == doctest::Approx(0.1));
 }
 
-TEST_CASE("a technique that cannot make the sample has no weight, a delta has all") {
+TEST_CASE("a technique that cannot generate the sample has the weight 0, and a delta has 1") {
     CHECK(power_heuristic(0, 1) == 0);
     CHECK(power_heuristic(0, 0) == 0);
     CHECK(power_heuristic(2, 0) == 1);

@@ -31,7 +31,7 @@ TEST_CASE("each input bit flips each output bit about half the time") {
     }
 }
 
-TEST_CASE("keys are no sums: order and place of their parts matter") {
+TEST_CASE("keys depend on the order of their parts") {
     CHECK(hash(1, 2) != hash(2, 1));
     CHECK(hash(1, 2, 3) != hash(3, 2, 1));
     CHECK(hash(0, 1) != hash(1, 0));

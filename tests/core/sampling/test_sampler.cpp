@@ -100,7 +100,7 @@ TEST_CASE("a smooth integral converges much faster than by independent numbers")
     CHECK(std::sqrt(stratified) < 0.05 * std::sqrt(independent));
 }
 
-TEST_CASE("bits are reversed") {
+TEST_CASE("reversing bits") {
     CHECK(reverse_bits(1) == 0x80000000u);
     CHECK(reverse_bits(0x00ff1234u) == 0x2c48ff00u);
     CHECK(reverse_bits(reverse_bits(0xdeadbeefu)) == 0xdeadbeefu);

@@ -30,7 +30,7 @@ double excess(Vec3 a, Vec3 b, Vec3 c) {
 
 }  // namespace
 
-TEST_CASE("an octant is an eighth of the sphere, whichever way it turns") {
+TEST_CASE("an octant is an eighth of the sphere in any orientation") {
     const Vec3 x{1, 0, 0}, y{0, 1, 0}, z{0, 0, 1};
     CHECK(SphericalTriangle::around(x, y, z).solid_angle == doctest::Approx(pi / 2));
     CHECK(SphericalTriangle::around(y, x, z).solid_angle == doctest::Approx(pi / 2));

@@ -109,7 +109,7 @@ TEST_CASE("closest hits and occlusion are those of a loop over all triangles") {
         }
 }
 
-TEST_CASE("panes multiply what light samples bring, and are met by other rays") {
+TEST_CASE("panes attenuate light samples and are hit by other rays") {
     // A pane of opacity 1 and one of 0.5, and a wall behind half of them.
     Soup s;
     for (float z : {1.0f, 2.0f, 3.0f})
@@ -139,7 +139,7 @@ TEST_CASE("panes multiply what light samples bring, and are met by other rays") 
     CHECK(hidden == std::vector<uint8_t>{1, 1, 1, 0});
 }
 
-TEST_CASE("a translucent triangle stops that part of rays that its opacity says") {
+TEST_CASE("a partly opaque triangle stops a share of rays equal to its opacity") {
     // Two parallel squares, the nearer one of opacity 0.3 in its lower half, 1 in its upper half.
     Soup s;
     for (float z : {1.0f, 2.0f})
@@ -215,7 +215,7 @@ TEST_CASE("rays pass through culled backs, alone and where they are translucent,
     }
 }
 
-TEST_CASE("rays that the ray tracer cannot follow meet nothing, and leave those beside them alone") {
+TEST_CASE("rays that the ray tracer cannot trace hit nothing and do not affect others") {
     const Soup s = soup(200);
     const Intersector rays_in(s.shown(), s.triangles, s.sieves, {});
     const auto sound = random_rays(16, infinity);

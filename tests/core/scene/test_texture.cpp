@@ -92,7 +92,7 @@ TEST_CASE("wrapping: repeat joins the edges, mirror turns back, clamp holds") {
     }
 }
 
-TEST_CASE("nearest lookup takes the texel whose square holds the point") {
+TEST_CASE("nearest lookup takes the texel whose square contains the point") {
     for (const Wrap wrap : {Wrap::repeat, Wrap::mirror, Wrap::clamp}) {
         const Texture t = ramp(wrap, true);
         for (int i = 0; i < 4; ++i) {
@@ -104,7 +104,7 @@ TEST_CASE("nearest lookup takes the texel whose square holds the point") {
     CHECK(at(ramp(Wrap::mirror, true), 1.1f) == 3);
 }
 
-TEST_CASE("no coordinate, however large or broken, leaves the image") {
+TEST_CASE("no coordinate, however large or invalid, reads outside the image") {
     const float inf = std::numeric_limits<float>::infinity(), nan = std::numeric_limits<float>::quiet_NaN();
     const float denormal = std::numeric_limits<float>::denorm_min(), most = std::numeric_limits<float>::max();
     for (const bool nearest : {false, true}) {
@@ -148,7 +148,7 @@ TEST_CASE("a value is its constant times the texel") {
     CHECK(v.scalar({0, 0}) == doctest::Approx(0.25));
 }
 
-TEST_CASE("channel numbers are the image's own") {
+TEST_CASE("channel numbers refer to the channels of the image") {
     const Texture grey_alpha = from_bytes(1, 1, 2, {51, 102});
     Value v{.texture = &grey_alpha, .channel = 1};
     CHECK(v.scalar({0, 0}) == doctest::Approx(0.4));

@@ -113,7 +113,7 @@ TEST_CASE("factors against light of low order are the integral of the lobes, fro
     }
 }
 
-TEST_CASE("narrow lobes and mirrors have no factors, wide ones name themselves") {
+TEST_CASE("narrow lobes and mirrors have no factors; wide lobes have them") {
     std::vector<Material> all = materials();
     all.push_back(make(MaterialKind::conductor, {constant(0), constant(1), constant(0.8f), constant(0), constant(0)}));
     all.push_back(
@@ -133,7 +133,7 @@ TEST_CASE("narrow lobes and mirrors have no factors, wide ones name themselves")
     CHECK(factors.shares[1] == 1);  // after the diffuse one
 }
 
-TEST_CASE("from what is cached to what is traced a lobe is divided without a step, and nothing of it is lost") {
+TEST_CASE("the share of a lobe that is cached varies continuously, and nothing of the lobe is lost") {
     std::vector<Material> all{
         make(MaterialKind::conductor, {constant(0), constant(1), constant(0.8f), constant(0.3f), constant(0.3f)})};
     all[0].prepare(all);
@@ -201,7 +201,7 @@ TEST_CASE("tables of another order or basis are refused") {
     CHECK_THROWS_AS(RadianceTables({}, {&spherical}, order + 1), std::invalid_argument);
 }
 
-TEST_CASE("of roughness in textures only metallic-roughness gets a table, over all of it") {
+TEST_CASE("textured roughness has a table, over all roughnesses, only for metallic-roughness") {
     std::vector<Material> all = materials();
     const uint8_t grey = 128;
     const Texture texture({1, 1, 1, &grey, nullptr}, {});

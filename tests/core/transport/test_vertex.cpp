@@ -40,7 +40,7 @@ Paths<PathState> fan(uint32_t count) {
 
 }  // namespace
 
-TEST_CASE("paths meet the same vertices, in the same order, however many are handed over at once") {
+TEST_CASE("paths have the same vertices, in the same order, for any number of vertices at once") {
     const Room room = lit_room();
     const auto followed = [&](Span span) {
         std::vector<float> out;
@@ -91,7 +91,7 @@ TEST_CASE("roulette leaves the mean throughput") {
 
 // The form factor of the opposite face of a cube, seen from the middle of a face:
 // (4 / π) · h / √(1 + h²) · atan(h / √(1 + h²)) with h = 1 / 2, as the face is twice as far away as half of it is wide.
-TEST_CASE("light samples and directions that find lights count all light once, in closed form") {
+TEST_CASE("light samples and directions together count all light once, compared with closed forms") {
     const Room room = lit_room();
     const World world = room.world();
     Vertex vertex = floor_vertex(room);

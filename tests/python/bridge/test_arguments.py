@@ -21,7 +21,7 @@ def test_sizes_come_from_the_camera_unless_asked_for() -> None:
     assert arguments.picture_size(Camera(np.eye(4)), None) == arguments.DEFAULT_SIZE
 
 
-def test_a_camera_is_itself_or_a_number() -> None:
+def test_a_camera_may_be_an_object_or_an_index() -> None:
     first, other = Camera(np.eye(4)), Camera(np.eye(4))
     scene = Scene(cameras=(first,), name="hall")
     assert arguments.chosen_camera(scene, 0) is first

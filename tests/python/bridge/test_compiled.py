@@ -30,7 +30,7 @@ def moved(scene: Scene, *by: float) -> Scene:
     return Similarity(shift=np.array(by)).scene(scene)
 
 
-def test_a_scene_near_the_origin_keeps_its_own_digits(cornell: Scene) -> None:
+def test_a_scene_near_the_origin_is_not_shifted(cornell: Scene) -> None:
     assert not compiled(cornell).center.any()
     assert not compiled(moved(cornell, 1.0, 2.0, 3.0)).center.any()
 
@@ -141,11 +141,11 @@ CHANGES: dict[str, Callable[[Scene], Scene]] = {
 
 
 @pytest.mark.parametrize("change", CHANGES.values(), ids=CHANGES.keys())
-def test_a_fingerprint_sees_all_that_changes_light(change: Callable[[Scene], Scene]) -> None:
+def test_a_fingerprint_changes_with_everything_that_affects_light(change: Callable[[Scene], Scene]) -> None:
     assert fingerprint(change(textured())) != fingerprint(textured())
 
 
-def test_a_fingerprint_is_of_values_and_of_nothing_that_light_does_not_see() -> None:
+def test_a_fingerprint_depends_on_values_but_not_on_cameras_or_names() -> None:
     scene = textured()
     first = fingerprint(scene)
     assert len(first) == 32 and first == fingerprint(textured())  # other objects, the same values

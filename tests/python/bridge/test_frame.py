@@ -39,13 +39,13 @@ def test_a_stray_part_does_not_move_the_frame_out_of_the_room() -> None:
     assert (center >= corners.min(axis=0)).all() and (center <= corners.max(axis=0)).all()
 
 
-def test_a_huge_ground_does_not_either() -> None:
+def test_a_huge_ground_does_not_change_the_frame() -> None:
     ground = triangle(np.array([-5e4, -1.0, -5e4]), size=2e5, name="ground")
     center = center_of(with_mesh(room(np.array([3000.0, 0, 2000.0])), ground))
     np.testing.assert_allclose(center, [3000, 0, 2000], atol=2)
 
 
-def test_near_the_origin_nothing_is_shifted_for_a_stray() -> None:
+def test_a_scene_near_the_origin_is_not_shifted_for_a_stray_part() -> None:
     assert not center_of(with_mesh(room(np.array([1.0, 2, 3])), triangle(np.array([1e6, 0, 0])))).any()
 
 
@@ -58,14 +58,14 @@ def test_rooms_a_kilometre_apart_need_no_shift_and_no_warning() -> None:
         warn_of_rounding(scene, center_of(scene))
 
 
-def test_what_rounds_coarsely_is_named() -> None:
+def test_meshes_that_are_rounded_coarsely_are_named() -> None:
     scene = with_mesh(room(UTM), triangle(np.zeros(3)))
     expected = r"mesh \d+ 'stray': 1 of 1 triangles .* multiples of 0.5 m; the first is at \(0.333333, 0.333333, 0\)"
     with pytest.warns(EclatWarning, match=expected):
         warn_of_rounding(scene, center_of(scene))
 
 
-def test_what_is_large_where_it_is_far_is_not() -> None:
+def test_triangles_that_are_large_but_far_away_are_not_warned_about() -> None:
     scene = with_mesh(room(UTM), triangle(np.zeros(3), size=1000.0))
     with warnings.catch_warnings():
         warnings.simplefilter("error")

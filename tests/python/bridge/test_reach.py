@@ -62,7 +62,9 @@ LIGHT = (1.0, 1.0, 1.0)
         (lambda s: Similarity(scale=1e12).scene(s), "triangle 0 is too large: expected an area up to"),
     ],
 )
-def test_what_lies_too_far_is_refused(cornell: Scene, change: Callable[[Scene], Scene], message: str) -> None:
+def test_positions_that_are_too_far_away_are_refused(
+    cornell: Scene, change: Callable[[Scene], Scene], message: str
+) -> None:
     with pytest.raises(eclat.EclatError, match=message) as caught:
         picture(change(cornell))
     assert "\n" not in str(caught.value)

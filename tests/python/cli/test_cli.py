@@ -64,7 +64,7 @@ def test_help_lists_methods_and_their_options_with_types_and_defaults(capsys: Ou
     assert "neighbor-clamping=true | false" in text
 
 
-def test_no_flag_is_needed(api: FakeApi, capsys: Output) -> None:
+def test_a_default_camera_and_light_need_no_flag(api: FakeApi, capsys: Output) -> None:
     assert main(["render", "cornell-box"]) == 0
     assert os.listdir() == ["cornell-box.png"]
     call = api.calls[0]
@@ -260,7 +260,7 @@ def test_usage_errors_name_the_help(capsys: Output) -> None:
         assert errors(capsys).splitlines()[1] == "       for help, run: eclat render --help"
 
 
-def test_an_unwritable_output_is_said_before_any_work(api: FakeApi, capsys: Output) -> None:
+def test_an_unwritable_output_is_reported_before_any_work(api: FakeApi, capsys: Output) -> None:
     assert main(["render", "cornell-box", "-o", "no/a.png"]) == 2
     folder = Path("no").absolute()
     assert (
@@ -605,7 +605,7 @@ def test_keep_partial_of_a_solve_is_marked_incomplete(where: list[str], fraction
     assert os.listdir() == []
 
 
-def test_a_closed_standard_output_is_no_crash() -> None:
+def test_a_closed_standard_output_ends_without_a_traceback() -> None:
     with start(["scenes"]) as process:
         assert process.stdout is not None
         process.stdout.close()

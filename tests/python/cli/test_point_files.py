@@ -76,7 +76,7 @@ def test_numpy_files(tmp_path: Path) -> None:
 
 
 @given(st.binary(max_size=200))
-def test_any_bytes_are_points_or_an_error(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
+def test_any_bytes_give_points_or_an_error(tmp_path_factory: pytest.TempPathFactory, data: bytes) -> None:
     try:
         points, normals = read(tmp_path_factory.getbasetemp(), data)
     except EclatError:

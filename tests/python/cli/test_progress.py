@@ -74,12 +74,12 @@ def test_a_bar_shows_phase_rate_and_time_left() -> None:
         assert part in text
 
 
-def test_no_bar_for_short_things_and_off_a_terminal() -> None:
+def test_no_bar_is_shown_for_short_calls_or_without_a_terminal() -> None:
     assert bar_text(terminal=True, seconds=1.5) == ""
     assert bar_text(terminal=False, seconds=60) == ""
 
 
-def test_a_bar_survives_numbers_that_are_none() -> None:
+def test_a_bar_accepts_numbers_that_are_not_finite() -> None:
     file, clock = io.StringIO(), Clock()
     with ProgressBar(Console(file=file, force_terminal=True, width=100), clock) as bar:
         clock.now += 3
@@ -110,7 +110,7 @@ def test_events_are_lines_of_json() -> None:
     assert third == {"event": "result", "time": 0.5, "file": "Ümlaut.png", "pixels": [1, 2]}
 
 
-def test_how_numbers_are_written() -> None:
+def test_numbers_are_formatted_for_people() -> None:
     assert [rate_text(r) for r in (None, 12, 1.25e4, 3.45e7, 2e9)] == [
         "",
         "12 rays/s",

@@ -66,7 +66,7 @@ def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
     assert os.listdir() == ["cornell-box.png"] and Path("cornell-box.png").read_bytes() == b"old"
 
 
-def test_a_terminated_run_keeps_what_it_was_told_to_keep() -> None:
+def test_a_terminated_run_with_keep_partial_keeps_its_result() -> None:
     with subprocess.Popen(
         [*ENDLESS, "--size", "32x32", "--keep-partial"],
         env=os.environ | {"PYTHONPATH": PATHS},
@@ -83,14 +83,14 @@ def test_a_terminated_run_keeps_what_it_was_told_to_keep() -> None:
     assert os.listdir() == ["cornell-box.png"]
 
 
-def test_the_handler_is_gone_afterwards() -> None:
+def test_the_signal_handler_is_removed_afterwards() -> None:
     assert main(["scenes"]) == 0
     assert signal.getsignal(signal.SIGTERM) is signal.SIG_DFL
 
 
 @pytest.mark.skipif(not os.path.exists("/dev/full"), reason="no device that is full")
 @pytest.mark.parametrize("arguments", [("scenes",), ("info", "cornell-box", "--json")])
-def test_a_full_standard_output_is_one_line(arguments: tuple[str, ...]) -> None:
+def test_a_full_standard_output_gives_a_message_of_one_line(arguments: tuple[str, ...]) -> None:
     with open("/dev/full", "wb") as full:
         code, complaint = run(*arguments, stdout=full)
     assert (code, complaint) == (2, "eclat: standard output: cannot be written: No space left on device\n")
@@ -134,7 +134,7 @@ def test_long_names_and_pipes_are_one_line(arguments: tuple[str, ...], capsys: p
     assert line.startswith("eclat: ") and len(line) < 1500
 
 
-def test_names_cannot_steer_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
+def test_names_cannot_control_the_terminal(capsys: pytest.CaptureFixture[str]) -> None:
     Path("m.mtl").write_text("newmtl \x1b[31mred\x07\nKd 1 0 0\nodd\x1b]0;title\x07 1\n")
     Path("a.obj").write_text(
         "mtllib m.mtl\nusemtl \x1b[31mred\x07\n" + TRIANGLE + "usemtl \x1b[2Jnone\u202e\nf 3 2 1\n"

@@ -76,7 +76,7 @@ def test_arrays_come_as_they_were_saved(array: np.ndarray) -> None:
         ("[" * 90, "expected a .npy file of numbers"),
     ],
 )
-def test_headers_that_lie(header: str, message: str) -> None:
+def test_headers_that_contradict_the_data_are_refused(header: str, message: str) -> None:
     tracemalloc.start()
     try:
         for read in (lambda: array_from(with_header(header), "a.npy"), lambda: arrays_from(zipped(header), "a.npz")):
@@ -88,7 +88,7 @@ def test_headers_that_lie(header: str, message: str) -> None:
         tracemalloc.stop()
 
 
-def test_archives_that_are_none_or_unpack_to_more_than_they_can_hold() -> None:
+def test_invalid_archives_and_archives_that_unpack_to_too_much() -> None:
     for data in (b"", b"PK\x05\x06", npz(x=np.ones(9))[:-30], npy(np.ones(3))):
         with pytest.raises(EclatError, match=r"a\.npz: the file is not an \.npz archive, or it is damaged"):
             arrays_from(data, "a.npz")

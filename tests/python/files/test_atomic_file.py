@@ -36,7 +36,7 @@ def test_an_old_file_is_replaced_and_keeps_its_permissions(tmp_path: Path) -> No
     assert path.stat().st_mode & 0o777 == 0o604
 
 
-def test_a_link_stays_a_link(tmp_path: Path) -> None:
+def test_a_symbolic_link_is_kept_when_its_target_is_written(tmp_path: Path) -> None:
     (tmp_path / "target").write_bytes(b"old")
     (tmp_path / "link").symlink_to("target")
     write_file(tmp_path / "link", b"new")
@@ -85,7 +85,7 @@ def tiny_disk(tmp_path: Path) -> Iterator[Path]:
     subprocess.run(["umount", folder], check=True)
 
 
-def test_a_disk_that_is_really_full(tiny_disk: Path) -> None:
+def test_a_full_file_system_is_reported(tiny_disk: Path) -> None:
     path = tiny_disk / "picture.exr"
     path.write_bytes(b"old")
     with pytest.raises(EclatError, match="No space left on device"):

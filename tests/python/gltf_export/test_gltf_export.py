@@ -291,7 +291,7 @@ def test_every_kind_becomes_metallic_roughness(kind: str, tmp_path: Path) -> Non
     assert again.thin_walled == (kind != "dielectric")
 
 
-def test_a_curtain_comes_back(tmp_path: Path) -> None:
+def test_a_curtain_is_written_and_read_back(tmp_path: Path) -> None:
     curtain = Material("translucent", {"reflectance": rgb(0.3, 0.2, 0.1), "transmittance": rgb(0.6, 0.4, 0.2)})
     found = read_back(Scene((square(curtain),)), tmp_path).meshes[0].material.parameters
     share = found["diffuse_transmission"].constant[0]
@@ -300,7 +300,7 @@ def test_a_curtain_comes_back(tmp_path: Path) -> None:
     np.testing.assert_allclose(share * color, (0.6, 0.4, 0.2), rtol=1e-5)
 
 
-def test_what_gltf_lacks_is_said() -> None:
+def test_features_that_gltf_lacks_cause_warnings() -> None:
     bumpy = Material(normal_map=NormalMap(Value((1.0,) * 3, Texture(CHECKS)), kind="bump"))
     with pytest.warns(EclatWarning, match="bump"):
         encode_glb(Scene((square(bumpy),)))

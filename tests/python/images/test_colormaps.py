@@ -17,7 +17,7 @@ def test_signed_map_is_light_in_the_middle_and_dark_at_both_ends() -> None:
     assert colors[0, 2] > colors[0, 0] and colors[2, 0] > colors[2, 2]
 
 
-def test_amounts_get_brighter_all_the_way() -> None:
+def test_the_colormap_of_amounts_gets_brighter_monotonically() -> None:
     brightness = colored(np.linspace(0, 1, 101), AMOUNT) @ LUMINANCE
     assert (np.diff(brightness) > -0.5).all()
     assert brightness[-1] > 240

@@ -23,7 +23,7 @@ def noisy() -> tuple[np.ndarray, np.ndarray]:
 
 
 @needs_denoiser
-def test_noise_goes_and_edges_stay(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+def test_the_denoiser_removes_noise_and_keeps_edges(noisy: tuple[np.ndarray, np.ndarray]) -> None:
     truth, samples = noisy
     clean = denoiser.denoise(samples, albedo=truth, normal=np.zeros_like(truth))
     assert clean.dtype == np.float32 and clean.shape == truth.shape
@@ -38,7 +38,7 @@ def test_same_input_same_bits(noisy: tuple[np.ndarray, np.ndarray]) -> None:
 
 
 @needs_denoiser
-def test_what_is_not_finite_counts_as_black(noisy: tuple[np.ndarray, np.ndarray]) -> None:
+def test_pixels_that_are_not_finite_count_as_black(noisy: tuple[np.ndarray, np.ndarray]) -> None:
     _, samples = noisy
     samples[3, 3] = np.nan
     samples[9, 9] = np.inf

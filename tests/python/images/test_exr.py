@@ -42,7 +42,7 @@ def test_channel_names_and_values_as_the_library_reads_them(tmp_path: Path) -> N
     np.testing.assert_array_equal(channels["depth.Z"], image.layers["depth"])
 
 
-def test_header_says_primaries_and_metadata(tmp_path: Path) -> None:
+def test_the_header_contains_primaries_and_metadata(tmp_path: Path) -> None:
     layered().save(tmp_path / "a.exr")
     header = OpenEXR.File(str(tmp_path / "a.exr")).header()
     assert header["chromaticities"] == pytest.approx(REC_709)
@@ -82,7 +82,7 @@ def test_half_floats_and_grey_of_other_programs(tmp_path: Path) -> None:
     assert layers == {} and metadata == {}
 
 
-def test_channels_without_meaning_for_us_are_named(tmp_path: Path) -> None:
+def test_unknown_channels_are_named_in_a_warning(tmp_path: Path) -> None:
     plane = np.ones((3, 4), dtype=np.float32)
     data = foreign(tmp_path, dict.fromkeys(("R", "G", "B", "A", "id.a", "id.b"), plane))
     with pytest.warns(EclatWarning) as caught:
@@ -103,7 +103,7 @@ def test_other_files_are_not_exr() -> None:
     assert str(caught.value) == "a.exr: expected an OpenEXR file, got one that starts with b'\\x89PNG'"
 
 
-def test_a_window_beyond_all_measure_is_refused_before_allocation() -> None:
+def test_a_window_that_is_too_large_is_refused_before_allocation() -> None:
     data = bytearray(encode_exr(np.zeros((1, 1, 3), dtype=np.float32), {}, {}, LAYERS))
     at = data.index(b"dataWindow\0box2i\0") + len(b"dataWindow\0box2i\0") + 4
     data[at : at + 16] = np.array([0, 0, 999_999, 999_999], dtype="<i4").tobytes()

@@ -60,7 +60,7 @@ def test_matrices_of_the_standards() -> None:
     assert rgb_to_xyz((*REC_709[:7], float("nan"))) is None
 
 
-def test_rec_709_keeps_its_bits_and_impossible_primaries_are_said(tmp_path: Path) -> None:
+def test_rec_709_keeps_its_bits_and_invalid_primaries_cause_a_warning(tmp_path: Path) -> None:
     random = np.random.default_rng(1).random((3, 8, 12), dtype=np.float32)
     channels = dict(zip("RGB", random, strict=True))
     near = (0.64, 0.33, 0.30, 0.60, 0.15, 0.06, 0.3127, 0.329001)

@@ -18,14 +18,14 @@ CAMERA = Camera(look_at((0, 0, 4), (0, 0, 0)), fov=90.0, fov_axis="y")
 SIZE = (80, 40)
 
 
-def test_the_middle_and_the_corners() -> None:
+def test_rays_go_through_the_middle_and_the_corners() -> None:
     points = np.array([[0.0, 0, 0], [-8, 4, 0], [8, -4, 0]])
     raster, distance = project(CAMERA, points, SIZE)
     np.testing.assert_allclose(raster, [[40, 20], [0, 0], [80, 40]], atol=1e-9)
     np.testing.assert_allclose(distance, [4, np.sqrt(96), np.sqrt(96)])
 
 
-def test_behind_the_camera_is_nowhere() -> None:
+def test_points_behind_the_camera_are_not_projected() -> None:
     raster, distance = project(CAMERA, np.array([[0.0, 0, 5]]), SIZE)
     assert np.isnan(raster).all() and np.isnan(distance).all()
 
@@ -64,11 +64,11 @@ def test_marks_grow_with_the_picture() -> None:
     assert np.count_nonzero(large.show_records().pixels.any(axis=2)) == 9
 
 
-def test_no_records_no_marks() -> None:
+def test_without_records_there_are_no_marks() -> None:
     marked = with_records(picture(4.0), (0, 0, 5)).show_records()
     assert not marked.pixels.any() and not marked.layers["record_density"].any()
 
 
-def test_a_picture_made_without_records_is_refused() -> None:
+def test_marking_records_of_a_picture_without_records_is_refused() -> None:
     with pytest.raises(EclatError, match="expected an image with the layer 'record_density'"):
         picture(4.0).show_records()

@@ -27,7 +27,7 @@ from eclat.images.tone import (
     # Computed by hand from IEC 61966-2-1: the black level's slope, both sides of the joint, mid grey, white.
     [(0.0, 0.0), (0.001, 0.01292), (0.0031308, 0.04045), (0.18, 0.46135613), (0.5, 0.73535698), (1.0, 1.0)],
 )
-def test_numbers_of_the_standard(linear: float, encoded: float) -> None:
+def test_values_agree_with_the_standard(linear: float, encoded: float) -> None:
     assert srgb_encode(np.array(linear)) == pytest.approx(encoded, abs=2e-6)
     assert srgb_decode(np.array(encoded)) == pytest.approx(linear, abs=2e-6)
 
@@ -108,7 +108,7 @@ def test_exposure_takes_the_log_average_to_mid_grey() -> None:
     assert auto_exposure(np.full((1, 1, 3), 1e-37, dtype=np.float32)) == 64.0, "as far as exposure goes"
 
 
-def test_exposure_by_word() -> None:
+def test_exposure_accepts_the_word_auto() -> None:
     pixels = np.full((1, 1, 3), 0.09, dtype=np.float32)
     assert exposure_stops("auto", pixels) == 1.0
     assert exposure_stops(-2.5, pixels) == -2.5

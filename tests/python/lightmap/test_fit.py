@@ -35,7 +35,7 @@ def test_bilinear_lookups() -> None:
     assert not bilinear(numbers, np.array([[3.5, 2.5]])).weights.any(), "nothing is there to be read"
 
 
-def test_against_dense_least_squares() -> None:
+def test_the_fit_agrees_with_dense_least_squares() -> None:
     rng = np.random.default_rng(4)
     numbers = np.arange(48).reshape(6, 8)
     gathered = rng.uniform(1, 2, (48, 3))

@@ -60,7 +60,7 @@ def test_files(baked: eclat.Lightmap, tmp_path: Path) -> None:
     assert ((low <= baked.irradiance) & (baked.irradiance <= high))[inside].all()
 
 
-def test_it_tells_what_it_is_in_a_line(baked: eclat.Lightmap) -> None:
+def test_a_solution_describes_itself_in_one_line(baked: eclat.Lightmap) -> None:
     size = "{1} x {0}".format(*baked.irradiance.shape)
     assert repr(baked) == f"<Lightmap of cornell-box: {size} texels of 0.1 m, total light by irradiance-cache>"
 
@@ -109,7 +109,7 @@ def test_places_that_cannot_be_written(baked: eclat.Lightmap, tmp_path: Path) ->
     assert not (tmp_path / "room.glb").exists() and not (tmp_path / "room.lightmap.exr").exists()
 
 
-def test_sheets_that_were_split_are_one_again(tmp_path: Path) -> None:
+def test_sheets_that_were_split_for_export_are_joined_when_loaded(tmp_path: Path) -> None:
     scene = build("two-rooms")
     lightmap = eclat.bake(scene, eclat.Path(), texel_size=0.2, samples=1)
     assert [part.mesh.name for part in lightmap.parts if part.back] == ["shell"]

@@ -111,7 +111,7 @@ def check(pixels: NDArray[np.float32], expected: NDArray[np.float64]) -> None:
 @pytest.mark.parametrize(
     ("name", "scale"), [("quad", 1.0), ("daylight", 1e5), ("moonless", 1e-8), ("draft", 1.0), ("50 % of #1?", 1.0)]
 )
-def test_full_range_is_albedo_over_pi_times_irradiance(views: Views, name: str, scale: float) -> None:
+def test_an_unclipped_texel_is_albedo_over_pi_times_irradiance(views: Views, name: str, scale: float) -> None:
     # Millions of lux exceed the range of half floats, starlight falls below it.
     check(view(views, name).pixels, scale * expected_radiance(IRRADIANCE, SIZE))
 
@@ -135,7 +135,7 @@ def test_without_a_side_car_the_embedded_map_is_taken_and_said(views: Views, nam
     assert len(warnings) == 1, views[1]
 
 
-def test_nothing_is_warned_about_where_nothing_is_wrong(views: Views) -> None:
+def test_a_valid_scene_causes_no_warning(views: Views) -> None:
     # The browser itself reports the files that are not there.
     said = [line for line in views[1] if "EclatLightmap" in line]
     assert len(said) == len(BROKEN), said

@@ -44,7 +44,7 @@ def test_corners_of_a_box_are_no_seams() -> None:
     assert len(a) == 0
 
 
-def test_planes_that_go_on_in_another_mesh_have_a_seam() -> None:
+def test_planes_that_continue_in_another_mesh_have_a_seam() -> None:
     left = with_flat_normals(eclat.load("cornell-box").meshes[1])
     from dataclasses import replace
 

@@ -68,7 +68,7 @@ def test_emission_on_one_side_makes_two_sheets_in_any_case() -> None:
         (Material("blend", children=(Material("conductor"), Material("conductor"))), False),
     ],
 )
-def test_what_does_not_reflect_diffusely_gets_no_texels(material: Material, wanted: bool) -> None:
+def test_surfaces_without_diffuse_reflection_get_no_texels(material: Material, wanted: bool) -> None:
     assert reflects_diffusely(material) == wanted
     assert np.concatenate([s.lit for s in sides_of(Scene((square(material),), LIGHTS))]).any() == wanted
 

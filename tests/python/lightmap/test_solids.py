@@ -59,7 +59,7 @@ def test_vertices_need_not_be_shared() -> None:
     assert found.all()
 
 
-def test_a_triangle_that_comes_twice_or_runs_the_wrong_way_is_no_hull() -> None:
+def test_duplicate_or_reversed_triangles_do_not_bound_a_solid() -> None:
     for triangles in (
         np.concatenate((CUBE.triangles, CUBE.triangles[:1])),
         np.concatenate((CUBE.triangles[:1, ::-1], CUBE.triangles[1:])),

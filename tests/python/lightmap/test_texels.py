@@ -56,7 +56,7 @@ def test_sample_points_are_the_nearest_of_their_triangle() -> None:
             assert (squared <= ((other - points) ** 2).sum(axis=1) + 1e-9).all()
 
 
-def test_texels_stand_for_points_inside_near_their_centres() -> None:
+def test_texels_represent_points_inside_triangles_near_their_centres() -> None:
     uvs = np.array([[[1.5, 1.5], [9.5, 1.5], [1.5, 9.5]], [[9.5, 1.5], [9.5, 9.5], [1.5, 9.5]]])
     texels = rasterize(corners(uvs, np.zeros(2, int)), 12, 12)
     assert len(texels) == 81 and texels.shared == 0

@@ -9,7 +9,7 @@ import numpy as np
 from eclat.loaders.components import connected_components, triangle_edges
 
 
-def test_connected() -> None:
+def test_connected_components_are_labelled() -> None:
     rng = np.random.default_rng(2)
     for count, pairs in ((1, 0), (50, 20), (200, 180), (300, 1000)):
         a, b = rng.integers(0, count, (2, pairs))
@@ -27,7 +27,7 @@ def test_connected() -> None:
         np.testing.assert_array_equal(connected_components(count, a, b), wanted)
 
 
-def test_a_long_chain() -> None:
+def test_a_long_chain_of_nodes_is_connected() -> None:
     order = np.random.default_rng(3).permutation(1000)
     assert (connected_components(1000, order[:-1], order[1:]) == 0).all()
 

@@ -57,7 +57,7 @@ def test_a_path_of_another_machine_falls_back_to_the_name_with_a_warning(tmp_pat
 
 @pytest.mark.parametrize("allow_parent", [True, False])
 @pytest.mark.parametrize("name", ["", " ", "a\0b", "a\nb", "http://host/a", "file:///etc/passwd", "HTTPS:a"])
-def test_what_is_no_file_name(tmp_path: Path, name: str, allow_parent: bool) -> None:
+def test_texts_that_are_no_file_names_are_refused(tmp_path: Path, name: str, allow_parent: bool) -> None:
     with pytest.raises(EclatError, match=r"^room\.obj, map_Kd: expected (a file name|the name of a local file), got"):
         resolve(tmp_path, name, where="room.obj, map_Kd", allow_parent=allow_parent)
 

@@ -72,7 +72,7 @@ def test_grey_with_alpha_becomes_rgba() -> None:
 
 
 @pytest.mark.parametrize("size", [(100_000, 100_000), (16_000, 8_000), (0, 5)])
-def test_lying_sizes_do_not_cost_memory(size: tuple[int, int]) -> None:
+def test_false_sizes_allocate_no_memory(size: tuple[int, int]) -> None:
     data = png(np.zeros((2, 2, 3), np.uint8), size)
     tracemalloc.start()
     with pytest.raises(EclatError):

@@ -25,7 +25,7 @@ def test_every_suffix_has_its_loader() -> None:
         assert callable(getattr(importlib.import_module(module), function))
 
 
-def test_it_is_the_package_s_load() -> None:
+def test_eclat_load_is_the_load_of_the_loaders() -> None:
     assert eclat.load is load
 
 
@@ -61,7 +61,7 @@ def test_warnings_are_issued_and_kept(tmp_path: Path) -> None:
     assert [message.partition(":")[0] for message in scene.warnings] == ["test.obj", "test.obj, line 1"]
 
 
-def test_warnings_are_issued_although_loading_fails(tmp_path: Path) -> None:
+def test_warnings_are_issued_even_if_loading_fails(tmp_path: Path) -> None:
     path = tmp_path / "test.obj"
     path.write_text("curv 0\n")
     with pytest.warns(EclatWarning, match="'curv'"), pytest.raises(EclatError):
@@ -89,7 +89,7 @@ def test_warnings_as_errors_are_the_user_s_choice(tmp_path: Path) -> None:
         ("x" * 300 + ".obj", "but no such file exists"),
     ],
 )
-def test_what_is_not_a_scene(tmp_path: Path, name: str, message: str) -> None:
+def test_files_that_are_not_scenes_are_refused(tmp_path: Path, name: str, message: str) -> None:
     (tmp_path / "room.obj").write_text(TRIANGLE)
     (tmp_path / "folder.obj").mkdir()
     with pytest.raises(EclatError, match=message):

@@ -54,7 +54,7 @@ def image(folder: Path, name: str, mode: str, *pixels: object, size: tuple[int, 
     picture.save(folder / name)
 
 
-def test_diffuse_for_no_highlights(tmp_path: Path) -> None:
+def test_illum_without_highlights_is_diffuse(tmp_path: Path) -> None:
     for text in ("Kd 0.1 0.2 0.3\n", "Kd .1 .2 .3\nKs 0 0 0\nNs 10\nillum 2\n", "Kd .1 .2 .3\nKs 1 1 1\nillum 1\n"):
         material = material_of(tmp_path, text)
         assert material.kind == "diffuse" and material.name == "m" and material.two_sided
@@ -95,7 +95,7 @@ def test_a_mirror_over_paint_keeps_both_reflectances(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("illum", [4, 6, 7])
-def test_glass_bodies_filter_once_on_the_way_through(tmp_path: Path, illum: int) -> None:
+def test_solid_glass_filters_light_once(tmp_path: Path, illum: int) -> None:
     material = material_of(tmp_path, f"Kd 1 0 0\nKs 1 1 1\nd 0.1\nTf 0.25 1 0.5\nNi 1.33\nillum {illum}\n", TETRAHEDRON)
     assert material.kind == "dielectric"
     assert material.parameters["ior"].constant[0] == 1.33
@@ -134,12 +134,12 @@ def test_opacity(tmp_path: Path, text: str, opacity: float) -> None:
     assert material_of(tmp_path, f"Kd 1 1 1\n{text}\n").opacity.constant[0] == opacity
 
 
-def test_a_lone_tr_of_one_is_not_taken_for_invisible(tmp_path: Path) -> None:
+def test_tr_of_one_alone_does_not_make_a_material_invisible(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning, match=r"test\.mtl, line 2, material 'm': Tr is 1 and d is missing"):
         assert material_of(tmp_path, "Tr 1.0\n").opacity.constant[0] == 1
 
 
-def test_invisible_surfaces_are_said(tmp_path: Path) -> None:
+def test_invisible_surfaces_cause_a_warning(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning, match="d is 0, so its surfaces are invisible"):
         assert material_of(tmp_path, "d 0\n").opacity.constant[0] == 0
 
@@ -208,7 +208,7 @@ def test_missing_textures_get_a_stand_in_and_a_warning(tmp_path: Path) -> None:
         assert material_of(tmp_path, "norm gone.png\n").normal_map is None
 
 
-def test_textures_on_faces_without_vt_are_said(tmp_path: Path) -> None:
+def test_textures_on_faces_without_vt_cause_a_warning(tmp_path: Path) -> None:
     image(tmp_path, "a.png", "RGB", (255, 0, 0), (0, 255, 0))
     with pytest.warns(EclatWarning, match="material 'm': the material has textures"):
         material_of(tmp_path, "map_Kd a.png\n", TETRAHEDRON)
@@ -239,7 +239,7 @@ def test_absurd_numbers_of_libraries_are_refused(tmp_path: Path) -> None:
         load_obj(path)
 
 
-def test_a_missing_library_is_said_once(tmp_path: Path) -> None:
+def test_a_missing_library_causes_one_warning(tmp_path: Path) -> None:
     path = tmp_path / "test.obj"
     path.write_text(f"mtllib none.mtl\nmtllib none.mtl\n{PANE}usemtl a\nf 1 2 3\nusemtl b\nf 1 3 2\n")
     with pytest.warns(EclatWarning, match=r"test\.obj, line 1: the material file 'none\.mtl' is missing") as caught:
@@ -316,7 +316,7 @@ def test_maps_behind_black_constants_are_shown(tmp_path: Path) -> None:
         assert material_of(tmp_path, "d 0\nmap_d t.png\n").opacity.constant == (1, 1, 1)
 
 
-def test_a_black_specular_colour_hides_its_map_and_it_is_said(tmp_path: Path) -> None:
+def test_a_black_specular_colour_hides_its_map_with_a_warning(tmp_path: Path) -> None:
     png(tmp_path)
     with pytest.warns(EclatWarning, match="map_Ks is ignored, because Ks is black; the material is diffuse"):
         material = material_of(tmp_path, "Kd 0.8 0.8 0.8\nKs 0 0 0\nmap_Ks t.png\n")

@@ -85,7 +85,7 @@ def test_corners_without_normal_and_normals_of_length_zero_take_the_face_s(tmp_p
     np.testing.assert_allclose(mesh.normals[mesh.triangles], expected, atol=1e-6)
 
 
-def test_a_folded_face_among_smooth_ones_has_a_normal_too(tmp_path: Path) -> None:
+def test_a_folded_face_among_smooth_faces_gets_a_normal(tmp_path: Path) -> None:
     text = SQUARE + "vn 0 0 1\nf 1//1 2//1 3//1\nf 1 2 3 2\nf 1 2 4 3\n"
     only(tmp_path, text)
 
@@ -124,7 +124,7 @@ def test_meshes_follow_materials_and_are_named_after_single_groups(tmp_path: Pat
     assert len(whole.triangles) == 4 and whole.material.name == ""
 
 
-def test_dirty_but_lawful_text(tmp_path: Path) -> None:
+def test_unusual_but_valid_text_is_read(tmp_path: Path) -> None:
     text = (
         b"\xef\xbb\xbf# caf\xe9\r\n\r\n\tv\t0 0\t0 # origin\r\nv 1 0 0 \\\r\n\r\nv 1 1 0 1.0\r\nv 0 1 0\r\n"
         b"g caf\xe9\r\nvt 0.5\r\nvt 0.5 0.5 0\r\nf 1/1/ 2/2/ \\\r\n 3/2 # first\r\nf 1/1 3// 4"
@@ -307,7 +307,7 @@ def test_vertex_colours_in_bytes(tmp_path: Path, color: str, expected: tuple[flo
     np.testing.assert_allclose(mesh.colors[:, :3], np.tile(expected, (3, 1)), atol=1e-5)
 
 
-def test_vertex_colours_beyond_one_are_cut_and_said(tmp_path: Path) -> None:
+def test_vertex_colours_above_one_are_clamped_with_a_warning(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning, match="expected vertex colours in 0..1, got up to 1.5; larger values are clipped"):
         only(tmp_path, "v 0 0 0 1.5 0 0\nv 1 0 0 1 1 1\nv 1 1 0 1 1 1\nf 1 2 3\n")
 

@@ -37,7 +37,7 @@ def folder(tmp_path: Path) -> Path:
 
 
 @pytest.mark.parametrize("kind", list(BAD))
-def test_a_bad_part_of_a_mitsuba_scene_is_left_out_aloud(folder: Path, kind: str) -> None:
+def test_a_bad_part_of_a_mitsuba_scene_is_left_out_with_a_warning(folder: Path, kind: str) -> None:
     with warnings.catch_warnings(record=True) as record:
         warnings.simplefilter("always")
         scene = eclat.load_dict({"type": "scene", "one": GOOD, "bad": BAD[kind], "two": GOOD}, folder)
@@ -48,12 +48,12 @@ def test_a_bad_part_of_a_mitsuba_scene_is_left_out_aloud(folder: Path, kind: str
 
 
 @pytest.mark.parametrize("kind", list(BAD))
-def test_where_all_parts_are_bad_it_is_an_error(folder: Path, kind: str) -> None:
+def test_a_scene_whose_parts_are_all_bad_is_refused(folder: Path, kind: str) -> None:
     with pytest.raises(EclatError):
         eclat.load_dict({"type": "scene", "bad": BAD[kind]}, folder)
 
 
-def test_a_bad_primitive_of_a_gltf_file_is_left_out_aloud(tmp_path: Path) -> None:
+def test_a_bad_primitive_of_a_gltf_file_is_left_out_with_a_warning(tmp_path: Path) -> None:
     points = np.array([[0, 0, 0], [1, 0, 0], [0, 1, 0], [np.nan, 0, 0], [1, 0, 0], [0, 1, 0]], "<f4").tobytes()
     (tmp_path / "points.bin").write_bytes(points)
     document = {

@@ -191,7 +191,7 @@ def test_errors_say_file_place_and_expectation(tmp_path: Path, text: str, messag
 
 @pytest.mark.parametrize("encoding", ENCODINGS)
 @pytest.mark.parametrize("element", ["vertex", "face", "other"])
-def test_absurd_counts_cost_no_memory(tmp_path: Path, encoding: str, element: str) -> None:
+def test_absurd_counts_allocate_no_memory(tmp_path: Path, encoding: str, element: str) -> None:
     faces = [((0, 1, 2),), ((0, 1, 2, 3),)]
     data = ply(encoding, ("vertex", XYZ, VERTICES), ("face", FACE, faces), ("other", ["char c"], [(1,)]))
     position = data.index(f"element {element} ".encode()) + len(f"element {element} ")
@@ -205,7 +205,7 @@ def test_absurd_counts_cost_no_memory(tmp_path: Path, encoding: str, element: st
         tracemalloc.stop()
 
 
-def test_absurd_lists_cost_no_memory(tmp_path: Path) -> None:
+def test_absurd_lists_allocate_no_memory(tmp_path: Path) -> None:
     data = ply(
         "binary_little_endian", ("vertex", XYZ, VERTICES), ("face", ["list uint int vertex_indices"], [((0, 1, 2),)])
     )
@@ -214,7 +214,7 @@ def test_absurd_lists_cost_no_memory(tmp_path: Path) -> None:
         load(tmp_path, data + struct.pack("<Iiii", 0xFFFFFFFF, 0, 1, 2))
 
 
-def test_absurd_headers_take_no_time(tmp_path: Path) -> None:
+def test_absurd_headers_are_refused_at_once(tmp_path: Path) -> None:
     many = "".join(f"property char p{i}\n" for i in range(30_000))
     with pytest.raises(EclatError, match="expected at most 1000 elements with at most 1000 properties"):
         load(tmp_path, (HEADER + many + "end_header\n").encode())

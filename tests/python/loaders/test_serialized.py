@@ -126,7 +126,7 @@ def test_corruption_is_found_by_the_checksum(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("counts", [(10**12, 1), (4, 10**12), (2**64 - 1, 2**64 - 1), (3_000_000, 10)])
-def test_promises_that_the_file_cannot_keep_cost_no_memory(tmp_path: Path, counts: tuple[int, int]) -> None:
+def test_counts_that_exceed_the_file_allocate_no_memory(tmp_path: Path, counts: tuple[int, int]) -> None:
     bomb = struct.pack("<I", 0x1000) + b"\0" + struct.pack("<QQ", *counts) + bytes(1000)
     tracemalloc.start()
     try:

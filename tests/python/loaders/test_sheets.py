@@ -51,7 +51,7 @@ def test_closed_pieces_are_bodies_however_their_vertices_are_shared() -> None:
         assert bounding_triangles(body).all()
 
 
-def test_sheets_are_not() -> None:
+def test_sheets_are_not_solids() -> None:
     assert not bounding_triangles(SHEET).any()
     half = np.asarray(BALL.positions)[np.asarray(BALL.triangles)].mean(axis=1)[:, 2] > 0
     assert not bounding_triangles(bare(BALL.positions, np.asarray(BALL.triangles)[half])).any()

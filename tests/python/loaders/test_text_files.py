@@ -31,7 +31,7 @@ def test_encodings_come_as_utf8(data: bytes) -> None:
     assert utf8(data, "a.obj").decode() == TEXT
 
 
-def test_what_is_no_utf16_is_kept_or_named() -> None:
+def test_invalid_utf16_is_kept_or_reported() -> None:
     for data in (b"", b"v", b"ply\nformat", bytes(64), b"v 0 0 0\n\xff\xfe", "Fläche".encode("latin-1")):
         assert utf8(data, "a.obj") == data
     assert decoded("Fläche".encode("latin-1")) == "Fläche"
@@ -39,7 +39,7 @@ def test_what_is_no_utf16_is_kept_or_named() -> None:
         utf8(codecs.BOM_UTF16_LE + b"v\0 \0\x00\xd8", "a.obj")
 
 
-def test_numbers_of_windows() -> None:
+def test_numbers_are_read_as_windows_writes_them() -> None:
     words = {b"-nan(ind)": "nan", b"nan(snan)": "nan", b"-1.#IND": "nan", b"1.#QNAN0": "nan", b"1.#INF00": "inf"}
     for word, expected in words.items():
         assert str(abs(float(plain_numbers(word)))) == expected

@@ -32,7 +32,7 @@ def test_text(estimate: ErrorEstimate, text: str) -> None:
     assert error_text(estimate.statistics()) == text
 
 
-def test_nothing_is_said_of_what_was_not_estimated() -> None:
+def test_errors_that_were_not_estimated_are_not_stated() -> None:
     assert error_text({"rays": 1.0}) == ""
 
 
@@ -40,6 +40,6 @@ def test_noise_of_a_picture_adds_in_squares() -> None:
     assert ErrorEstimate(0.03, 0.0, 0.03).with_noise(0.04) == ErrorEstimate(0.05, 0.04, 0.05)
 
 
-def test_an_estimate_that_says_little_stands_as_its_bound() -> None:
+def test_an_uncertain_estimate_is_quoted_as_its_upper_bound() -> None:
     assert ErrorEstimate(0.01, 0.0, 0.0149).quoted == 0.01
     assert ErrorEstimate(0.01, 0.0, 0.016).quoted == 0.016

@@ -27,7 +27,7 @@ def test_the_definition_pixel_by_pixel() -> None:
     assert relative_rmse(x, a, b, c) == pytest.approx(math.sqrt(total / TRUTH.size), rel=1e-12)
 
 
-def test_noise_of_the_references_puts_no_floor_under_it() -> None:
+def test_noise_of_the_references_does_not_bias_the_error() -> None:
     """x is off by 0.1 %, the references are noisy by 1 %: with one of them the noise hides the error."""
     truth = np.full((400, 400, 3), 0.5)
     a, b = (truth * (1 + RANDOM.normal(0, 0.01, truth.shape)) for _ in range(2))
@@ -36,7 +36,7 @@ def test_noise_of_the_references_puts_no_floor_under_it() -> None:
     assert relative_rmse(x, a, a, c=0.0) == pytest.approx(0.01, rel=0.05)
 
 
-def test_a_negative_mean_is_no_error() -> None:
+def test_a_negative_mean_counts_as_an_error_of_zero() -> None:
     assert relative_rmse(TRUTH, TRUTH + 0.1, TRUTH - 0.1) == 0.0
 
 
@@ -46,7 +46,7 @@ def test_exposure_cancels_by_default_and_not_with_a_fixed_c() -> None:
     assert relative_rmse(64 * x, 64 * TRUTH, 64 * TRUTH, 0.01) != pytest.approx(relative_rmse(x, TRUTH, TRUTH, 0.01))
 
 
-def test_a_mask_chooses_pixels_but_not_c() -> None:
+def test_a_mask_selects_pixels_but_does_not_change_c() -> None:
     x = TRUTH.copy()
     x[:, 16:] *= 2
     left = np.zeros((24, 32), dtype=bool)
@@ -104,7 +104,7 @@ def test_a_step_in_depth_takes_two_pixels_on_both_sides(step: float, is_edge: bo
 
 
 @pytest.mark.parametrize(("degrees", "is_edge"), [(9.9, False), (10.1, True)])
-def test_a_turn_of_the_normal(degrees: float, is_edge: bool) -> None:
+def test_irradiance_follows_a_rotation_of_the_normal(degrees: float, is_edge: bool) -> None:
     depth, normal = flat()
     angle = math.radians(degrees)
     normal[:5] = (0, 3 * math.sin(angle), 3 * math.cos(angle))
@@ -114,7 +114,7 @@ def test_a_turn_of_the_normal(degrees: float, is_edge: bool) -> None:
 
 
 @pytest.mark.parametrize("nothing", [np.inf, 0.0])
-def test_the_rim_of_a_hole_into_nothing(nothing: float) -> None:
+def test_the_rim_of_a_hole_into_empty_space(nothing: float) -> None:
     depth, normal = flat()
     depth[5, 5] = nothing
     normal[5, 5] = 0
@@ -124,7 +124,7 @@ def test_the_rim_of_a_hole_into_nothing(nothing: float) -> None:
     np.testing.assert_array_equal(away, expected)
 
 
-def test_nothing_at_all_has_no_edges() -> None:
+def test_an_empty_picture_has_no_edges() -> None:
     assert away_from_edges(np.full((4, 4), np.inf), np.zeros((4, 4, 3))).all()
 
 

@@ -84,7 +84,7 @@ def test_edited_emissions(saved: dict[str, bytes], value: object, tmp_path: Path
 
 
 @pytest.mark.parametrize("kind", METHODS)
-def test_files_as_they_were_are_read(saved: dict[str, bytes], kind: str, tmp_path: Path) -> None:
+def test_files_of_the_current_format_are_read(saved: dict[str, bytes], kind: str, tmp_path: Path) -> None:
     (tmp_path / "a.npz").write_bytes(saved[kind])
     assert not refused(tmp_path / "a.npz")
 

@@ -47,7 +47,7 @@ def test_values_out_of_range(method: str, settings: dict[str, object], message: 
     assert message in str(caught.value)
 
 
-def test_unknown_names_are_answered_with_near_ones() -> None:
+def test_unknown_names_suggest_similar_ones() -> None:
     with pytest.raises(EclatError, match="did you mean 'path'"):
         make_options("pat")
     with pytest.raises(EclatError, match="unknown option max_eror for irradiance-cache; did you mean 'max_error'"):

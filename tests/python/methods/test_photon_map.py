@@ -87,6 +87,6 @@ def test_photons_are_for_the_whole_scene(scene: eclat.Scene) -> None:
         eclat.solve(scene, OPTIONS, size=(16, 16))
 
 
-def test_nothing_is_traced_where_nothing_can_be_stored(scene: eclat.Scene) -> None:
+def test_no_photons_are_traced_if_none_can_be_stored(scene: eclat.Scene) -> None:
     assert len(eclat.solve(scene, OPTIONS, max_depth=2)) == 0
     assert len(eclat.solve(build("cornell-box"), OPTIONS).caustic) == 0  # all surfaces are diffuse

@@ -103,7 +103,7 @@ def test_patch_size_bounds_edges(scene: eclat.Scene) -> None:
     assert edges.max() <= 0.4
 
 
-def test_glass_is_told() -> None:
+def test_glass_causes_a_warning() -> None:
     from eclat.scene import Material
     from eclat.scenes.geometry import box, mesh
 

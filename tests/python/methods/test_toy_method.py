@@ -113,7 +113,7 @@ def test_pictures_by_name_class_and_value(scene: eclat.Scene, what: Any) -> None
         np.testing.assert_array_equal(image.layers[layer], reference.layers[layer])
 
 
-def test_options_of_its_own_and_any_number_of_threads(scene: eclat.Scene) -> None:
+def test_a_solve_uses_its_own_options_and_any_number_of_threads(scene: eclat.Scene) -> None:
     for threads in (1, 2):
         image = eclat.render(scene, Toy(radiance=0.25), samples=3, size=SIZE, threads=threads, adaptive=True)
         np.testing.assert_allclose(image.pixels, 0.25)
@@ -129,7 +129,7 @@ def test_irradiance_and_light_maps(scene: eclat.Scene) -> None:
     np.testing.assert_allclose(lightmap.irradiance[lightmap.irradiance.any(axis=2)], 1.5, rtol=1e-5)
 
 
-def test_kept_and_merged(scene: eclat.Scene) -> None:
+def test_photons_are_saved_and_merged(scene: eclat.Scene) -> None:
     solved = eclat.solve(scene, "toy", seed=7)
     solved.save("toy.npz")
     loaded = eclat.load_solved("toy.npz", scene)
@@ -171,7 +171,7 @@ def test_commands(capsys: pytest.CaptureFixture[str]) -> None:
     assert "did you mean 'toy'" in capsys.readouterr().err
 
 
-def test_compared(scene: eclat.Scene) -> None:
+def test_two_solutions_are_compared(scene: eclat.Scene) -> None:
     known = eclat.render(scene, Toy(), samples=1, size=SIZE)
     from eclat.verbs.compare import Reference
 

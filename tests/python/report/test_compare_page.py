@@ -68,7 +68,7 @@ def test_tags_nest_and_nothing_is_fetched(comparison: Comparison) -> None:
     assert "url(" not in page and "http" not in page
 
 
-def test_pictures_are_inside_at_their_size(comparison: Comparison) -> None:
+def test_pictures_are_embedded_at_their_size(comparison: Comparison) -> None:
     images = [attributes for tag, attributes in parsed(compare_page(comparison)).tags if tag == "img"]
     named = {attributes["alt"]: attributes for attributes in images}
     methods = ("path", "irradiance-cache")
@@ -120,6 +120,6 @@ def test_percentages_have_three_digits() -> None:
     assert [percent(v) for v in values] == ["–", "–", "0.00 %", "1.23 %", "30.0 %", "100 %", "1200 %"]
 
 
-def test_the_page_opens_as_written(comparison: Comparison, tmp_path: Path) -> None:
+def test_the_page_opens_in_a_browser(comparison: Comparison, tmp_path: Path) -> None:
     (tmp_path / "a.html").write_text(compare_page(comparison), encoding="utf-8")
     assert (tmp_path / "a.html").read_text(encoding="utf-8").startswith('<!doctype html>\n<html lang="en">')

@@ -32,7 +32,7 @@ def test_points_stand_inside_on_a_straight_line_for_a_power_law() -> None:
     assert TOP < y0 < y2 < HEIGHT - BOTTOM
 
 
-def test_names_do_not_lie_on_each_other() -> None:
+def test_the_names_of_lines_do_not_overlap() -> None:
     root = plot({name: [(1.0, 0.1), (2.0, 0.05 * (1 + 1e-3 * i))] for i, name in enumerate("abcd")})
     places = sorted(float(text.attrib["y"]) for text in root.iter("text") if text.attrib["text-anchor"] == "start")
     assert len(places) == 4

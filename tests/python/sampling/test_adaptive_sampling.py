@@ -31,7 +31,7 @@ class Noise:
         return self.sum / np.maximum(counts, 1)[..., None]
 
 
-def test_samples_go_with_the_deviation() -> None:
+def test_samples_are_proportional_to_the_deviation() -> None:
     """Neyman's allocation: three times as noisy, three times the samples, whatever the pass; the sum is kept to."""
     deviation = np.where(np.arange(48) < 24, 0.1, 0.3) * np.ones((48, 1))
     noise, pixels = Noise(deviation, 5), AdaptiveSamples((48, 48), WHOLE)
@@ -67,7 +67,7 @@ def test_black_pictures_are_sampled_evenly() -> None:
     assert (counts == 11).all() and pixels.noise() == 0
 
 
-def test_light_that_first_shows_late_is_finite() -> None:
+def test_light_that_is_first_found_late_gives_finite_pixels() -> None:
     """All black, then a spark: nothing is known of the scale before."""
     pixels, spark = AdaptiveSamples((8, 8), (0, 0, 8, 8)), np.zeros((8, 8, 3))
     pixels.observe(pixels.unevenly(2), spark)
@@ -105,7 +105,7 @@ def picture(box: tuple[eclat.Scene, eclat.Solution], adaptive: bool, seed: int) 
     return eclat.render(scene, solution, samples=16, adaptive=adaptive, seed=seed, size=(96, 96))
 
 
-def test_the_lamps_edge_is_found_and_its_noise_told(box: tuple[eclat.Scene, eclat.Solution]) -> None:
+def test_adaptive_sampling_finds_the_edge_of_the_lamp_and_its_noise(box: tuple[eclat.Scene, eclat.Solution]) -> None:
     """The lamp's edge cuts slivers off a row of pixels. Against a long picture from the same cache as many samples err by
     seven tenths of what even ones do, since soft shadows are noisy too."""
     scene, solution = box
@@ -122,7 +122,7 @@ def test_the_lamps_edge_is_found_and_its_noise_told(box: tuple[eclat.Scene, ecla
     assert np.mean(told) == pytest.approx(errors[True], rel=0.35)
 
 
-def test_what_a_clock_chose_is_made_again_by_its_number_of_samples(box: tuple[eclat.Scene, eclat.Solution]) -> None:
+def test_a_timed_picture_is_reproduced_by_its_number_of_samples(box: tuple[eclat.Scene, eclat.Solution]) -> None:
     scene, solution = box
     timed = eclat.render(scene, solution, time=0.3, size=(96, 96), denoise=False)
     assert timed.metadata["adaptive"]

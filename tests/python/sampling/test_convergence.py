@@ -83,7 +83,7 @@ def test_sampling_goes_on_until_the_error_is_met() -> None:
     assert coarse["samples"] < fine["samples"] and math.log2(fine["samples"]) % 1 == 0
 
 
-def test_giving_up_is_told(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_giving_up_causes_a_warning(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(convergence, "MOST_SAMPLES", 8)
     with pytest.warns(eclat.EclatWarning, match=r"the relative noise is still \d+\.\d+, above the wanted 0\.001"):
         image = eclat.render(build("cornell-box"), eclat.Path(), max_error=0.001, size=(8, 8), denoise=False)

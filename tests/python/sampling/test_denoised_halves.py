@@ -60,14 +60,14 @@ def test_the_estimate_is_unbiased(checkered: bool, noise: float) -> None:
     assert 0.3 < np.mean(deviations) / np.std(differences, ddof=1) < 10
 
 
-def test_what_the_denoiser_spoils_is_kept_as_it_was() -> None:
+def test_pixels_that_the_denoiser_makes_worse_keep_their_samples() -> None:
     found = denoised(*halves(truth(True), 0.2, 1))
     assert found.weight[:, : SIZE // 8].mean() > 0.8
     assert found.weight[:, 7 * SIZE // 8 :].mean() < 0.25
     assert np.abs(np.diff(found.weight, axis=1)).max() < 0.05  # no border shows
 
 
-def test_it_is_never_much_worse_than_the_better_of_both() -> None:
+def test_the_result_is_never_much_worse_than_the_better_input() -> None:
     for checkered in (False, True):
         reference = truth(checkered)
         a, b = halves(reference, 0.2, 5)
@@ -91,7 +91,7 @@ def test_halves_of_unlike_shapes() -> None:
         judged_halves(*[np.ones((4, 4, 3))] * 3, np.ones((4, 5, 3)))
 
 
-def test_where_both_err_alike_half_of_each_is_shown() -> None:
+def test_equal_errors_give_equal_weights() -> None:
     # Bias and noise are independent: with weights of one half the square is half as large.
     reference = truth(False)
     a, b = halves(reference, 0.07, 3)

@@ -49,7 +49,7 @@ def test_a_copy_stays_as_it_is(halves: Halves) -> None:
     assert copy.region == halves.region
 
 
-def test_what_is_outside_of_the_region_is_black(halves: Halves) -> None:
+def test_pixels_outside_the_region_are_black(halves: Halves) -> None:
     pasted = halves.pasted(np.ones((28, 32)))
     assert pasted.shape == (32, 40) and pasted.sum() == 28 * 32 and pasted[2, 4] == 1 and pasted[1, 4] == 0
     assert halves.pasted(np.ones((28, 32, 3))).shape == (32, 40, 3)
@@ -61,7 +61,7 @@ def test_seeds_of_halves() -> None:
     assert 0 <= seed_of_half(2**32 - 1, 1) < 2**32
 
 
-def test_sums_are_taken_up_bit_for_bit(halves: Halves) -> None:
+def test_stored_sums_are_continued_bit_for_bit(halves: Halves) -> None:
     film = _core.Film(*SIZE)
     film.restore(halves.even.sums())
     for name in ("radiance", "direct", "albedo", "normal", "rough_albedo", "rough_normal", "depth"):
@@ -71,7 +71,7 @@ def test_sums_are_taken_up_bit_for_bit(halves: Halves) -> None:
 
 
 @pytest.mark.skipif(not denoiser.has_denoiser(), reason="pyoidn is not installed")
-def test_neither_half_is_denoised_by_what_the_other_knows(halves: Halves, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_each_half_is_denoised_without_data_of_the_other(halves: Halves, monkeypatch: pytest.MonkeyPatch) -> None:
     given = []
     monkeypatch.setattr(denoiser, "denoise", lambda *pictures: given.append(pictures) or pictures[0])
     found = halves.denoised()

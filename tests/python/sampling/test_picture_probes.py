@@ -46,7 +46,7 @@ def true_squared(pixels: np.ndarray) -> float:
 
 
 @pytest.mark.parametrize("everywhere", [True, False])
-def test_probes_see_what_the_halves_share(everywhere: bool) -> None:
+def test_probes_measure_the_error_that_both_halves_share(everywhere: bool) -> None:
     # A bias of 10 % everywhere, or of 30 % in a strip that holds a tenth of the pixels, which the halves cannot see.
     bias = np.full((*SIZE, 1), 0.1)
     if not everywhere:
@@ -74,7 +74,7 @@ def test_about_as_many_paths_as_asked_for() -> None:
     assert number_of_paths(10**6, 64) > number_of_paths(10**6, 4) > 10**6
 
 
-def test_one_place_that_carries_the_error_is_told() -> None:
+def test_an_error_that_one_tile_causes_is_stated_as_a_bound() -> None:
     bias = np.zeros((*SIZE, 1))
     bias[:8, :8] = 1.0
     local = probed_error(biased(bias, 0.02, 0), Paths(0), 2000 * 3 * PATHS, 0)
@@ -96,7 +96,7 @@ def test_a_black_picture_and_one_pixel() -> None:
     assert joined(one, ErrorEstimate(0.02, 0.01, 0.03)).error == pytest.approx(0.02)
 
 
-def test_what_is_known_better_counts_more() -> None:
+def test_more_certain_errors_count_more() -> None:
     known = ErrorEstimate(0.03, 0.03, 0.03)
     sure, unsure = (ProbedError(0.05**2, deviation, 0.1) for deviation in (1e-6, 1.0))
     assert joined(sure, known).error == pytest.approx(0.05, rel=1e-3)

@@ -187,7 +187,7 @@ def test_daylight_has_true_units() -> None:
     assert wants_exposure(scene, sun=(180, 61.9)) and not wants_exposure(scene, environment=(1, 1, 1))
 
 
-def test_what_counts_as_light() -> None:
+def test_lights_environments_and_emitting_materials_count_as_light() -> None:
     def painted(material: Material) -> Scene:
         ball = icosphere(0)
         return Scene(meshes=(Mesh(ball.positions, ball.triangles, material),))
@@ -233,7 +233,7 @@ def test_a_room_is_seen_from_inside_by_lamplight() -> None:
     assert lamp.positions[:, 1].mean() > eye[1] + 0.5
 
 
-def test_a_lamp_gives_a_radiance_near_one() -> None:
+def test_the_default_lamp_gives_a_radiance_near_one() -> None:
     """A cavity's mean radiance: flux · ρ / ((1 − ρ) π area)."""
     lamp = quietly(room()).meshes[-1]
     corners = corners_of([lamp])
@@ -265,7 +265,7 @@ def test_a_courtyard_is_daylit_even_from_under_its_roof() -> None:
     assert lidded.environment is None and len(lidded.meshes) == len(court.meshes) + 2
 
 
-def test_whether_rays_escape_decides(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_daylight_is_chosen_if_rays_escape(monkeypatch: pytest.MonkeyPatch) -> None:
     asked = []
 
     def closed(scene: Scene, camera: Camera) -> bool:

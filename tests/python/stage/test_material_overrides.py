@@ -58,7 +58,7 @@ def only(scene: Scene, name: str) -> Material:
 
 
 @pytest.mark.parametrize("file", [obj, xml, gltf, ply])
-def test_a_floor_of_any_file_is_polished(file, tmp_path: Path) -> None:
+def test_a_floor_is_polished_in_a_scene_from_any_format(file, tmp_path: Path) -> None:
     scene = eclat.load(file(tmp_path))
     assert "tiles" in material_names(scene)
     polished = override_materials(scene, {"tiles": POLISH})
@@ -87,7 +87,7 @@ def test_a_built_in_scene_by_the_name_of_a_mesh() -> None:
     assert all(w.parameters["reflectance"].constant == (0.3, 0.3, 0.3) for w in whites)
 
 
-def test_light_stays_where_it_is() -> None:
+def test_refining_does_not_move_light() -> None:
     changed = override_materials(eclat.load("cornell-box"), {"light": POLISH})
     assert only(changed, "light").emission is not None
 

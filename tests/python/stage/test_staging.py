@@ -64,7 +64,7 @@ def test_whole_scenes_are_kept_and_others_completed_once(file: Path) -> None:
 
 
 @pytest.mark.parametrize("wrong", [None, 3, ["cornell-box"], {"type": "scene"}])
-def test_what_is_no_scene(wrong: object) -> None:
+def test_values_that_are_no_scenes_are_refused(wrong: object) -> None:
     with pytest.raises(
         EclatError, match="expected a scene, the path of a scene file or the name of a built-in scene, got"
     ):
@@ -73,7 +73,7 @@ def test_what_is_no_scene(wrong: object) -> None:
         eclat.render("cornel-box")
 
 
-def test_scenes_and_pictures_show_themselves_shortly(file: Path) -> None:
+def test_scenes_and_pictures_have_a_short_repr(file: Path) -> None:
     cornell = build("cornell-box")
     assert repr(cornell).startswith("<Scene 'cornell-box': 8 meshes of 36 triangles, 1 glowing mesh, ")
     assert len(repr(cornell)) < 200 and len(repr(cornell.meshes[0])) < 100

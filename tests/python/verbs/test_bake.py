@@ -187,7 +187,7 @@ def in_one_chart(part: Part, size: np.ndarray) -> Unwrapped:
     return Unwrapped(numbers, np.asarray(part.mesh.triangles), part.lightmap_uvs * size, 0 * numbers)
 
 
-def test_feet_of_boxes_are_not_darkened(cornell: eclat.Lightmap) -> None:
+def test_the_floor_at_the_foot_of_boxes_is_not_darkened(cornell: eclat.Lightmap) -> None:
     """Texels that lie half under a box, or half below the floor, show the light of what is seen of them."""
     read = read_at_random(cornell, 6000)
     names = np.array([part.mesh.name for part in cornell.parts])[read.parts]

@@ -28,7 +28,7 @@ def api(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> FakeApi:
     return FakeApi(monkeypatch)
 
 
-def test_levels_halve_noise_and_bias_together() -> None:
+def test_each_level_halves_noise_and_bias() -> None:
     effort = Effort(levels=3, samples=64, max_error=0.01)
     assert [effort.at(level) for level in range(3)] == [
         ({"samples": 4}, 0.04),

@@ -40,7 +40,9 @@ def made(scene: eclat.Scene, what: Any, **keywords: Any) -> eclat.Image:
         (eclat.PhotonMap(photons=2000, caustic_photons=1000, progressive=True), {"max_depth": 5}),
     ],
 )
-def test_four_samples_and_twelve_are_sixteen(cornell: eclat.Scene, tmp_path: Path, what: Any, keywords: Any) -> None:
+def test_four_samples_continued_by_twelve_equal_sixteen(
+    cornell: eclat.Scene, tmp_path: Path, what: Any, keywords: Any
+) -> None:
     path = tmp_path / "four.exr"
     made(cornell, what, samples=4, continuable=True, **keywords).save(path)
     again = {name: keywords[name] for name in ("denoise", "check") if name in keywords}
@@ -70,7 +72,7 @@ def test_finer_records_serve_new_samples(cornell: eclat.Scene) -> None:
     assert fine.metadata["statistics"]["records"] > coarse.metadata["statistics"]["records"]
 
 
-def test_what_cannot_be_continued_is_refused(cornell: eclat.Scene, tmp_path: Path) -> None:
+def test_pictures_that_cannot_be_continued_are_refused(cornell: eclat.Scene, tmp_path: Path) -> None:
     image = made(cornell, eclat.Path(), samples=2, continuable=True)
     plain = made(cornell, eclat.Path(), samples=2)
 

@@ -36,7 +36,7 @@ def test_one_picture(box: tuple[eclat.Image, eclat.Image, np.ndarray]) -> None:
     assert np.array_equal(clean.layers["noisy"], a.pixels) and clean.metadata["denoised"] is True
 
 
-def test_two_pictures_tell_what_is_left(box: tuple[eclat.Image, eclat.Image, np.ndarray]) -> None:
+def test_two_pictures_measure_the_error_that_remains(box: tuple[eclat.Image, eclat.Image, np.ndarray]) -> None:
     a, b, truth = box
     clean = eclat.denoise(a, b)
     found, statistics = relative_rmse(clean.pixels, truth, truth), clean.metadata["statistics"]
@@ -48,7 +48,7 @@ def test_two_pictures_tell_what_is_left(box: tuple[eclat.Image, eclat.Image, np.
     assert statistics["estimated_error"] < 0.6 * before
 
 
-def test_what_cannot_be_judged_is_refused(box: tuple[eclat.Image, eclat.Image, np.ndarray]) -> None:
+def test_halves_that_cannot_be_compared_are_refused(box: tuple[eclat.Image, eclat.Image, np.ndarray]) -> None:
     a, b, _ = box
     with pytest.raises(eclat.EclatError, match="same picture twice"):
         eclat.denoise(a, a)

@@ -23,7 +23,7 @@ def test_few_points_are_gathered_by_paths_and_many_by_records() -> None:
     assert most[0] > most[1] > most[2] > 0
 
 
-def test_the_choice_is_told_and_right() -> None:
+def test_the_automatic_choice_is_stated_and_correct() -> None:
     """In the furnace irradiance is 2 π everywhere."""
     scene = build("furnace")
     told: dict[str, float] = {}

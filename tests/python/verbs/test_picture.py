@@ -112,7 +112,9 @@ def test_the_error_of_records_is_joined(cornell: eclat.Scene) -> None:
     assert "estimated_error" not in unchecked and unchecked["noise_left"] > 0
 
 
-def test_the_statement_holds_what_records_get_wrong(cornell: eclat.Scene, truth: tuple[np.ndarray, np.ndarray]) -> None:
+def test_the_stated_error_includes_the_error_of_records(
+    cornell: eclat.Scene, truth: tuple[np.ndarray, np.ndarray]
+) -> None:
     # Records of light that is half as bright again: the halves cannot see it, and nothing was estimated when they were solved.
     solution = eclat.solve(cornell, eclat.IrradianceCache(max_error=0.1), size=SIZE, check=False)
     wrong = replace(solution, near=solution.near.copy())
@@ -184,7 +186,7 @@ def test_a_crop_is_denoised_alone(cornell: eclat.Scene) -> None:
         assert not denoised(cornell, denoise=None, **keywords).metadata["halves"]
 
 
-def test_giving_up_is_told(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_giving_up_causes_a_warning(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(convergence, "MOST_SAMPLES", 8)
     with pytest.warns(
         eclat.EclatWarning, match=r"the relative noise after denoising is still \d+\.\d+, above the wanted 0\.001"

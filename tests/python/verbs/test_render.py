@@ -78,7 +78,7 @@ def test_a_partial_picture_is_that_of_fewer_samples(cornell: eclat.Scene) -> Non
     assert all(np.array_equal(partial.layers[name], layer) for name, layer in whole.layers.items())
 
 
-def test_without_the_flag_nothing_is_kept(cornell: eclat.Scene) -> None:
+def test_without_keep_partial_nothing_is_kept(cornell: eclat.Scene) -> None:
     with pytest.raises(KeyboardInterrupt) as stop:
         eclat.render(cornell, eclat.Path(), samples=10**6, size=SIZE, progress=interrupt_at(0.0))
     assert not hasattr(stop.value, "partial")
@@ -108,7 +108,7 @@ def test_samples_that_are_not_finite_are_counted_and_told_with_their_replay(
     assert image.metadata["bad_samples"] == {"count": 3, "first": [4, 7, 19]}
 
 
-def test_a_replay_meets_the_very_sample_that_was_not_finite(cornell: eclat.Scene) -> None:
+def test_a_replay_repeats_the_sample_that_was_not_finite(cornell: eclat.Scene) -> None:
     """A light so near to the ceiling that it is brighter there than a float can say."""
     blinding = eclat.scene.PointLight((0.6, 0.999, 0.5), (1e37, 1e37, 1e37))
     scene = replace(cornell, lights=(blinding,))
@@ -142,7 +142,7 @@ def test_bad_arguments(cornell: eclat.Scene, keywords: dict[str, Any], message: 
         eclat.render(cornell, eclat.Path(), **{"size": SIZE, **keywords})
 
 
-def test_what_time_chose_is_told_in_samples(cornell: eclat.Scene) -> None:
+def test_the_samples_that_a_time_limit_chose_are_stated(cornell: eclat.Scene) -> None:
     timed = eclat.render(cornell, eclat.Path(), time=0.2, size=SIZE)
     made = {"denoise": timed.metadata["denoised"], "halves": timed.metadata["halves"]}
     samples = int(timed.metadata["statistics"]["samples"])

@@ -80,7 +80,7 @@ def test_a_partial_solution_renders_the_rest_by_paths(cornell: eclat.Scene) -> N
     assert image.pixels.mean() == pytest.approx(reference.pixels.mean(), rel=0.03)
 
 
-def test_without_the_flag_nothing_is_kept(cornell: eclat.Scene) -> None:
+def test_without_keep_partial_nothing_is_kept(cornell: eclat.Scene) -> None:
     assert not hasattr(interrupted(cornell, 0.4, size=(128, 128)), "partial")
 
 

@@ -71,7 +71,7 @@ constexpr Vec3 up{0, 1, 0};
 
 }  // namespace
 
-TEST_CASE("even light is found on a plane, at a wall and in a corner, by each kernel") {
+TEST_CASE("each kernel reconstructs uniform light on a plane, at a wall and in a corner") {
     const Room box = room();
     const PhotonMap map = even_corner();
     std::vector<Vec3> open, wall, corner;
@@ -116,7 +116,7 @@ TEST_CASE("at a free edge the disc ends where the surface does") {
     CHECK(std::fabs(error(table.world(), map, corner, up, options, even).mean) < 0.02);
 }
 
-TEST_CASE("a wall of a millimetre parts light from darkness on one floor") {
+TEST_CASE("a wall of one millimetre separates light and darkness on one floor") {
     // Both floors are one plane; the wall's two faces stand between them.
     const Room rooms = build_room({{{-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0.5f, 0},
                                    {{0, 0, -1}, {0, 0, 2}, {0, 1, 0}, 0.5f, 0},
@@ -170,7 +170,7 @@ TEST_CASE("under a point light irradiance is I cos³ / h² on a wide plane") {
     CHECK(std::fabs(error(floor.world(), map, points, up, bounded, truth).mean) < 0.02);
 }
 
-TEST_CASE("precomputed irradiance, read at the nearest place, has the right mean, with few photons too") {
+TEST_CASE("precomputed irradiance that is read at the nearest point has the right mean, even with few photons") {
     const Room floor = build_room({{{-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0.5f, 0}});
     Rng rng(6, 6);
     const auto scattered_photons = [&](int count) {
@@ -198,7 +198,7 @@ TEST_CASE("precomputed irradiance, read at the nearest place, has the right mean
     CHECK(!far_irradiance(floor.world(), maps, {{0, 0, 0}, up, 1e-5f}, 1e-3f, -1, progress).has_value());  // too near
 }
 
-TEST_CASE("radii of progressive passes fall so that neither variance nor bias stays [KnausZwicker11]") {
+TEST_CASE("radii of progressive passes decrease so that variance and bias vanish [KnausZwicker11]") {
     CHECK(progressive_radius(0, 0.7f) == 1);
     CHECK(progressive_radius(1, 0.7f) == doctest::Approx(std::sqrt(1.7 / 2)));
     // r² goes with i^(α − 1).

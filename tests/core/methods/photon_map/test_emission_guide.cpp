@@ -45,7 +45,7 @@ EmissionGuide learnt() {
 
 }  // namespace
 
-TEST_CASE("a guide that has learnt nothing is uniform") {
+TEST_CASE("a guide is uniform before it learns") {
     const EmissionGuide guide;
     const EmissionNumbers u{0.1f, 0.2f, 0.3f, 0.4f, 0.5f};
     const auto g = guide.sample(0.7f, u);
@@ -56,7 +56,7 @@ TEST_CASE("a guide that has learnt nothing is uniform") {
     CHECK(still.uniform());
 }
 
-TEST_CASE("a guide finds what is rare often, at bounded weights, and keeps sums") {
+TEST_CASE("a guide finds rare paths more often, with bounded weights, and leaves sums unchanged") {
     const EmissionGuide guide = learnt();
     CHECK(guide.boxes() > 4);
     RunningMean one, mean;

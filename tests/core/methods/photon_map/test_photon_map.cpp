@@ -46,7 +46,7 @@ std::vector<float> by_looking_at_all(const PhotonMap& map, const Disc& disc, siz
 
 }  // namespace
 
-TEST_CASE("the tree finds the photons that looking at each of them finds") {
+TEST_CASE("the tree finds the same photons as a loop over all") {
     for (const size_t photons : {size_t(0), size_t(1), size_t(5), size_t(9), size_t(40000)}) {
         const PhotonMap map(scattered(photons), 100, 2);
         REQUIRE(map.photons().size() == photons);

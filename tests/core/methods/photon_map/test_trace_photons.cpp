@@ -64,7 +64,7 @@ TEST_CASE("photons are the same on one thread and on two, and in parts") {
     CHECK(std::memcmp(one.data() + first.size(), second.data(), second.size() * sizeof(Photon)) == 0);
 }
 
-TEST_CASE("tracing goes on until as many as wanted are stored, or ends where there is nothing to store") {
+TEST_CASE("tracing continues until the wanted number of photons is stored, or ends if none can be stored") {
     const Room room = closed_room({0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f}, {0, 2, 0, 0, 0, 0});
     Progress progress;
     const auto some = trace_until(room.world(), 30000, 1 << 20, {.stored = {.indirect = true}}, progress);

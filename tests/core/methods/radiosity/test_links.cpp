@@ -80,7 +80,7 @@ TEST_CASE("form factors of a closed room sum to one in every patch's mean") {
     CHECK(worst < 0.1);
 }
 
-TEST_CASE("exchange is one number for both ways") {
+TEST_CASE("the exchange is the same in both directions") {
     const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.6f);
     const Exchanges exchanges(tree, linked(room.world(), tree, 0.01f));
@@ -93,7 +93,7 @@ TEST_CASE("exchange is one number for both ways") {
         }
 }
 
-TEST_CASE("four times the patches take about four times the links, and fewer where less is asked") {
+TEST_CASE("four times as many patches take about four times as many links, and fewer with a higher tolerance") {
     const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
     const PatchTree coarse(*room.geometry, 0.2f), fine(*room.geometry, 0.1f);
     REQUIRE(fine.leaves().size() == 4 * coarse.leaves().size());
@@ -102,7 +102,7 @@ TEST_CASE("four times the patches take about four times the links, and fewer whe
     CHECK(linked(room.world(), coarse, 0.05f).size() < few / 2);
 }
 
-TEST_CASE("links stay near the number that is allowed; then the tolerance gives way") {
+TEST_CASE("the tolerance increases so that the number of links stays near its limit") {
     const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.1f);
     std::vector<float> radiosity(tree.nodes().size(), 1);

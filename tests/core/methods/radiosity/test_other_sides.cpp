@@ -9,7 +9,7 @@
 
 using namespace eclat;
 
-TEST_CASE("what lies behind a patch covers it, however far either side is halved") {
+TEST_CASE("the patches behind a patch cover it, however finely either side is divided") {
     const Room room = build_room({{{0, 0, 0}, {3, 0, 0}, {0, 0, 0.4f}, 0.5f, 0}});
     PatchTree tree(*room.geometry, 0.5f);
     // Some patches of the front become smaller than what lies behind them.

@@ -82,7 +82,7 @@ TEST_CASE("irradiance of a sun, a point and a sky in closed form") {
     CHECK(surfaces[tree.leaves().front()].closure == 0);
 }
 
-TEST_CASE("what lies inside a solid of one-sided walls is no part of its patch") {
+TEST_CASE("parts of a patch inside a solid of one-sided walls do not belong to it") {
     // A solid without a bottom stands on the left half of the floor: its walls look outwards and have no backs.
     std::vector<Wall> walls{floor_plate,
                             {{-1, 1, -1}, {0, 0, 2}, {1, 0, 0}, 0.5f, 0},  // top
@@ -124,7 +124,7 @@ TEST_CASE("a wall that stands on a patch cuts it; a patch beside it is whole") {
     CHECK(cut >= 10);
 }
 
-TEST_CASE("of a patch that a wall cuts the light of the larger part is known") {
+TEST_CASE("if a wall divides a patch, the light of its larger part is known") {
     // One side of the wall is under a lamp, the other in the dark.
     const float at = 0.5f;
     Room room = build_room({floor_plate, {{at, 0, -1}, {0, 4, 0}, {0, 0, 2}, 0.5f, 0}});
@@ -151,7 +151,7 @@ TEST_CASE("of a patch that a wall cuts the light of the larger part is known") {
     CHECK(looked_at == 2);
 }
 
-TEST_CASE("surfaces are measured alike on one thread and on two") {
+TEST_CASE("patch surfaces are the same on one thread and on two") {
     const Room room = closed_room({0.5f, 0.7f, 0.2f, 0.6f, 0.5f, 0.5f}, {0, 3, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.3f);
     const auto one = measured(room, tree, 1), two = measured(room, tree, 2);

@@ -52,7 +52,7 @@ TEST_CASE("patches tile their triangles, are small enough, and each point finds 
     }
 }
 
-TEST_CASE("clusters hold what is below them: place, normals, area, height") {
+TEST_CASE("the bounds of clusters contain their parts: position, normals, area, height") {
     const Room room = closed_room({0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f}, {0, 1, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.7f);
     for (const uint32_t leaf : tree.leaves()) {
@@ -71,7 +71,7 @@ TEST_CASE("clusters hold what is below them: place, normals, area, height") {
     CHECK(tree[0].area == doctest::Approx(48));  // both sides of all walls
 }
 
-TEST_CASE("divided patches become four, and names bring the same tree back") {
+TEST_CASE("divided patches become four, and names restore the same tree") {
     const Room room = slender_room();
     PatchTree tree(*room.geometry, 1);
     const size_t before = tree.leaves().size();
@@ -99,7 +99,7 @@ TEST_CASE("divided patches become four, and names bring the same tree back") {
     refused(missing), refused(twice), refused(elsewhere), refused(deeper);
 }
 
-TEST_CASE("a size is found for a number of patches") {
+TEST_CASE("the patch size for a number of patches") {
     const Room room = closed_room({0.5f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f}, {0, 1, 0, 0, 0, 0});
     for (const size_t count : {100u, 1000u, 5000u}) {
         const PatchTree tree(*room.geometry, patch_size_for(*room.geometry, count));
@@ -111,7 +111,7 @@ TEST_CASE("a size is found for a number of patches") {
     CHECK(PatchTree(*room.geometry, infinity).leaves().size() == 24);
 }
 
-TEST_CASE("links end at clusters of small sides that look about the same way, and at patches once a side is divided") {
+TEST_CASE("links end at clusters of small sides with similar normals, and at the patches of divided sides") {
     // Sixteen tiles with both sides, 0.25 wide.
     std::vector<Wall> tiles;
     for (int i = 0; i < 16; ++i)

@@ -36,7 +36,7 @@ SurfacePoint at(const Room& room, float x, float z, bool from_above = true) {
 
 }  // namespace
 
-TEST_CASE("light that varies linearly is reconstructed exactly, up to the edge, and each side has its own") {
+TEST_CASE("linear light is reconstructed exactly up to the edge, and each side has its own light") {
     const Room room = build_room({plate});
     const PatchTree tree(*room.geometry, 0.2f);
     const auto linear = [](Vec3 p) { return 2 + 0.7f * p.x - 0.4f * p.z; };

@@ -117,7 +117,7 @@ TEST_CASE("each sweep of gathering adds a bounce") {
     CHECK(is_black(solve_by_gathering(system, {1e-5f, 0}, progress).total[p.tree.leaves()[0]]));
 }
 
-TEST_CASE("shooting's residual falls: most of the light is there after few steps") {
+TEST_CASE("the residual of shooting decreases: a few steps give most of the light") {
     const Problem p(uneven(), 0.2f, 0.02f);
     const RadiositySystem system = p.system();
     Progress progress;

@@ -93,7 +93,7 @@ def test_matrix_and_trs_agree(tmp_path: Path) -> None:
     np.testing.assert_allclose(two.positions, one.positions, atol=1e-6)
 
 
-def test_children_stand_in_their_parents_frame(tmp_path: Path) -> None:
+def test_children_are_transformed_by_their_parents(tmp_path: Path) -> None:
     file = GltfFile()
     file.mesh_node(file.primitive(), translation=[1, 0, 0])
     file.append("nodes", {"children": [0], "scale": [10, 10, 10]})
@@ -320,7 +320,7 @@ def test_json_with_a_byte_order_mark(tmp_path: Path) -> None:
     assert load_gltf(path).meshes
 
 
-def test_what_is_unsupported_is_named(tmp_path: Path) -> None:
+def test_unsupported_features_are_named(tmp_path: Path) -> None:
     file = GltfFile()
     file.append("materials", {"extensions": {"KHR_materials_sheen": {}}})
     file.append("animations", {})
@@ -372,7 +372,7 @@ def test_real_scenes_have_what_their_files_say(scenes: Path) -> None:
     assert any(mesh.material.emission is not None for mesh in box.meshes)
 
 
-def test_colors_beyond_white_are_clamped(tmp_path: Path) -> None:
+def test_vertex_colors_above_white_are_clamped(tmp_path: Path) -> None:
     file = GltfFile()
     primitive = file.primitive()
     primitive["attributes"]["COLOR_0"] = file.accessor([[3, 2, 0.5]] * 3)

@@ -208,7 +208,7 @@ def set_no_instances(file: GltfFile) -> None:
         (set_many_instances, r"expected at most 67108864 vertices in the scene"),
     ],
 )
-def test_spoilt_documents(tmp_path: Path, spoil: Callable[[GltfFile], None], message: str) -> None:
+def test_invalid_documents_are_refused(tmp_path: Path, spoil: Callable[[GltfFile], None], message: str) -> None:
     file = GltfFile()
     file.mesh_node()
     spoil(file)
@@ -299,7 +299,9 @@ def test_missing_buffers(tmp_path: Path, uri: str, message: str) -> None:
         ({"buffer": None}, r"bufferViews\[0\]: expected the index of a buffer as 'buffer', but it is missing"),
     ],
 )
-def test_lying_buffer_views(tmp_path: Path, change: dict[str, Any], message: str) -> None:
+def test_buffer_views_that_exceed_their_buffer_are_refused(
+    tmp_path: Path, change: dict[str, Any], message: str
+) -> None:
     file = GltfFile()
     file.mesh_node()
     file.json["bufferViews"][0] |= change
@@ -338,7 +340,7 @@ def test_a_node_scaled_to_nothing_is_skipped(tmp_path: Path) -> None:
         assert not load_gltf(file.save(tmp_path)).meshes
 
 
-def test_names_that_no_terminal_takes(tmp_path: Path) -> None:
+def test_names_that_the_terminal_cannot_encode(tmp_path: Path) -> None:
     file = GltfFile()
     file.mesh_node(name="\ud800", extensions={"\ud800": {}})
     file.json["extensionsUsed"] = ["\udfff"]

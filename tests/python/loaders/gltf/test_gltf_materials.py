@@ -147,7 +147,7 @@ def test_texture_transform_scales_before_it_turns(tmp_path: Path) -> None:
 
 
 @pytest.mark.parametrize("both", [False, True])
-def test_unlit_shines_on_the_sides_that_are_seen(both: bool, tmp_path: Path) -> None:
+def test_unlit_materials_emit_on_their_visible_sides(both: bool, tmp_path: Path) -> None:
     pbr = {"baseColorFactor": [0.5, 0.6, 0.7, 1]}
     unlit = {"pbrMetallicRoughness": pbr, "extensions": {"KHR_materials_unlit": {}}, "doubleSided": both}
     material = load(GltfFile(), tmp_path, unlit)
@@ -230,7 +230,7 @@ def test_external_and_data_uri_images(tmp_path: Path) -> None:
     np.testing.assert_array_equal(texture.image, RGB)
 
 
-def test_a_missing_image_is_seen_and_told(tmp_path: Path) -> None:
+def test_a_missing_image_gets_a_visible_stand_in_and_a_warning(tmp_path: Path) -> None:
     file = GltfFile()
     file.append("images", {"uri": "gone.png"})
     index = file.append("textures", {"source": 0})
@@ -251,7 +251,7 @@ def test_factors_out_of_range_are_moved_into_it(tmp_path: Path) -> None:
     assert material.parameters["roughness"].constant[0] == 1
 
 
-def test_a_texture_without_coordinates_is_told(tmp_path: Path) -> None:
+def test_a_texture_without_coordinates_causes_a_warning(tmp_path: Path) -> None:
     file = GltfFile()
     material = file.append("materials", {"emissiveFactor": [1, 1, 1], "emissiveTexture": {"index": file.texture(RGB)}})
     file.mesh_node(file.primitive(material=material))

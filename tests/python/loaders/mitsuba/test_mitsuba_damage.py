@@ -123,7 +123,7 @@ FRAGMENTS = [
     )
 )
 @pytest.mark.filterwarnings("ignore::eclat.errors.EclatWarning")
-def test_damaged_files_load_or_say_why(tmp_path: Path, edits: list[tuple[int, int, str]]) -> None:
+def test_damaged_files_are_loaded_or_refused_with_a_message(tmp_path: Path, edits: list[tuple[int, int, str]]) -> None:
     text = WHOLE
     for position, length, fragment in edits:
         text = text[:position] + fragment + text[position + length :]
@@ -159,7 +159,9 @@ VALUES = [
 @MUTATION
 @given(st.integers(0, 200), st.sampled_from(VALUES), st.booleans())
 @pytest.mark.filterwarnings("ignore::eclat.errors.EclatWarning")
-def test_wrong_values_and_wrong_elements_load_or_say_why(tmp_path: Path, index: int, value: str, swap: bool) -> None:
+def test_wrong_values_and_elements_are_loaded_or_refused_with_a_message(
+    tmp_path: Path, index: int, value: str, swap: bool
+) -> None:
     matches = list(re.finditer(r'(?<=value=")[^"]*' if not swap else r'(?<=type=")[^"]*', WHOLE))
     match = matches[index % len(matches)]
     replacement = value if not swap else ["cube", "diffuse", "point", "bitmap", "mask", "instance", "sunsky"][index % 7]
@@ -188,7 +190,7 @@ OBJECTS = st.recursive(
 @MUTATION
 @given(st.dictionaries(st.sampled_from("abc"), OBJECTS, max_size=3))
 @pytest.mark.filterwarnings("ignore::eclat.errors.EclatWarning")
-def test_any_dict_loads_or_says_why(objects: dict[str, Any]) -> None:
+def test_any_dict_is_loaded_or_refused_with_a_message(objects: dict[str, Any]) -> None:
     try:
         load_dict({"type": "scene", **objects})
     except EclatError as error:

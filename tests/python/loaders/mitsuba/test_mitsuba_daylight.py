@@ -65,7 +65,7 @@ def test_scales_and_parts(tmp_path: Path) -> None:
     assert seen(whole.environment, np.array([0, 0.6, -0.8])).max() == 0, "below the horizon Mitsuba's sky is black"
 
 
-def test_a_wider_sun_shines_as_much(tmp_path: Path) -> None:
+def test_a_wider_sun_has_the_same_irradiance(tmp_path: Path) -> None:
     (sun,), (wide,) = daylight(tmp_path).lights, daylight(tmp_path, sun_aperture=5.0).lights
     (scaled,) = daylight(tmp_path, sunRadiusScale=10.0).lights
     for light, radius in ((sun, 0.2665), (wide, 2.5), (scaled, 2.665)):

@@ -198,7 +198,7 @@ def test_a_thin_lens_keeps_its_lens() -> None:
     assert (camera.aperture_radius, camera.focus_distance, camera.size) == (0.1, 4.0, (768, 576))
 
 
-def test_up_is_the_axis_nearest_to_the_cameras() -> None:
+def test_up_is_the_axis_nearest_to_the_up_vector_of_the_camera() -> None:
     for axis in range(3):
         for sign in (1.0, -1.0):
             up = np.zeros(3)

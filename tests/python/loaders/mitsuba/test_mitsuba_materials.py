@@ -107,7 +107,7 @@ def test_metals_take_eta_and_k_and_their_outside() -> None:
         material({"type": "conductor", "eta": {"type": "checkerboard"}})
 
 
-def test_media_by_name_and_their_ratio() -> None:
+def test_named_media_give_the_ratio_of_their_refractive_indices() -> None:
     made = material({"type": "dielectric", "int_ior": "diamond", "ext_ior": "water"})
     assert made.parameters["ior"].constant[0] == pytest.approx(IOR["diamond"] / IOR["water"])
     assert material({"type": "dielectric"}).parameters["ior"].constant[0] == pytest.approx(1.50418, abs=1e-5)
@@ -197,7 +197,7 @@ def test_old_scaled_bumps(tmp_path: Path, image: Path) -> None:
     assert normals.value.uv_transform == ((2, 0, 0.5), (0, 2, 0))
 
 
-def test_bitmaps_lie_as_in_mitsuba(image: Path) -> None:
+def test_bitmaps_have_the_orientation_of_mitsuba(image: Path) -> None:
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     to_uv = mi.ScalarTransform4f().translate([0.1, 0.3, 0]).rotate([0, 0, 1], 30).scale([2, 3, 1])
@@ -211,7 +211,7 @@ def test_bitmaps_lie_as_in_mitsuba(image: Path) -> None:
         assert np.allclose(texel(value, u, v) / 255, theirs.eval(interaction), atol=1e-5)
 
 
-def test_checkerboards_lie_as_in_mitsuba() -> None:
+def test_checkerboards_have_the_orientation_of_mitsuba() -> None:
     mi = pytest.importorskip("mitsuba")
     mi.set_variant("scalar_rgb")
     board = {"type": "checkerboard", "color0": GREEN, "color1": 0.7, "to_uv": mi.ScalarTransform4f().scale([3, 5, 1])}

@@ -54,7 +54,7 @@ def test_parameters_without_a_value_are_refused(tmp_path: Path) -> None:
         load(tmp_path, body)
 
 
-def test_parameters_that_double_each_other_do_not_fill_the_memory(tmp_path: Path) -> None:
+def test_parameters_that_expand_exponentially_do_not_fill_the_memory(tmp_path: Path) -> None:
     defaults = "".join(f'<default name="p{i}_" value="$p{i - 1}_$p{i - 1}_"/>' for i in range(1, 60))
     with pytest.raises(EclatError, match=r"at most 16384 characters .* after the substitution"):
         load(tmp_path, f'<default name="p0_" value="lol"/>{defaults}')
@@ -112,7 +112,7 @@ def test_references_to_nothing_and_to_themselves_are_refused(tmp_path: Path) -> 
         load(tmp_path, f'{chain}<bsdf type="diffuse" id="m200"/><shape type="cube"><ref id="m0"/></shape>')
 
 
-def test_of_two_objects_with_one_id_the_first_stays(tmp_path: Path) -> None:
+def test_the_first_of_two_objects_with_the_same_id_is_kept(tmp_path: Path) -> None:
     body = '<bsdf type="ward" id="m"/><bsdf type="phong" id="m"/><shape type="cube"><ref id="m"/></shape>'
     with pytest.warns(EclatWarning, match="the id 'm' is also the id of"):
         assert load(tmp_path, body).meshes[0].material.kind == "ward"
@@ -245,7 +245,7 @@ def test_errors_name_file_line_element_and_expectation(tmp_path: Path, body: str
         load(tmp_path, body)
 
 
-def test_what_has_no_meaning_is_ignored_aloud_and_what_mitsuba_knows_in_silence(tmp_path: Path) -> None:
+def test_unknown_properties_cause_warnings_and_known_unused_ones_do_not(tmp_path: Path) -> None:
     silent = '<integrator type="bdpt"/><sampler type="sobol"/><film type="hdrfilm"/><bsdf type="hk"/>'
     with pytest.warns(EclatWarning) as record:
         load(

@@ -123,7 +123,7 @@ def test_spheres_texture_seam_and_poles_do_not_smear() -> None:
     assert np.ptp(uvs[..., 0], axis=1).max() <= 1 / SEGMENTS + 1e-12
 
 
-def test_mirrored_shapes_stay_outside_out() -> None:
+def test_mirrored_shapes_keep_their_outside() -> None:
     mirror = np.diag([-1.0, 1.0, 1.0, 1.0])
     for kind in KINDS:
         mesh = mesh_of({"type": kind, "to_world": mirror})

@@ -28,7 +28,7 @@ def area(mesh: Mesh) -> float:
     return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
 
 
-def test_few_are_as_fine_as_one() -> None:
+def test_few_shapes_are_tessellated_as_finely_as_one() -> None:
     scene = eclat.load_dict({"type": "scene", **balls(20), "tube": {"type": "cylinder"}, "plate": {"type": "disk"}})
     counts = [len(mesh.triangles) for mesh in scene.meshes]
     assert counts == [triangle_count("sphere", SEGMENTS)] * 20 + [2 * SEGMENTS, SEGMENTS]
@@ -42,7 +42,7 @@ def test_many_share_the_triangles_and_keep_their_area(count: int) -> None:
     assert area(scene.meshes[7]) == pytest.approx(4 * math.pi * 0.02**2, rel=1e-9)
 
 
-def test_a_large_one_among_many_small_ones_stays_fine() -> None:
+def test_a_large_shape_among_many_small_ones_stays_finely_tessellated() -> None:
     scene = eclat.load_dict({"type": "scene", **balls(2000), "globe": {"type": "sphere", "radius": 2.0}})
     large, small = len(scene.meshes[-1].triangles), len(scene.meshes[0].triangles)
     assert large == triangle_count("sphere", SEGMENTS) and small < large / 8

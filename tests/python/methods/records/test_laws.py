@@ -29,7 +29,7 @@ def test_all_parts_of_the_error_are_made_finer() -> None:
     assert abs(twice.rows - once.rows) <= 1
 
 
-def test_all_parts_of_the_error_of_gloss_too() -> None:
+def test_refining_reduces_all_parts_of_the_error_of_gloss() -> None:
     coarse = eclat.RadianceCache(max_error=0.04)
     half = finer(coarse, 0.5)
     assert isinstance(half, eclat.RadianceCache) and half.gloss_error == 0.2
@@ -44,7 +44,7 @@ def test_settings_end_at_their_limits(options: eclat.IrradianceCache) -> None:
     assert finer(options, 0.25) == options
 
 
-def test_a_step_aims_below_what_is_wanted_and_is_bounded() -> None:
+def test_a_refinement_step_aims_below_the_wanted_error_and_is_bounded() -> None:
     estimate = ErrorEstimate(0.02, 0.018, 0.022)
     assert step_towards(estimate, 0.015) == pytest.approx(0.6)
     assert step_towards(estimate, 0.0199) == pytest.approx(0.796)
@@ -63,7 +63,7 @@ def test_refines_until_the_estimate_meets_the_target() -> None:
     assert refined.statistics["rays"] > once.statistics["rays"]
 
 
-def test_says_why_it_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_refining_warns_why_it_stopped(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = build("furnace")
     rough: Any = eclat.IrradianceCache(max_error=0.01, rows=2, far_records=100)
     monkeypatch.setattr(laws, "MOST_RAYS", 1000)

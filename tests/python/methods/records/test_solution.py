@@ -44,7 +44,7 @@ def test_the_core_says_where_the_fields_of_a_record_lie(solution: eclat.Solution
     assert core.near.shape == solution.near.shape
 
 
-def test_what_is_saved_is_loaded(scene: eclat.Scene, solution: eclat.Solution, tmp_path: Path) -> None:
+def test_a_saved_file_is_loaded_unchanged(scene: eclat.Scene, solution: eclat.Solution, tmp_path: Path) -> None:
     solution.save(tmp_path / "a.npz")
     assert [p.name for p in tmp_path.iterdir()] == ["a.npz"]
     loaded = eclat.Solution.load(tmp_path / "a.npz", scene)
@@ -54,7 +54,7 @@ def test_what_is_saved_is_loaded(scene: eclat.Scene, solution: eclat.Solution, t
         assert np.array_equal(getattr(loaded, name), getattr(solution, name))
 
 
-def test_a_file_that_cannot_be_written_is_told(solution: eclat.Solution, tmp_path: Path) -> None:
+def test_a_file_that_cannot_be_written_is_reported(solution: eclat.Solution, tmp_path: Path) -> None:
     with pytest.raises(eclat.EclatError, match=r"the file cannot be written, because the folder .* does not exist"):
         solution.save(tmp_path / "no" / "a.npz")
 
@@ -85,7 +85,9 @@ def _write(path: Path, solution: eclat.Solution, **changes: Any) -> None:
         ({"center": np.zeros(2)}, "in the array 'center', got others"),
     ],
 )
-def test_damage_is_named(solution: eclat.Solution, tmp_path: Path, changes: dict[str, Any], message: str) -> None:
+def test_damage_is_named_in_the_message(
+    solution: eclat.Solution, tmp_path: Path, changes: dict[str, Any], message: str
+) -> None:
     path = tmp_path / "a.npz"
     _write(path, solution, **changes)
     with pytest.raises(eclat.EclatError, match=message) as error:
