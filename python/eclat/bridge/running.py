@@ -23,7 +23,7 @@ def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport 
     """Run `call(progress)` in another thread and return its result.
 
     An exception in `report`, or Ctrl-C, cancels the call and is raised. The call has always ended when this function
-    returns or raises.
+    returns or raises. Raises MemoryError if no thread can be started.
     """
     outcome: list[T] = []
     failure: list[BaseException] = []
@@ -40,7 +40,10 @@ def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport 
 
     thread = threading.Thread(target=work, daemon=True)
     started = time.perf_counter()
-    thread.start()
+    try:
+        thread.start()
+    except RuntimeError:  # The system refuses another thread, usually because there is no memory for its stack.
+        raise MemoryError("there is no memory for another thread") from None
     try:
         while not ended.wait(0.1):
             if report is not None:

@@ -3,8 +3,8 @@
 """The command line: the table of commands, and the handling of errors.
 
 The exit codes are 0 for success, 1 if standard output was closed early, 2 for a mistake of the user (reported on
-standard error), 130 for Ctrl-C, 143 for SIGTERM and 129 for SIGHUP. Ctrl-C and these two signals stop a command in the
-same way, without leaving a half-written file.
+standard error), 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP and 152 for SIGXCPU (the soft limit of processor time).
+Ctrl-C and these signals stop a command in the same way, without leaving a half-written file.
 """
 
 from __future__ import annotations
@@ -79,7 +79,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
 
 @contextmanager
 def _stopped_by_signals() -> Iterator[list[int]]:
-    """Let SIGTERM and SIGHUP stop the command as Ctrl-C does; yield the list of the signals received so far.
+    """Let SIGTERM, SIGHUP and SIGXCPU stop the command as Ctrl-C does; yield the list of the signals received so far.
 
     Signals that the calling process ignores (as nohup does) or handles itself are left as they are.
     """
@@ -91,7 +91,8 @@ def _stopped_by_signals() -> Iterator[list[int]]:
 
     mine = []
     if threading.current_thread() is threading.main_thread():
-        mine = [s for s in (signal.SIGTERM, signal.SIGHUP) if signal.getsignal(s) is signal.SIG_DFL]
+        stopping = (signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
+        mine = [number for number in stopping if signal.getsignal(number) is signal.SIG_DFL]
     for number in mine:
         signal.signal(number, interrupt)
     try:

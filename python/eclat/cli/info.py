@@ -40,7 +40,7 @@ _LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalL
 def command(**flags: Any) -> None:
     """Load the scene and describe it."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
-        description = describe(eclat.load(flags["scene"]))
+        description = describe(eclat.load(flags["scene"], root=flags["root"]))
         reporter.result(_text(description), **description)
 
 

@@ -87,7 +87,14 @@ work_options = together(
 
 
 def scene_argument(function: F) -> F:
-    """Add the argument SCENE."""
+    """Add the argument SCENE and the option `--root`."""
+    function = option(
+        "--root",
+        metavar="DIR",
+        section="Other",
+        help="Refuse every file that the scene reads, itself included, if it lies outside this folder [files may lie "
+        "anywhere].",
+    )(function)
     return click.argument("scene", metavar="SCENE")(function)
 
 
@@ -112,7 +119,7 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
     """
     from eclat.stage.defaults import complete, wants_exposure
 
-    scene = eclat.load(flags["scene"])
+    scene = eclat.load(flags["scene"], root=flags["root"])
     if flags["materials"]:
         scene = eclat.override_materials(scene, _overrides(flags["materials"]))
     exposure: float | Literal["auto"] | None = flags.get("exposure")

@@ -19,6 +19,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
+from eclat.files.confinement import check_confined
 
 _READERS = {(1, 0): np.lib.format.read_array_header_1_0, (2, 0): np.lib.format.read_array_header_2_0}
 _MAGIC = b"\x93NUMPY"
@@ -41,10 +42,12 @@ def read_file(path: str | os.PathLike[str], *, where: str, limit: int = LARGEST_
 
     Raises
     ------
-    EclatError : the file does not exist, cannot be read, is larger, or is no regular file (a folder, a pipe).
+    EclatError : the file does not exist, cannot be read, is larger, is no regular file (a folder, a pipe), or lies
+        outside the root folder (`eclat.files.confinement`).
     """
     named = "" if where == os.fspath(path) else f": {os.fspath(path)}"
     try:
+        check_confined(path, where)
         status = os.stat(path)
         if not stat.S_ISREG(status.st_mode):
             what = "a folder" if stat.S_ISDIR(status.st_mode) else "a pipe or a device"

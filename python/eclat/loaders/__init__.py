@@ -13,6 +13,7 @@ from typing import Any
 
 from eclat import scenes
 from eclat.errors import EclatError, did_you_mean, heard_warnings
+from eclat.files.confinement import check_confined, confined_to
 from eclat.scene import Scene
 
 __all__ = ["SUFFIXES", "load", "load_dict"]
@@ -30,12 +31,15 @@ The function takes the path of the file and returns a scene.
 """
 
 
-def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
+def load(path: str | os.PathLike[str], *, root: str | os.PathLike[str] | None = None, **parameters: object) -> Scene:
     """Load a scene from a file, or a built-in scene by its name.
 
     Parameters
     ----------
     path : a file with one of the `SUFFIXES` in upper or lower case, or one of `eclat.scenes.NAMES`.
+    root : a folder. Every file that the scene reads, itself included, must lie below it after all symbolic links and
+        `..` in the path are followed. What a loader does about a file outside of it is what it does about one that
+        does not exist. None lets files lie anywhere that the format allows.
     parameters : the parameters of a built-in scene (`eclat.scenes.build`), or the values of `$name` in an XML file.
         Other formats take no parameters.
 
@@ -46,8 +50,8 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
 
     Raises
     ------
-    EclatError : the file does not exist, its suffix or the name is unknown, its content is invalid, or it takes no
-        parameters.
+    EclatError : the file does not exist, its suffix or the name is unknown, its content is invalid, it takes no
+        parameters, or it lies outside `root`.
 
     Examples
     --------
@@ -55,6 +59,40 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
     >>> len(scene.meshes) > 0
     True
     """
+    with confined_to(root):
+        return _load(path, parameters)
+
+
+def load_dict(
+    description: Mapping[str, Any],
+    base_folder: str | os.PathLike[str] | None = None,
+    *,
+    root: str | os.PathLike[str] | None = None,
+) -> Scene:
+    """Load a scene from a dict of the form that `mitsuba.load_dict` takes.
+
+    Parameters
+    ----------
+    description : the scene as nested dicts.
+    base_folder : the folder that relative file names in the dict start from. The default is the current folder.
+    root : the folder below which all files must lie, as in `load`.
+
+    Returns
+    -------
+    The scene, with the warnings of the loader as in `load`.
+
+    Raises
+    ------
+    EclatError : an entry is invalid. The message names the keys that lead to it.
+    """
+    from eclat.loaders import mitsuba
+
+    folder = None if base_folder is None else Path(base_folder)
+    with confined_to(root):
+        return _collecting_warnings(lambda: mitsuba.load_dict(description, folder))
+
+
+def _load(path: str | os.PathLike[str], parameters: Mapping[str, object]) -> Scene:
     if isinstance(path, str) and path in scenes.NAMES:
         name = path
         return _collecting_warnings(lambda: scenes.build(name, **parameters))
@@ -73,28 +111,6 @@ def load(path: str | os.PathLike[str], **parameters: object) -> Scene:
     return _collecting_warnings(lambda: read(file))
 
 
-def load_dict(description: Mapping[str, Any], base_folder: str | os.PathLike[str] | None = None) -> Scene:
-    """Load a scene from a dict of the form that `mitsuba.load_dict` takes.
-
-    Parameters
-    ----------
-    description : the scene as nested dicts.
-    base_folder : the folder that relative file names in the dict start from. The default is the current folder.
-
-    Returns
-    -------
-    The scene, with the warnings of the loader as in `load`.
-
-    Raises
-    ------
-    EclatError : an entry is invalid. The message names the keys that lead to it.
-    """
-    from eclat.loaders import mitsuba
-
-    folder = None if base_folder is None else Path(base_folder)
-    return _collecting_warnings(lambda: mitsuba.load_dict(description, folder))
-
-
 def _loader_of(file: Path) -> tuple[str, str]:
     suffix = file.suffix.lower()
     if suffix in SUFFIXES:
@@ -110,6 +126,7 @@ def _loader_of(file: Path) -> tuple[str, str]:
 
 def _check_is_file(file: Path) -> None:
     try:
+        check_confined(file, str(file))
         if file.is_file():
             return
         if file.exists():

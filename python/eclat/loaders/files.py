@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
 from eclat.files.arrays import read_file
+from eclat.files.confinement import check_confined, is_outside
 from eclat.loaders.images import decode_image, read_image_file
 from eclat.scene import Texture
 
@@ -50,7 +51,7 @@ def resolve(folder: Path, name: str, *, where: str, allow_parent: bool = False) 
     Raises
     ------
     EclatError : the name is empty, contains control characters or is a URL. Without `allow_parent`, also if it is an
-        absolute path or leads out of the folder.
+        absolute path or leads out of the folder. With it, if it leads out of the root folder (`eclat.files.confinement`).
     """
     text = name.replace("\\", "/").strip()
     if not text or _CONTROL.search(text):
@@ -153,14 +154,18 @@ def _resolve_inside(folder: Path, text: str, where: str, name: str) -> Path:
 
 
 def _resolve_anywhere(folder: Path, text: str, where: str) -> Path:
-    found = _find(folder, text)
+    # What lies outside the root folder is not looked for, so that no message tells what is there.
+    outside = is_outside(folder / text)
+    found = None if outside else _find(folder, text)
     if found is not None:
         return found
     base = posixpath.basename(text.rstrip("/"))
     beside = _find(folder, base) if base and base != text else None
     if beside is not None:
-        warn(f"{where}: {_shown(text)} does not exist; the file {_shown(base)} in the scene's folder is used instead")
+        reason = "lies outside the root folder" if outside else "does not exist"
+        warn(f"{where}: {_shown(text)} {reason}; the file {_shown(base)} in the scene's folder is used instead")
         return beside
+    check_confined(folder / text, where, text)
     return folder / text
 
 

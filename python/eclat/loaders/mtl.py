@@ -14,6 +14,7 @@ from pathlib import Path
 from typing import Literal
 
 from eclat.errors import EclatError, did_you_mean, warn
+from eclat.files.confinement import is_outside
 from eclat.loaders.files import read_bytes, read_texture, resolve, stand_in
 from eclat.loaders.text_files import decoded, logical_lines
 from eclat.loaders.triangles import LARGEST
@@ -146,7 +147,8 @@ def _library_paths(obj_path: Path, line: int, argument: str) -> list[Path | None
     for name in names:
         path = _library_path(obj_path, name, where)
         if path is None:
-            warn(f"{where}: the material file {name[:200]!r} is missing; its materials are replaced by grey ones")
+            reason = "lies outside the root folder" if is_outside(obj_path.parent / name) else "is missing"
+            warn(f"{where}: the material file {name[:200]!r} {reason}; its materials are replaced by grey ones")
         paths.append(path)
     return paths
 

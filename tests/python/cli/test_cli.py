@@ -147,7 +147,7 @@ def test_materials_change_by_name(api: FakeApi, capsys: Output) -> None:
 def two_cameras(monkeypatch: pytest.MonkeyPatch) -> None:
     scene = load("cornell-box")
     cameras = tuple(replace(scene.cameras[0], name=name) for name in ("walk", "gallery"))
-    monkeypatch.setitem(vars(eclat), "load", lambda path: replace(scene, cameras=cameras))
+    monkeypatch.setitem(vars(eclat), "load", lambda path, root: replace(scene, cameras=cameras))
 
 
 def test_a_camera_by_name_and_by_number(api: FakeApi, capsys: Output, monkeypatch: pytest.MonkeyPatch) -> None:

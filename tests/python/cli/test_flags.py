@@ -58,6 +58,7 @@ VALUES: dict[str, list[str]] = {
     "--methods": ["path"],
     "--levels": ["2"],
     "--reference": ["reference.exr"],
+    "--root": ["."],
 }
 """A value unlike the default for each flag that takes one."""
 
@@ -160,7 +161,9 @@ def test_every_flag_reaches_its_verb_or_is_refused(
 
     room = build("cornell-box")
     cameras = (room.cameras[0], replace(room.cameras[0], name="side", fov=20.0))
-    monkeypatch.setitem(vars(eclat), "load", lambda name: replace(room, cameras=cameras))
+    monkeypatch.setitem(
+        vars(eclat), "load", lambda name, root: replace(room, cameras=(replace(cameras[0], name=str(root)), cameras[1]))
+    )
     Path("here.csv").write_text("0 0.5 0 0 1 0\n")
     Path("points.csv").write_text("0 0.7 0 0 1 0\n")
     Image(np.ones((9, 12, 3), np.float32)).save("reference.exr")

@@ -46,7 +46,7 @@ def closing(descriptor: int) -> Callable[[], None]:
     return lambda: os.close(descriptor)
 
 
-@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129)])
+@pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGXCPU, 152)])
 def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
     Path("cornell-box.png").write_bytes(b"old")
     with subprocess.Popen(

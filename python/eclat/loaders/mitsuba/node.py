@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, shown
+from eclat.files.confinement import is_outside
 from eclat.loaders.files import resolve
 
 MAX_DEPTH = 50
@@ -189,7 +190,8 @@ class Node:
         where = f"{self.where}, {names[0]}"
         for folder in self.folders:
             try:
-                if (folder / name.replace("\\", "/").strip()).exists():
+                path = folder / name.replace("\\", "/").strip()
+                if not is_outside(path) and path.exists():
                     return resolve(folder, name, where=where, allow_parent=True)
             except (OSError, ValueError):  # `resolve` raises EclatError for names that are too long or contain zeros
                 break

@@ -1,0 +1,69 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Confine the files that a scene may read to one folder.
+
+`read_file`, through which every file of a scene is read, asks `check_confined`. The folder belongs to the current thread
+or task, as the warnings in `eclat.errors` do, so that two loads in two threads can have two folders.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Iterator
+from contextlib import contextmanager
+from contextvars import ContextVar
+
+from eclat.errors import EclatError, shown
+
+_root: ContextVar[str | None] = ContextVar("root", default=None)
+"""The real path of the folder, or None if files may lie anywhere."""
+
+
+@contextmanager
+def confined_to(root: str | os.PathLike[str] | None) -> Iterator[None]:
+    """Confine the files that are read in the block to the folder `root`. None confines nothing further.
+
+    Raises
+    ------
+    EclatError : `root` is no folder.
+    """
+    if root is None:
+        yield
+        return
+    try:
+        real = os.path.realpath(root, strict=True)
+        is_folder = os.path.isdir(real)
+    except (OSError, ValueError, TypeError):
+        is_folder = False
+    if not is_folder:
+        raise EclatError(f"root: expected an existing folder, got {shown(root)}")
+    token = _root.set(real)
+    try:
+        yield
+    finally:
+        _root.reset(token)
+
+
+def is_outside(path: str | os.PathLike[str]) -> bool:
+    """Whether `path`, after every symbolic link and `..` in it, lies outside the folder. The file need not exist.
+
+    A path that cannot be looked up, such as one with a zero byte, counts as outside.
+    """
+    root = _root.get()
+    if root is None:
+        return False
+    try:
+        return os.path.commonpath([root, os.path.realpath(path)]) != root
+    except (OSError, ValueError):
+        return True
+
+
+def check_confined(path: str | os.PathLike[str], where: str, name: str | None = None) -> None:
+    """Raise EclatError if `path` lies outside the folder. `where` is the start of the message, which calls the file
+    `name`, or its path if that is None.
+    """
+    if is_outside(path):
+        raise EclatError(
+            f"{where}: expected a file below the root folder, got {shown(name or os.fspath(path))}, which lies outside "
+            "of it"
+        )
