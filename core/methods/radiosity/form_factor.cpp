@@ -15,17 +15,19 @@ namespace eclat {
 
 namespace {
 
-// A triangle whose radius is so much less than its distance is a point to a relative error of about its square, 2e-4.
+// If the ratio of a triangle's radius to its distance is below this, the triangle is treated as a point, with a
+// relative error of about the square of the ratio, 2e-4.
 constexpr float point_like = 1.0f / 64;
 
-// What lies so little above a plane, in units of the sizes at play, lies in it.
+// Points whose height above a plane is below this, relative to the sizes involved, count as lying in it.
 constexpr float coplanar = 1e-5f;
 
 struct Barycentric {
     float a, b;
 };
 
-/// Points of equal weight: the centroid; three that integrate squares exactly; the centroids of sixteen similar parts.
+/// Quadrature points of equal weight: the centroid, three points that integrate quadratic functions exactly, or the
+/// centroids of sixteen similar parts.
 constexpr std::array<Barycentric, 1> one_point{{{1.0f / 3, 1.0f / 3}}};
 constexpr std::array<Barycentric, 3> three_points{{{1.0f / 6, 1.0f / 6}, {2.0f / 3, 1.0f / 6}, {1.0f / 6, 2.0f / 3}}};
 constexpr std::array<Barycentric, 16> sixteen_points = [] {
@@ -41,7 +43,7 @@ constexpr std::array<Barycentric, 16> sixteen_points = [] {
 }();
 
 std::span<const Barycentric> quadrature(float near) {
-    // Tuned: row sums in a box of even patches then err by less than a hundredth.
+    // These limits are tuned: the error of row sums in a box of uniform patches is then below 1 %.
     if (near < 0.1f) return one_point;
     if (near < 0.4f) return three_points;
     return sixteen_points;
@@ -128,7 +130,8 @@ PointPair ExposedParts::sample_pair(uint32_t a, uint32_t b, uint32_t seed, uint3
         Vec3 position;
         const PatchNode* on;
     };
-    // A walk down the tree that takes each half by its share; what is left random of `u` then chooses a point of a list.
+    // The descent chooses each half with a probability equal to its share; the rest of `u` is again uniform and chooses
+    // a point of a list.
     const auto point_on = [this](uint32_t node, float u, Vec2 at) {
         while (parts_[node].child != no_node) {
             const uint32_t child = parts_[node].child;

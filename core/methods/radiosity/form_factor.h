@@ -16,35 +16,39 @@
 
 namespace eclat {
 
-/// Form factor to the triangle from a point with unit normal `n`, exactly, what lies below its horizon cut off: the sum over
-/// edges of the angle that each subtends times the cosine of its plane [Lambert1760]. Either winding.
+/// Computes the exact form factor from a point with unit normal `n` to the part of a triangle above its horizon: the
+/// sum over edges of the angle that each subtends times the cosine of its plane [Lambert1760]. The winding does not
+/// matter.
 float point_to_triangle(Vec3 x, Vec3 n, const Vec3 (&corner)[3]);
 
-/// The same to a patch, of which only the front is seen. Patches that are small from there are taken for points.
+/// Computes the form factor to a patch, which is visible only from the front. Patches that appear small are treated as
+/// points.
 float point_to_patch(Vec3 x, Vec3 n, const PatchNode& patch);
 
-/// Exchange of two patches: the exact form factor to the larger one, integrated over the smaller. `near` (0 … 1) is how large
-/// they are beside their distance: it chooses the quadrature.
+/// Computes the exchange of two patches: the exact form factor to the larger one, integrated over the smaller one.
+/// `near` (0 … 1) is their size relative to their distance, which determines the quadrature.
 float patch_exchange(const PatchNode& a, const PatchNode& b, float near);
 
-/// Two points of surfaces that look at each other, and the triangles or parts that they lie on.
+/// Two points on surfaces that face each other, and the triangles or parts on which they lie.
 struct PointPair {
     Vec3 x, normal_x, y, normal_y;
     const PatchNode *on_x, *on_y;
 
-    /// Exchange per area of both, cos θ cos θ′ / (π r²), m⁻²; 0 where one looks away.
+    /// Returns the exchange per area of both surfaces, cos θ cos θ′ / (π r²), in m⁻²; it is 0 if one faces away.
     float kernel() const;
-    /// The same on average, without its peaks where two points are close: exact over the larger part.
+    /// Returns a mean of this value without peaks for close points: it is integrated exactly over the larger part.
     float smooth_kernel() const;
 };
 
-/// The exposed part of what nodes hold.
+/// The exposed parts of the patches of nodes.
 class ExposedParts {
   public:
-    /// `surfaces` (one a node; borrowed) say what is exposed; all, where there are none.
+    /// `surfaces`, with one entry per node, tell which parts are exposed; if there are none, everything is. They must
+    /// outlive this object.
     ExposedParts(const PatchTree& tree, std::span<const PatchSurface> surfaces);
 
-    /// Points spread by area over the exposed parts of two nodes: sample `index` of `count`.
+    /// Returns sample `index` of `count` of pairs of points that are uniformly distributed over the exposed parts of
+    /// two nodes.
     PointPair sample_pair(uint32_t a, uint32_t b, uint32_t seed, uint32_t index, uint32_t count) const;
     bool any(uint32_t node) const { return parts_[node].area > 0; }
 
@@ -55,10 +59,10 @@ class ExposedParts {
         uint32_t child;  // no_node: a patch
         float area;
     };
-    std::vector<Part> parts_;  // by node, close together: walks down the tree are most of the work
+    std::vector<Part> parts_;  // compact data of each node, because descents of the tree dominate the time
 };
 
-/// Whether any point of `a` might see any point of `b`, by their planes and cones of normals alone.
+/// Returns whether any point of `a` may see any point of `b`, judging only by their planes and cones of normals.
 bool may_see(const PatchNode& a, const PatchNode& b);
 
 }  // namespace eclat

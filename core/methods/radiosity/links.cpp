@@ -1,9 +1,9 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Refinement of links by the light that they carry [Hanrahan91]: a link is good enough where radiosity times form factor
-// (BF) times what is uncertain about it is small, whatever the sizes. It is uncertain by how much the exchange varies over
-// the two nodes, and by what stands between them in part.
+// Refinement of links by the light that they carry [Hanrahan91]: a link is accurate enough if radiosity times form
+// factor (BF) times the uncertainty is small, whatever the sizes of the nodes. The uncertainty consists of the
+// variation of the exchange over the two nodes, and of partial occlusion between them.
 //
 // Symbol     name here          meaning                                                                  unit
 //   B        radiosity_         radiosity of a node                                                      W m⁻²
@@ -14,11 +14,11 @@
 //   ε        tolerance          irradiance that may be wrong by one link                                 W m⁻²
 //   V        link.visibility    share of the exchange that nothing hides                                 1
 //   A F V    link.exchange      what is exchanged, per radiosity                                         m²
-//
-// The rule is one: a link is divided where B F (u + v) > ε. It is asked at three times, as more is known: before rays are
-// spent, with v = 0; after the rays, where they found the link hidden in part; and in later calls for links that were
-// kept, since B has changed. Where two clusters reach into each other, the distance of their centres says nothing of F: one
-// part far away draws a centre away from all others. There the points between which rays run say what F is, seen or not.
+// There is one rule: a link is divided if B F (u + v) > ε. It is applied three times: before rays are traced, with v =
+// 0; after the rays, if they found the link partly occluded; and in later calls for links that were kept, since B has
+// changed. If two clusters overlap, F cannot be computed from the distance of their centres, because a single distant
+// part moves a centre away from all others. In this case F is computed from the end points of the rays, whether these
+// are occluded or not.
 //
 // References   [Hanrahan91] links, BF refinement; [Smits94] clusters above the surfaces that a scene is given as
 //
@@ -39,27 +39,27 @@ namespace eclat {
 
 namespace {
 
-// Links that are looked at together, whose rays are one batch; by judgement, results do not depend on it.
+// This is the number of links whose rays form one batch; results do not depend on it.
 constexpr size_t block = 1024;
 
-// What is not known of a link that is hidden in part, in units of what it would carry: about the deviation of a share that
-// is anywhere between nothing and all.
+// This is the uncertainty of a partly occluded link, relative to the unoccluded one: about the standard deviation of a
+// share that is uniformly distributed in 0..1.
 constexpr float partly_hidden = 0.3f;
 
-// Share of the light of the weakest sender below which there counts as none.
+// A node whose light is below this share of the weakest sender's counts as dark.
 constexpr float unlit = 1e-5f;
 
-// Rays that ask what stands between: few where little is carried.
+// These are the numbers of visibility rays: links that carry little light have few.
 constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
 
 struct Pair {
-    float near;       // how large both are beside their distance, 0 … 1
+    float near;       // size of both nodes relative to their distance, 0 … 1
     float uncertain;  // relative variation of the exchange
-    float carried;    // irradiance that may be carried, the greater of both ways
-    float power;      // that the brighter node sends, W
-    bool mixed;       // clusters that reach into each other
+    float carried;    // irradiance that may be carried, the larger of both directions
+    float power;      // power of the brighter node, W
+    bool mixed;       // whether the nodes are overlapping clusters
 
-    /// The same where it is known by `kernel` what is exchanged per area of both, m⁻².
+    /// Does the same if the exchange per area of both nodes, `kernel` in m⁻², is known.
     float carried_by(float kernel) const { return std::max(carried, power * kernel); }
 };
 
@@ -100,9 +100,10 @@ class Refiner {
     }
 
   private:
-    /// Twice `rays` of a link: those that decide whether it is hidden in part, and those that measure it. Were they the same,
-    /// a link of which a few rays see nothing would be kept as hidden and one of which they see something would be replaced
-    /// by better ones: through keyholes nearly all light would be lost.
+    /// Traces two sets of `rays` for a link: one decides whether it is partly occluded, and the other measures its
+    /// visibility. If both were the same, links whose few rays are all occluded would be kept as occluded, and links
+    /// with a visible ray would be replaced by more accurate ones, so that nearly all light through keyholes would be
+    /// lost.
     struct Asked {
         Link link;
         Pair pair;
@@ -111,9 +112,10 @@ class Refiner {
 
     void ask_or_divide(const Link& link, const Pair& pair, float weight, std::vector<Link>& next) {
         const bool ends = tree_[link.a].ends_links && tree_[link.b].ends_links;
-        // Below half of the tolerance a link is never divided, for u + v ≤ 1.3: two rays do. The share that n rays tell has
-        // a standard deviation of at most 1 / (2 √n), which is a quarter for the usual four: above four tolerances that would
-        // be more than one, and where no division helps more rays have to.
+        // A link that carries less than half of the tolerance is never divided, because u + v ≤ 1.3, so two rays
+        // suffice. The visibility measured by n rays has a standard deviation of at most 1 / (2 √n), a quarter for the
+        // usual four rays. For links that carry more than four times the tolerance, this error would exceed the
+        // tolerance, so more rays are needed if the link cannot be divided.
         const bool most = pair.mixed || (ends && weight > 4);
         const uint32_t rays = most ? most_rays : weight < 0.5f ? least_rays : usual_rays;
         if (weight * pair.uncertain > 1 && divide(link, next)) return;
@@ -128,7 +130,8 @@ class Refiner {
         next.push_back({child + 1, child + 1});
     }
 
-    /// Into links of the halves of the larger node, or of the other where that has none.
+    /// Divides a link into links of the halves of the larger node, or of the other node if the larger one has no
+    /// halves.
     bool divide(const Link& link, std::vector<Link>& next) const {
         const PatchNode &a = tree_[link.a], &b = tree_[link.b];
         if (a.ends_links && b.ends_links) return false;
@@ -150,9 +153,10 @@ class Refiner {
         }
         Pair pair;
         pair.near = d2 > 0 ? std::min(1.0f, reach / std::sqrt(d2)) : 1;
-        // A cosine varies by no more than the angle does. Half of each cone is judgement: normals spread about their mean.
+        // A cosine varies by at most as much as its angle. Half of each cone is used by judgement, because normals are
+        // distributed around their mean.
         pair.uncertain = std::min(1.0f, pair.near + 0.5f * (a.cone + b.cone));
-        // Where neither end has light, as inside of solids, nothing matters.
+        // If neither node has light, as inside solids, the link needs no accuracy.
         const bool dark = std::max(radiosity_[link.a], radiosity_[link.b]) < unlit * options_.least_sender;
         const float least = dark ? 0 : options_.least_sender;
         const auto sent = [&](uint32_t from, const PatchNode& sender) {
@@ -166,14 +170,15 @@ class Refiner {
         return pair;
     }
 
-    /// The cosine of an angle less `slack`.
+    /// Returns the cosine of an angle that is reduced by `slack`.
     static float best_cosine(float cosine, float slack) {
         return std::cos(std::max(0.0f, std::acos(clamp(cosine, -1, 1)) - slack));
     }
 
     void ask(const Link& link, const Pair& pair, uint32_t count) {
-        // Where points of both nodes may lie close to each other, single pairs would count too much: the smooth kernel has no
-        // such peaks. Beyond ten times what both nodes reach, distances vary by a tenth at most, and the kernel by a fifth.
+        // If points of the two nodes may be close to each other, single pairs would have too much weight, so the smooth
+        // kernel is used, which has no peaks. At distances above ten times the extent of both nodes, distances vary by
+        // at most a tenth and the kernel by a fifth.
         const bool near_clusters = pair.near > 0.1f && (tree_[link.a].is_cluster() || tree_[link.b].is_cluster());
         const auto send = [&](uint32_t seed) {
             for (uint32_t i = 0; i < count; ++i) {
@@ -202,7 +207,7 @@ class Refiner {
 
     void trace(Decided& out) {
         hidden_.resize(rays_.size());
-        // Light is exchanged both ways, so the backs of sheets, culled or not, are in the way.
+        // Light is exchanged in both directions, so the backs of surfaces occlude even if they are culled.
         world_.geometry.rays().occluded(rays_, hidden_, Backs::met);
         progress_.count_rays(rays_.size());
         for (size_t i = 0; i < asked_.size(); ++i) {
@@ -226,14 +231,14 @@ class Refiner {
         kernels_.clear();
     }
 
-    /// Mean over the pairs of points that decide about a link.
+    /// Returns the mean over the pairs of points that decide whether a link is divided.
     float mean_kernel(const Asked& asked) const {
         float sum = 0;
         for (size_t r = asked.first_ray; r < asked.first_measuring; ++r) sum += kernels_[r];
         return sum / static_cast<float>(asked.rays);
     }
 
-    /// Exchange and visibility from the measuring rays of a link, which end at `end`.
+    /// Computes the exchange and the visibility of a link from its measuring rays, which end at `end`.
     void measure(Asked& asked, size_t end) const {
         Link& link = asked.link;
         const PatchNode &a = tree_[link.a], &b = tree_[link.b];
@@ -259,7 +264,7 @@ class Refiner {
     Progress& progress_;
     std::vector<Asked> asked_;
     std::vector<Ray> rays_;
-    std::vector<float> kernels_;  // of each ray
+    std::vector<float> kernels_;  // kernel of each ray
     std::vector<uint8_t> hidden_;
 };
 
@@ -276,7 +281,7 @@ float refine_links(const World& world, const PatchTree& tree, std::span<const Pa
     const ExposedParts exposed(tree, surfaces);
     std::vector<Link> kept, pending = std::move(links);
     while (!pending.empty()) {
-        // The cube is judgement: a lower power leaves more links than are wanted, a higher one overshoots.
+        // The cube is chosen by judgement: a lower power leaves too many links, and a higher one too few.
         const double crowd = static_cast<double>(kept.size() + pending.size()) / static_cast<double>(options.most);
         if (crowd > 1)
             now.tolerance = std::max(now.tolerance, options.tolerance * static_cast<float>(crowd * crowd * crowd));

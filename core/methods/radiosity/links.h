@@ -15,34 +15,35 @@
 
 namespace eclat {
 
-/// All that goes from one node to the other and back: one number for both, so that reciprocity holds by itself.
+/// The exchange between two nodes. It is one number for both directions, so that it is reciprocal.
 struct Link {
     uint32_t a = 0, b = 0;
-    float exchange = 0;     // A_a F_ab = A_b F_ba with what stands between, m²
-    float visibility = -1;  // share of the exchange that nothing hides; < 0: not known yet
-    float kernel = 0;  // of clusters that reach into each other: exchange per area of both, without what hides it, m⁻²
-    uint32_t in_part = 0;  // 1: other rays than those that measure visibility found it hidden, but not all of it
+    float exchange = 0;     // A_a F_ab = A_b F_ba including occlusion, m²
+    float visibility = -1;  // share of the exchange that is not occluded; < 0 if it is not known yet
+    float kernel = 0;       // for overlapping clusters: unoccluded exchange per area of both, m⁻²
+    uint32_t in_part = 0;   // 1 if rays other than the measuring ones found it partly occluded
 };
 
 struct LinkOptions {
-    float tolerance = 0;       // W m⁻² of irradiance that may be wrong by one link
-    float least_sender = 0;    // W m⁻²: no sender counts as darker, so that all form factors are known somewhat
-    size_t most = ~size_t(0);  // links, about: where there are more the tolerance grows with the cube of their number
+    float tolerance = 0;     // tolerated error of the irradiance by one link, W m⁻²
+    float least_sender = 0;  // least radiosity assumed for senders, so that all form factors are roughly known, W m⁻²
+    size_t most =
+        ~size_t(0);  // approximate number of links above which the tolerance grows with the cube of their number
     uint32_t seed = 0;
     int threads = 0;
 };
 
-/// The link of everything with everything, from which refinement starts.
+/// Returns the link of the root with itself, from which refinement starts.
 std::vector<Link> first_links(const PatchTree& tree);
 
-/// Replaces links by those of their halves where the light that they would carry from nodes of these radiosities, times what
-/// is not known about it, exceeds the tolerance. Links of patches that were divided since are refined further likewise.
-/// `surfaces` has one a node, or none where all patches are exposed. Returns the tolerance that held in the end.
+/// Replaces links by links of their halves if the light that they carry between nodes of the given radiosities, times
+/// its uncertainty, exceeds the tolerance. Links of patches that have since been divided are refined too. `surfaces`
+/// has one entry per node, or none if all patches are exposed. Returns the tolerance that was finally used.
 float refine_links(const World& world, const PatchTree& tree, std::span<const PatchSurface> surfaces,
                    std::span<const float> radiosity, const LinkOptions& options, std::vector<Link>& links,
                    Progress& progress);
 
-/// Where each node's light is from.
+/// The sources of the light of each node.
 class Exchanges {
   public:
     struct Sender {

@@ -1,8 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Which patches lie behind which on sheets that let light through: curtains, paper, lampshades. Both sides of a triangle are
-// halved the same way, each as far as its own light asks for.
+// The patches behind each patch on surfaces that transmit light, such as curtains, paper and lampshades. Both sides of
+// a triangle are bisected in the same way, but each as finely as its own light requires.
 
 #pragma once
 
@@ -24,7 +24,7 @@ class OtherSides {
     /// `surfaces` has one a node.
     OtherSides(const PatchTree& tree, std::span<const PatchSurface> surfaces);
 
-    /// The patches behind one; none where neither lets light through.
+    /// Returns the patches behind a patch, or none if neither side transmits light.
     std::span<const Overlap> of(uint32_t patch) const {
         if (first_.empty()) return {};
         return std::span(overlaps_).subspan(first_[patch], first_[patch + 1] - first_[patch]);

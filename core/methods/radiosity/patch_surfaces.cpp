@@ -16,10 +16,10 @@ namespace eclat {
 namespace {
 
 constexpr int texture_samples = 16;
-// Each side takes its share of the samples of a face cluster, but at least this part of them.
+// Each side takes its share of the samples of a face cluster, but at least this fraction of them.
 constexpr float least_share = 1.0f / 8;
 constexpr float low_ray = 0.02f;  // height of rays along a patch, in units of its radius
-// Where less than this share of a patch is exposed, its light is not known.
+// If less than this share of a patch is exposed, its light is unknown.
 constexpr float least_exposed = 0.1f;
 
 class PatchMeter {
@@ -37,7 +37,7 @@ class PatchMeter {
     }
 
   private:
-    /// Key of a patch that does not depend on which others there are.
+    /// Returns a key of a patch that does not depend on the other patches.
     static uint32_t key(const PatchName& name) {
         return hash(2 * name.triangle + name.back, static_cast<uint32_t>(name.path),
                     static_cast<uint32_t>(name.path >> 32));
@@ -83,7 +83,7 @@ class PatchMeter {
             opacity += opacity_at(material, world_.geometry.coordinates(patch.triangle, hit.u, hit.v));
         }
         const float each = 1.0f / static_cast<float>(count);
-        // Below 1: a patch that reflects everything, or lets it through, may stand among others that do.
+        // The sum is kept below 1, because a closed room of patches that reflect or transmit all light has no solution.
         constexpr float most_kept = 0.999f;
         for (int k = 0; k < 3; ++k) {
             const float scale =
@@ -135,7 +135,7 @@ class PatchMeter {
         hits_.resize(rays_.size());
         world_.geometry.meet_with_backs(rays_, hits_);
         progress_.count_rays(rays_.size());
-        // Each ray starts at a point of its own.
+        // Each ray starts at a different point.
         exposed_.clear();
         for (size_t i = 0; i < hits_.size(); ++i)
             exposed_.push_back({where[i], rays_[i].origin, met(rays_[i], hits_[i])});
@@ -143,7 +143,7 @@ class PatchMeter {
         out.cut = is_cut(patch);
         if (out.cut) keep_largest_part(patch);
         out.exposed = static_cast<float>(exposed_.size()) / static_cast<float>(count);
-        // The deviation of independent rays; stratified ones err less.
+        // This is the deviation of independent rays; the error of stratified ones is smaller.
         const auto lit =
             std::count_if(exposed_.begin(), exposed_.end(), [](const Exposed& e) { return e.met == Met::patch; });
         out.closure = exposed_.empty() ? 0 : static_cast<float>(lit) / static_cast<float>(exposed_.size());
@@ -156,7 +156,8 @@ class PatchMeter {
         }
     }
 
-    /// What a ray from a patch ends on. A surface without a back is black from behind: it takes light and sends none.
+    /// The kind of surface on which a ray from a patch ends. The back of a one-sided surface is black: it absorbs light
+    /// and emits none.
     enum class Met : uint8_t { sky, patch, black_back };
 
     Met met(const Ray& ray, const Hit& hit) const {
@@ -165,8 +166,9 @@ class PatchMeter {
         return from_behind && world_.geometry.has_no_back(hit.triangle) ? Met::black_back : Met::patch;
     }
 
-    /// Points from which a black back is seen lie behind a sheet or inside of a solid. More rays tell: inside, hardly any
-    /// meets anything else. What lies there is no part of the patch that others can see.
+    /// Points that see a black back lie behind a one-sided surface or inside a solid. More rays distinguish the two
+    /// cases, because inside a solid hardly any ray hits anything else. Parts of a patch inside a solid are not visible
+    /// from other patches.
     void drop_points_inside(const PatchNode& patch, uint32_t index) {
         constexpr uint32_t rays_of_point = 16, others_inside = 1;
         rays_.clear();
@@ -195,7 +197,7 @@ class PatchMeter {
         exposed_.resize(kept);
     }
 
-    /// Whether the points are hidden from each other, just above the patch: one half of them from the other, in pairs.
+    /// Tests in pairs whether points of one half and of the other half see each other just above the patch.
     bool is_cut(const PatchNode& patch) {
         rays_.clear();
         const size_t half = exposed_.size() / 2;
@@ -204,7 +206,7 @@ class PatchMeter {
         return std::find(hidden_.begin(), hidden_.end(), 1) != hidden_.end();
     }
 
-    /// Points see each other directly or by way of others: keeps the most that do.
+    /// Keeps the largest set of points that see each other directly or by way of other points.
     void keep_largest_part(const PatchNode& patch) {
         rays_.clear();
         const size_t n = exposed_.size();
@@ -240,22 +242,22 @@ class PatchMeter {
     }
 
     struct Exposed {
-        Vec2 where;  // barycentric weights
+        Vec2 where;  // barycentric weights of the point
         Vec3 position;
-        Met met;  // by its ray
+        Met met;  // kind of surface that its ray hit
     };
 
     const World& world_;
     const PatchTree& tree_;
     const SurfaceOptions& options_;
     Progress& progress_;
-    float share_ = 1;  // of the samples that a patch takes
+    float share_ = 1;  // share of the samples that a patch takes
     std::vector<Ray> rays_;
     std::vector<Color> contributions_;
     std::vector<uint8_t> hidden_;
     std::vector<Color> passed_;
     std::vector<Hit> hits_;
-    std::vector<Exposed> exposed_;  // points of the patch
+    std::vector<Exposed> exposed_;  // exposed points of the patch
 };
 
 }  // namespace

@@ -16,27 +16,29 @@
 namespace eclat {
 
 struct PatchSurface {
-    Color albedo;  // mean over the patch, as if it reflected diffusely all that it reflects; without transmission
-    Color transmittance;  // share of the other side's irradiance that it lets through diffusely, mean over the patch
-    Color emitted;        // radiosity of its own light, π L_e, W m⁻²
+    Color albedo;         // mean albedo, in which all reflection counts as diffuse; without transmission
+    Color transmittance;  // mean share of the irradiance of the other side that is transmitted diffusely
+    Color emitted;        // radiosity of the emitted light, π L_e, W m⁻²
     Color lights;         // irradiance of the exposed part from points, spots, suns and the environment, W m⁻²
     float opacity = 1;
-    float closure = 1;        // share of its exposed part's form factors that other patches have: the rest is sky
-    float closure_error = 0;  // two deviations of that; none where no ray met anything else
+    float closure = 1;        // sum of the form factors of its exposed part to other patches; the rest is sky
+    float closure_error = 0;  // two standard deviations of the closure; 0 if all rays hit patches
 
-    // What stands on a patch hides parts of it from each other: it is cut. These parts may have light of their own, and only
-    // that of the largest is known. It is what is called exposed; the rest takes no light and passes none on.
+    // Objects that stand on a patch divide it into parts that do not see each other. These parts may have different
+    // light, and only that of the largest part, which is called exposed, is known. The other parts receive no light and
+    // reflect none.
     bool cut = false;
-    float exposed = 1;  // share of the patch that is, and does not lie inside a solid
+    float exposed = 1;  // share of the patch that is exposed and not inside a solid
     static constexpr size_t most_points = 12;
-    uint8_t point_count = 0;  // of exposed points, where not all of it is
+    uint8_t point_count = 0;  // number of exposed points, if not all of the patch is exposed
     std::array<std::array<uint8_t, 2>, most_points>
         points{};  // barycentric weights of its second and third corner, over 255
 
-    /// Hardly anything of it is exposed.
+    /// Returns whether hardly any of the patch is exposed.
     bool unknown() const { return point_count == 0 && exposed < 1; }
 
-    /// Barycentric weights of a point: `anywhere`, or one that is exposed, chosen by `u`.
+    /// Returns the barycentric weights of a point: `anywhere` if all is exposed, and otherwise an exposed point chosen
+    /// by `u`.
     Vec2 exposed_point(Vec2 anywhere, float u) const {
         if (point_count == 0) return anywhere;
         const auto& p =
@@ -46,17 +48,17 @@ struct PatchSurface {
 };
 
 struct SurfaceOptions {
-    int light_samples = 64;  // of lights that are no patches, per patch
-    int closure_rays = 32;   // that look for other patches
+    int light_samples = 64;  // samples per patch of lights that are no patches
+    int closure_rays = 32;   // rays per patch that search for other patches
     uint32_t seed = 0;
     int threads = 0;
 };
 
-/// Fills `surfaces` (one a node) at `patches`.
+/// Computes the entries of `patches` in `surfaces`, which has one entry per node.
 void measure_surfaces(const World& world, const PatchTree& tree, std::span<const uint32_t> patches,
                       const SurfaceOptions& options, std::span<PatchSurface> surfaces, Progress& progress);
 
-/// The hit on a triangle at a point of it.
+/// Makes a hit at a point of a triangle.
 Hit hit_on_triangle(const Geometry& geometry, uint32_t triangle, Vec3 position);
 
 }  // namespace eclat

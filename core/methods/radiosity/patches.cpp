@@ -16,7 +16,7 @@ namespace {
 struct Corners {
     Vec3 v[3];
 
-    /// The corner at which the longest edge begins; the first of equals.
+    /// Returns the corner at which the longest edge begins, the first one if edges are equally long.
     uint8_t longest() const {
         uint8_t best = 0;
         float length2 = -1;
@@ -30,7 +30,7 @@ struct Corners {
         const uint8_t k = longest();
         return length(v[(k + 1) % 3] - v[k]);
     }
-    /// The half that holds the corner at which edge k begins, or the other.
+    /// Returns the half that contains the corner at which edge k begins, or the other half.
     Corners half(uint8_t k, bool second) const {
         const Vec3 a = v[k], b = v[(k + 1) % 3], apex = v[(k + 2) % 3], middle = (a + b) * 0.5f;
         return second ? Corners{{middle, b, apex}} : Corners{{a, middle, apex}};
@@ -42,9 +42,9 @@ Corners corners_of(const Geometry& g, uint32_t triangle) {
     return {{g.vertex(triangle, 0), g.vertex(triangle, 1), g.vertex(triangle, 2)}};
 }
 
-constexpr int deepest_count = 40;  // halvings: a million to a side
+constexpr int deepest_count = 40;  // bisections, which give a million parts along a side
 
-/// Leaves under `corners`, counted up to `most`.
+/// Counts the leaves of the triangle `corners`, up to `most`.
 size_t count_parts(const Corners& corners, float size, size_t most, int depth) {
     if (most == 0) return 0;
     if (depth == 0 || !(corners.longest_edge() > size)) return 1;
@@ -62,15 +62,16 @@ void set_corners(PatchNode& node, const Corners& corners) {
     for (const Vec3& v : corners.v) node.radius = std::max(node.radius, length(v - node.center));
 }
 
-// Normals of a face cluster, from their mean at most, radians: never both sides of a wall, which may have light of their own.
+// This is the largest angle in radians between the normals of a face cluster and their mean, which excludes clusters of
+// both sides of a wall.
 constexpr float face_cone = 1.1f;
 
 float angle_between(Vec3 a, Vec3 b) { return std::atan2(length(cross(a, b)), dot(a, b)); }
 
 }  // namespace
 
-/// Joins sides into clusters: a range of sides is split at the median along the axis on which it is widest, place and
-/// normal being axes alike, so that clusters are small and their parts face the same way.
+/// Joins sides into clusters. A range of sides is split at the median along its widest axis, among the three axes of
+/// position and the three of the normal, so that clusters are small and their parts face the same way.
 struct PatchTree::Builder {
     struct Side {
         uint32_t triangle;
@@ -80,9 +81,11 @@ struct PatchTree::Builder {
         float key(int axis) const { return axis < 3 ? center[axis] : normal[axis - 3]; }
     };
 
-    /// Width of all normals, in units of the range's own width in space, at which they count alike: a half for ±1.
+    /// The weight of normals relative to positions, in units of the range's width in space: normals of ±1 count as half
+    /// of the width.
     static constexpr float normal_weight = 0.25f;
-    // Where face clusters are made, those that look different ways, both sides of one triangle first of all, are parted first.
+    // If face clusters are made, sides that face different ways, such as the two sides of a triangle, are separated
+    // first.
     static constexpr float normal_weight_of_faces = 1;
 
     PatchTree& tree;
@@ -90,7 +93,7 @@ struct PatchTree::Builder {
     struct Range {
         size_t begin, end;
     };
-    std::vector<Range> ranges;  // of sides, by node
+    std::vector<Range> ranges;  // range of sides of each node
 
     int widest(size_t begin, size_t end) const {
         Vec3 low{infinity, infinity, infinity}, high = -low, low_n = low, high_n = high;
@@ -107,18 +110,18 @@ struct PatchTree::Builder {
             const auto spread = [&](int a) { return a < 3 ? in_space[a] : of_normals[a - 3]; };
             if (spread(axis) > spread(best)) best = axis;
         }
-        // Both sides of one triangle, and the like: only normals tell them apart.
+        // Only normals distinguish the two sides of a triangle.
         return length_squared(in_space) > 0 ? best : 3;
     }
 
-    /// Which of the six directions along axes a normal is nearest to.
+    /// Returns which of the six axis directions is nearest to a normal.
     static int direction(Vec3 n) {
         const Vec3 a{std::fabs(n.x), std::fabs(n.y), std::fabs(n.z)};
         const int axis = a.x >= a.y && a.x >= a.z ? 0 : a.y >= a.z ? 1 : 2;
         return 2 * axis + (n[axis] < 0);
     }
 
-    /// Sides that look different ways apart before all: a cluster brings all of its sides the same light.
+    /// Separates sides that face different ways first, because all sides of a cluster receive the same light.
     void build_directions() {
         const auto turned = [](const Side& a, const Side& b) { return direction(a.normal) < direction(b.normal); };
         std::stable_sort(sides.begin(), sides.end(), turned);
@@ -167,7 +170,7 @@ struct PatchTree::Builder {
         build(child + 1, middle, end);
     }
 
-    /// From the last cluster to the first.
+    /// Computes the clusters from the last to the first.
     void measure_clusters() {
         std::vector<Vec3> low(tree.nodes_.size()), high(tree.nodes_.size());
         for (size_t i = tree.nodes_.size(); i-- > 0;) {
@@ -244,7 +247,7 @@ PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names)
         }
     }
     list_leaves();
-    // As many leaves as names, each of them a leaf: then nothing is missing or covered twice.
+    // If there are as many leaves as names and each name is a leaf, no part is missing or covered twice.
     if (leaves_.size() != names.size()) fail();
     std::vector<uint8_t> named(nodes_.size(), 0);
     for (const PatchName& name : names) {
@@ -334,7 +337,7 @@ uint32_t PatchTree::find(uint32_t triangle, bool back, float u, float v) const {
     while (node != no_node && !nodes_[node].is_leaf()) {
         const uint8_t k = nodes_[node].longest;
         const float a = w[k], b = w[(k + 1) % 3], apex = w[(k + 2) % 3];
-        // The midpoint of the edge from a to b takes over twice the lesser weight.
+        // The midpoint of the edge from a to b gets twice the smaller weight.
         const bool second = b > a;
         w[0] = second ? 2 * a : a - b;
         w[1] = second ? b - a : 2 * b;
@@ -371,7 +374,7 @@ size_t count_sides(const Geometry& geometry) {
 }
 
 double total_area(const Geometry& geometry) {
-    double area = 0;  // double: the areas of millions of triangles
+    double area = 0;  // in double precision, since there may be millions of triangles
     for (uint32_t t = 0; t < geometry.triangle_count(); ++t)
         area += static_cast<double>(corners_of(geometry, t).area()) * (geometry.has_no_back(t) ? 1 : 2);
     return area;

@@ -13,7 +13,7 @@ namespace eclat {
 namespace {
 
 constexpr size_t neighbors = 14;  // tuned: fewer show the patches, more blur shadows
-constexpr float farthest = 6;     // neighbour, in radii of the patch
+constexpr float farthest = 6;     // largest distance of a neighbour, in radii of the patch
 
 std::vector<PatchName> names_of(std::span<const SolvedPatch> patches) {
     std::vector<PatchName> names;
@@ -95,7 +95,7 @@ std::optional<RadiosityField::Light> RadiosityField::smooth(const SurfacePoint& 
 }
 
 void RadiosityField::drop_hidden(const SurfacePoint& point, const Disc& disc, std::vector<Neighbor>& found) const {
-    constexpr float low_ray = 0.02f;  // as where patches were looked at
+    constexpr float low_ray = 0.02f;  // the same as in patch_surfaces.cpp
     std::vector<Ray> rays;
     for (const Neighbor& n : found) {
         const PatchNode& patch = tree_[node_of_[n.index]];
@@ -132,7 +132,8 @@ RadiosityField::Light RadiosityField::fit(const Disc& disc, std::span<const Neig
         for (size_t k = 0; k < 6; ++k) m[k] += w * products[k];
     }
     if (!(m[0] > 0)) return *points[0].light;
-    // The plane's height at the point, as weights of the values: first row of the inverse of the normal equations.
+    // The value of the plane at the point is a weighted sum of the values; the weights are the first row of the inverse
+    // of the normal equations.
     const double c0 = m[3] * m[5] - m[4] * m[4], c1 = m[2] * m[4] - m[1] * m[5], c2 = m[1] * m[4] - m[2] * m[3];
     const double determinant = m[0] * c0 + m[1] * c1 + m[2] * c2;
     const bool plane = determinant > 1e-3 * m[0] * m[0] * m[0] * 0.01;
@@ -145,7 +146,7 @@ RadiosityField::Light RadiosityField::fit(const Disc& disc, std::span<const Neig
         low = {min(low.direct, light->direct), min(low.total, light->total)};
         high = {max(high.direct, light->direct), max(high.total, light->total)};
     }
-    // No darker and no brighter than what it is made from, where a plane overshoots beside a shadow's edge.
+    // The result is clamped to the range of the values, because a plane overshoots beside the edge of a shadow.
     return {max(low.direct, min(high.direct, out.direct)), max(low.total, min(high.total, out.total))};
 }
 

@@ -24,20 +24,20 @@ class RadiosityField {
         Color indirect() const { return max(total - direct, Color(0.0f)); }
     };
 
-    /// Throws std::invalid_argument where the patches are not those of the scene.
+    /// Throws std::invalid_argument if the patches are not those of the scene.
     RadiosityField(const Geometry& geometry, std::span<const SolvedPatch> patches, int threads);
 
     // A shading normal that bends away from the surface takes its share of the light, as of a uniform hemisphere.
 
-    /// The light of the patch that holds the point, constant over it; nothing where there is no patch or no known light.
+    /// Returns the light of the patch that contains the point, or nothing if there is no patch or its light is unknown.
     struct OnPatch {
         Light light;
-        float radius;  // of the patch
+        float radius;  // radius of the patch
     };
     std::optional<OnPatch> on_patch(const SurfacePoint& point) const;
 
-    /// Reconstructed from the patches around the point: a plane through their values, by least squares, those near by
-    /// weighing most [Cleveland79]. Beside walls only those count that the point sees.
+    /// Returns the light reconstructed from the patches around the point by a weighted least-squares plane, in which
+    /// near patches have the largest weights [Cleveland79]. Beside walls only patches that the point sees are used.
     std::optional<Light> smooth(const SurfacePoint& point) const;
 
   private:
@@ -48,11 +48,11 @@ class RadiosityField {
 
     const Geometry& geometry_;
     PatchTree tree_;
-    std::vector<Light> light_;       // by node
-    std::vector<uint8_t> unknown_;   // by node
-    std::vector<uint8_t> beside_;    // by node: patches of unknown light are near, so that something may stand there
-    KdTree centers_;                 // of patches whose light is known
-    std::vector<uint32_t> node_of_;  // each place of the tree of centres
+    std::vector<Light> light_;       // light of each node
+    std::vector<uint8_t> unknown_;   // whether the light of each node is unknown
+    std::vector<uint8_t> beside_;    // whether patches of unknown light, so perhaps obstacles, are near each node
+    KdTree centers_;                 // centres of the patches whose light is known
+    std::vector<uint32_t> node_of_;  // node of each entry of the tree of centres
 };
 
 }  // namespace eclat

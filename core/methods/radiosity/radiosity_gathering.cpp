@@ -11,8 +11,8 @@ namespace eclat {
 
 namespace {
 
-/// Indirect light where a gather ray of length `distance` ended. Patches are seen as such from near by, in corners: there
-/// the path goes on.
+/// Returns the indirect light at the end of a gather ray of length `distance`. It returns nothing for short rays, as in
+/// corners, where single patches would be visible, so that the path continues.
 std::optional<Color> far_light(const RadiosityField& field, const SurfacePoint& point, float distance) {
     const auto patch = field.on_patch(point);
     if (!patch || distance < 2 * patch->radius) return std::nullopt;
@@ -33,7 +33,7 @@ void trace_by_gather(const World& world, const RadiosityField& field, int gather
     trace_paths(world, rays, options, out, progress);
 }
 
-/// What a diffuse surface shows by its patches.
+/// Returns the radiance of a diffuse surface from its patches.
 PathResult patch_picture(const World& world, const RadiosityField& field, int max_depth, const Hit& hit,
                          const SurfacePoint& point, Vec3 wo) {
     PathResult result;
@@ -106,7 +106,7 @@ void trace_to_patches(const World& world, const RadiosityField& field, int gathe
 std::vector<Color> radiosity_irradiance(const World& world, std::span<const PointNormal> points,
                                         const RadiosityField& field, const PointIrradianceOptions& options,
                                         Progress& progress) {
-    // The solution holds light of any depth.
+    // The solution contains light of all path lengths.
     if (options.max_depth >= 0) return path_irradiance(world, points, options, progress);
     return path_irradiance(world, points, options, progress, [&](const SurfacePoint& point, float distance) {
         return far_light(field, point, distance);

@@ -13,13 +13,14 @@
 
 namespace eclat {
 
-/// What `trace_paths` does, by the solution. With `gather_rays` = 0 surfaces that the camera sees show their patches, smoothly
-/// reconstructed, and only what is not diffuse is traced. Else that many diffuse rays a camera ray end in them, and light
-/// straight from lights is sampled where a path meets a surface. `out` gets one result for each ray.
+/// Traces paths like `trace_paths`, with light from the solution. With `gather_rays` = 0, visible surfaces show the
+/// smoothly reconstructed light of their patches, and only lobes that are not diffuse are traced. Otherwise each camera
+/// ray is continued by that number of diffuse rays, which end in patches, and direct light is sampled at the vertices.
+/// `out` gets one result for each ray.
 void trace_to_patches(const World& world, const RadiosityField& field, int gather_rays, int max_depth,
                       std::span<const PathRay> rays, std::span<PathResult> out, Progress& progress);
 
-/// Irradiance at points, whose gather rays end in the solution [W m⁻²].
+/// Computes the irradiance at points in W m⁻², with gather rays that end in the solution.
 std::vector<Color> radiosity_irradiance(const World& world, std::span<const PointNormal> points,
                                         const RadiosityField& field, const PointIrradianceOptions& options,
                                         Progress& progress);

@@ -17,16 +17,17 @@ namespace eclat {
 
 namespace {
 
-constexpr size_t block = 4096;  // nodes of one task
+constexpr size_t block = 4096;  // number of nodes of one task
 
-// How far a patch's factor may lie from 1: what is farther off is no error of form factors (a patch half inside a solid).
+// This bounds the distance of a patch's factor from 1. Larger deviations are not errors of form factors, but for
+// example patches that are half inside a solid.
 constexpr float least_factor = 1.0f / 64, largest_factor = 4;
 
 // That may be where no ray found any.
 constexpr float least_closure = 0.05f;
 
-/// What a sum of form factors must be multiplied by to be one that a patch may have: its closure, or as near as the rays that
-/// measured that can tell.
+/// Returns the factor by which a sum of form factors must be multiplied to equal the closure of the patch, within the
+/// error of the closure.
 float balancing_factor(const PatchSurface& surface, float sum) {
     if (!(sum > 0)) return 1;
     const float most = std::max(surface.closure + surface.closure_error, least_closure);
@@ -34,7 +35,7 @@ float balancing_factor(const PatchSurface& surface, float sum) {
     return clamp(wanted / sum, least_factor, largest_factor);
 }
 
-/// A few parts of each cluster, which stand for all.
+/// A few parts of each cluster, which represent all of its parts.
 class ClusterParts {
   public:
     explicit ClusterParts(const PatchTree& tree) : tree_(tree), parts_(tree.nodes().size()) {
@@ -55,7 +56,7 @@ class ClusterParts {
         }
     }
 
-    /// From the middle of a patch, as if parts were discs.
+    /// Computes form factors from the centre of a patch, with parts approximated by discs.
     float form_factor(const PatchNode& patch, uint32_t cluster) const {
         const float area = tree_[cluster].area / count;
         float sum = 0;
@@ -118,7 +119,7 @@ std::vector<Color> RadiositySystem::irradiance(std::span<const Color> radiosity)
             for (const auto& sender : exchanges_.of(static_cast<uint32_t>(i)))
                 out[i] += sent[sender.node] * sender.form_factor;
     });
-    // Push: parents stand before their children.
+    // The irradiance is pushed down; parents precede their children.
     for (size_t i = 0; i < out.size(); ++i)
         if (const uint32_t parent = tree_.nodes()[i].parent; parent != no_node) out[i] += out[parent];
     for (const uint32_t i : tree_.leaves()) out[i] *= receives(i);
@@ -144,7 +145,7 @@ void RadiositySystem::balance(float tolerance, int most, Progress& progress) {
         const std::vector<float> sums = row_sums();
         float worst = 0;
         for (const uint32_t i : tree_.leaves()) {
-            // The square root of what is missing, since the others are scaled as well.
+            // The square root of the ratio is used, because the factors of the other patches are scaled too.
             const float step = std::sqrt(balancing_factor(surfaces_[i], sums[i]));
             const float next = clamp(factor_[i] * step, least_factor, largest_factor);
             worst = std::max(worst, std::fabs(next / factor_[i] - 1));

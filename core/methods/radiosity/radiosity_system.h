@@ -31,7 +31,7 @@ namespace eclat {
 
 class RadiositySystem {
   public:
-    /// All are borrowed. `surfaces` has one a node.
+    /// `surfaces` has one entry per node. All arguments must outlive this object.
     RadiositySystem(const PatchTree& tree, std::span<const PatchSurface> surfaces, const Exchanges& exchanges,
                     int threads);
 
@@ -41,30 +41,32 @@ class RadiositySystem {
     const OtherSides& other_sides() const { return other_sides_; }
     int threads() const { return threads_; }
 
-    /// Finds a factor for each patch so that the form factors of every patch sum to its closure, and applies it to all that
-    /// it gives and takes: exchanges stay symmetric. Steps until the worst sum errs by less than `tolerance`, or `most`.
+    /// Computes a factor for each patch with which the sum of its form factors equals its closure. The factors of both
+    /// patches multiply their exchange, which therefore stays symmetric. The iteration ends when the largest error of a
+    /// sum is below `tolerance`, or after `most` steps.
     void balance(float tolerance, int most, Progress& progress);
     float factor(uint32_t patch) const { return factor_[patch]; }
-    /// Irradiance of the exposed part of a patch over what links bring it: links know only that part.
+    /// The ratio of the irradiance of the exposed part of a patch to that which links give.
     float receives(uint32_t patch) const { return surfaces_[patch].unknown() ? 0 : factor_[patch]; }
-    /// What a patch sends over links, which take all of it for exposed, over its radiosity.
+    /// The ratio of the light that a patch sends over links, for which it is fully exposed, to its radiosity.
     float sends(uint32_t patch) const { return factor_[patch] * surfaces_[patch].opacity * surfaces_[patch].exposed; }
-    /// 1 for patches whose light is known: the others are left out, and what they would have sent is shared among those.
+    /// This is 1 for patches whose light is known. The others are left out, and their share of the form factors is
+    /// distributed over the known ones.
     std::vector<Color> known() const;
-    /// Sums of form factors of all patches with those whose light is known, by node.
+    /// The sum of the form factors of each patch to the patches whose light is known, by node.
     std::vector<float> row_sums() const;
 
-    /// Radiosity of what a patch lets through, from the irradiance of all, by node.
+    /// Returns the transmitted radiosity of a patch, from the irradiance of all nodes.
     Color let_through(uint32_t patch, std::span<const Color> irradiance) const;
-    /// All that leaves a patch: its own light, and what it reflects and lets through.
+    /// Returns the radiosity of a patch: the emitted, reflected and transmitted light.
     Color leaving(uint32_t patch, std::span<const Color> irradiance) const {
         const PatchSurface& s = surfaces_[patch];
         return s.emitted + s.albedo * irradiance[patch] + let_through(patch, irradiance);
     }
 
-    /// What nodes send, from the radiosity of patches; both by node.
+    /// Returns the light that nodes send, from the radiosity of patches; both are by node.
     std::vector<Color> pull(std::span<const Color> radiosity) const;
-    /// Irradiance of patches by other patches of these radiosities; both by node.
+    /// Returns the irradiance of patches from other patches with these radiosities; both are by node.
     std::vector<Color> irradiance(std::span<const Color> radiosity) const;
 
   private:
@@ -76,28 +78,29 @@ class RadiositySystem {
     std::vector<float> factor_;
 };
 
-/// By node, of patches; W m⁻².
+/// The light of patches, by node, in W m⁻².
 struct PatchLight {
     std::vector<Color> direct;  // irradiance from lights, patches that emit included
     std::vector<Color> total;   // irradiance
     int sweeps = 0;
-    float residual = 0;  // of power that has not been reflected yet, relative to all
+    float residual = 0;  // power that has not been reflected yet, relative to the total
 };
 
 struct SolveLimits {
     float residual = 1e-5f;
-    int sweeps = 1000;  // of gathering; each adds one bounce
+    int sweeps = 1000;  // greatest number of gathering sweeps, each of which adds one bounce
 };
 
-/// All patches at a time gather from all others, sweep by sweep (Jacobi).
+/// Solves by gathering: in each sweep, all patches gather from all others (Jacobi iteration).
 PatchLight solve_by_gathering(const RadiositySystem& system, const SolveLimits& limits, Progress& progress);
 
-/// A few patches at a time, those with the most power that they have not sent yet, send it to all others: progressive
-/// refinement [Cohen88].
+/// Solves by progressive refinement [Cohen88]: in each step, the few patches with the most unsent power send it to all
+/// others.
 PatchLight solve_by_shooting(const RadiositySystem& system, const SolveLimits& limits, Progress& progress);
 
-/// The solution once more at the middle of each patch, with links of larger nodes that it is a part of taken there: what was
-/// the same for all parts of a node varies over them [Lischinski93, local pass].
+/// Evaluates the solution once more at the centre of each patch, with the form factors from there to the other ends of
+/// the links, so that light that links distributed uniformly over a larger node varies over its parts [Lischinski93,
+/// local pass].
 void refine_locally(const RadiositySystem& system, PatchLight& light, Progress& progress);
 
 }  // namespace eclat

@@ -1,12 +1,12 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Progressive refinement over linked patches [Cohen88]: again and again the part of the scene with the most power that it
-// has not sent yet sends it. Light that arrives at a node waits there until what lies below sends in its turn, so that a step
-// costs what its links cost, however many patches lie behind them. How much power waits is known all the same: irradiance on a
-// node becomes that much power times the sum of albedo and area below.
-//
-// The patch with the most power is Southwell's choice; here it is looked for from the root down, along the greater half.
+// Progressive refinement over linked patches [Cohen88]: in each step, the part of the scene with the most unsent power
+// sends it. Light that arrives at a node is stored there until the patches below send, so that the time of a step
+// depends on the number of its links and not on the number of patches below them. The unsent power is nevertheless
+// known: it is the stored irradiance times the sum of albedo times area over the patches below.
+// Southwell's method takes the patch with the most power; here it is searched from the root down, always in the half
+// with more power.
 
 #include <algorithm>
 #include <vector>
@@ -17,7 +17,7 @@ namespace eclat {
 
 namespace {
 
-constexpr uint32_t most_patches = 64;  // that send together
+constexpr uint32_t most_patches = 64;  // greatest number of patches that send together
 
 class Shooter {
   public:
@@ -63,7 +63,7 @@ class Shooter {
         for (uint32_t up = tree_[top].parent; up != no_node; up = tree_[up].parent) send(up, power / tree_[up].area);
     }
 
-    /// Hands down what still waits.
+    /// Passes all stored irradiance down to the patches.
     void finish() {
         for (uint32_t i = 0; i < waiting_.size(); ++i)
             tree_[i].is_leaf() ? void(light.total[i] += waiting_[i] * system_.receives(i)) : push(i);
@@ -82,7 +82,7 @@ class Shooter {
         return node;
     }
 
-    /// Hands what waits at a node to its halves.
+    /// Passes the irradiance that is stored at a node to its halves.
     void push(uint32_t node) {
         if (is_black(waiting_[node])) return;
         for (const uint32_t half : {tree_[node].child, tree_[node].child + 1}) {
@@ -92,7 +92,7 @@ class Shooter {
         waiting_[node] = Color();
     }
 
-    /// What each node under `node` has to send; it has sent it then.
+    /// Collects the unsent light of each node below `node` and marks it as sent.
     void collect(uint32_t node) {
         subtree_.push_back(node);
         power_[node] = Color();
@@ -117,7 +117,7 @@ class Shooter {
         sent_[node] = sent_[c] * first + sent_[c + 1] * (1 - first);
     }
 
-    /// Brings the power above `node` up to date.
+    /// Updates the unsent power of the ancestors of `node`.
     void send_up(uint32_t node) {
         for (uint32_t up = tree_[node].parent; up != no_node; up = tree_[up].parent) {
             const uint32_t c = tree_[up].child;
@@ -125,7 +125,7 @@ class Shooter {
         }
     }
 
-    /// Patches behind those that have just sent have what these let through to send in their turn.
+    /// Adds transmitted light to the unsent light of the patches behind those that received it.
     void hand_through() {
         for (const Passed& p : passed_) {
             unsent_[p.patch] += p.radiosity;
@@ -147,10 +147,10 @@ class Shooter {
 
     const RadiositySystem& system_;
     const PatchTree& tree_;
-    std::vector<Color> waiting_;   // irradiance that has not been handed to the patches below
-    std::vector<Color> reflects_;  // Σ (ρ + τ) A of the patches below, τ of what lies behind them
-    std::vector<Color> power_;     // not sent yet by what lies below, W
-    std::vector<Color> unsent_;    // of patches: light that lights made
+    std::vector<Color> waiting_;   // irradiance that has not been passed to the patches below
+    std::vector<Color> reflects_;  // Σ (ρ + τ) A of the patches below, with τ of the patches behind them
+    std::vector<Color> power_;     // unsent power of the patches below, W
+    std::vector<Color> unsent_;    // unsent radiosity of patches from lights
     std::vector<Color> sent_;      // radiosity of this step
     std::vector<uint32_t> patches_, subtree_;
     struct Passed {
@@ -168,7 +168,7 @@ PatchLight solve_by_shooting(const RadiositySystem& system, const SolveLimits& l
     const float all = shooter.unsent_power();
     constexpr uint64_t whole = 1000;
     progress.begin(whole);
-    // Each patch may send as often as it could gather.
+    // The greatest number of steps allows each patch to send as often as it could gather.
     const uint64_t most = uint64_t(limits.sweeps) * system.tree().leaves().size();
     while (uint64_t(shooter.light.sweeps) < most && shooter.unsent_power() > limits.residual * all) {
         progress.check();

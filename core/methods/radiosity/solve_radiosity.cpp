@@ -23,29 +23,30 @@ namespace eclat {
 
 namespace {
 
-constexpr int most_turns = 4;           // of refinement and gathering
-constexpr float few_new_links = 0.02f;  // of all: another turn would hardly change anything
+constexpr int most_turns = 4;           // greatest number of alternations of refinement and gathering
+constexpr float few_new_links = 0.02f;  // share of new links below which another turn would change little
 constexpr float coarse_residual = 1e-3f;
 
-// Links for each patch or face cluster at which they end; where more are asked for, the tolerance gives way. The Cornell box
-// takes 10 of 500 000 patches and 50 of 20 000.
+// This is the greatest number of links per patch or face cluster; if more are needed, the tolerance is increased. The
+// Cornell box needs 10 with 500 000 patches and 50 with 20 000.
 constexpr size_t links_per_end = 40, least_budget = 2'000'000;
 
-// A kilobyte and links for each.
+// Each takes a kilobyte and its links.
 constexpr size_t most_patches = 5'000'000;
 
-// No sender counts as darker than this part of the mean. The sums of form factors are then known well enough to be balanced.
+// Every sender counts as at least this share of the mean, so that the sums of form factors are accurate enough to be
+// balanced.
 constexpr float least_sender = 0.25f;
 
 // Relative contrast of neighbouring patches below which a smooth reconstruction hides it.
 constexpr float least_contrast = 0.03f;
 constexpr size_t neighbors = 8;
 
-// Where links are refined: black patches that are lit count as sending a little. Form factors are scaled to their closure,
-// so those of a black room must be known as well, or what it takes is wrong.
+// When links are refined, black patches that are lit count as sending a little light. Form factors are scaled to the
+// closure, so the form factors of black surfaces must be accurate too, or the light that they absorb would be wrong.
 constexpr float least_albedo = 0.05f;
 
-// As if the light of its two sides had nothing in common.
+// The light of the two sides is treated as unrelated.
 constexpr float cut_contrast = 2;
 
 class Solver {
@@ -87,14 +88,16 @@ class Solver {
             return o.patch_size;
         }
         require(o.patches <= most_patches, "radiosity: expected at most 5 million patches");
-        // Besides one for each side, or the large sides of a scene of many small ones would be left whole.
+        // These patches are in addition to one for each side, because the large sides of a scene of many small ones
+        // would otherwise not be divided.
         return patch_size_for(geometry, count_sides(geometry) + (o.refinements > 0 ? o.patches / 2 : o.patches));
     }
 
-    /// About that of patches, were all surfaces of one piece.
+    /// Returns about the size that patches would have if all surfaces were one piece.
     static float face_size(const Geometry& geometry, const RadiosityOptions& o) {
         if (o.patch_size > 0) return o.patch_size;
-        // The diameter of a disc as large as a patch, a little more: 1.4 of the root of its area.
+        // The size is slightly more than the diameter of a disc with the area of a patch: 1.4 times the root of its
+        // area.
         return 1.4f * static_cast<float>(std::sqrt(total_area(geometry) / static_cast<double>(o.patches)));
     }
 
@@ -104,7 +107,7 @@ class Solver {
                          progress_);
     }
 
-    /// Links for the light that there is; then `light_` is that light.
+    /// Refines the links for the current light, and then computes `light_` with them.
     void link() {
         size_t before = 0;
         for (int turn = 0; turn < most_turns; ++turn) {
@@ -150,7 +153,7 @@ class Solver {
         return std::max(least_budget, links_per_end * static_cast<size_t>(count));
     }
 
-    /// Irradiance of a patch, or of the one that it was a part of when there was some.
+    /// Returns the irradiance of a patch, or of the patch of which it was a part when the light was last computed.
     Color inherited(uint32_t node) const {
         while (node != no_node && !tree_[node].is_cluster()) {
             if (!is_black(light_.total[node])) return light_.total[node];
@@ -159,8 +162,8 @@ class Solver {
         return {};
     }
 
-    /// Patches whose light differs from that of their neighbours, those first where it matters most, as many as the wanted
-    /// number of patches leaves for each of `rounds`.
+    /// Returns the patches whose light differs most from that of their neighbours, as many as the wanted number of
+    /// patches allows in each of `rounds`.
     std::vector<uint32_t> choose_patches(int rounds) const {
         const auto& leaves = tree_.leaves();
         const size_t wanted =
@@ -180,7 +183,7 @@ class Solver {
         return order;
     }
 
-    /// By leaf: the largest relative difference to a neighbour's irradiance.
+    /// Returns for each leaf the largest relative difference from the irradiance of a neighbour.
     std::vector<float> contrasts() const {
         const auto& leaves = tree_.leaves();
         std::vector<Vec3> centers;
@@ -201,7 +204,7 @@ class Solver {
                 const PatchNode& patch = tree_[leaves[l]];
                 if (surfaces_[leaves[l]].unknown()) continue;
                 if (surfaces_[leaves[l]].cut) {
-                    // The smaller it is, the less is left out.
+                    // A smaller distance leaves out less.
                     out[l] = cut_contrast;
                     continue;
                 }
@@ -255,10 +258,10 @@ class Solver {
     const World& world_;
     const RadiosityOptions& options_;
     Progress& progress_;
-    float tolerance_ = 0;  // that held for the links that there are
-    float face_size_;      // of clusters at which links end
+    float tolerance_ = 0;  // tolerance with which the current links were made
+    float face_size_;      // width of clusters at which links end
     PatchTree tree_;
-    std::vector<PatchSurface> surfaces_;  // by node
+    std::vector<PatchSurface> surfaces_;  // surface of each node
     std::vector<Link> links_;
     PatchLight light_;
 };
