@@ -18,17 +18,25 @@ import sys
 import time
 from collections import deque
 from collections.abc import Callable, Mapping
+from contextlib import suppress
 from types import TracebackType
 from typing import Any, Self, TextIO
 
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn
 
+from eclat.errors import printable
+
 _CONTROL = re.compile("[\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff]")
 """Characters that JSON does not escape, but that control terminals or break lines."""
 
 SHOW_AFTER = 2.0
 """Seconds before the bar appears; shorter calls need no bar."""
+
+LINE_EVERY = 30.0
+"""The number of seconds after which another plain line is printed, also if the finished share has hardly changed."""
+LINE_PAUSE = 0.05
+"""The shortest pause between two plain lines, as a share of the time since the start: 20 s after 400 s."""
 
 RATE_WINDOW = 2.0
 """Seconds over which the rays per second are averaged: long enough to read the number, short enough to follow a new
@@ -81,7 +89,9 @@ class Meter:
 class ProgressBar:
     """A line with the phase, a bar, the rays per second and the time left.
 
-    It is shown only on a terminal and only after `SHOW_AFTER` seconds, and removed when the `with` block ends.
+    It is shown only after `SHOW_AFTER` seconds, and removed when the `with` block ends. Where there is no terminal, plain
+    lines are printed instead, one for each new phase, tenth of it, or `LINE_EVERY` seconds, but not more than a reader of
+    a log can bear: the pause between two lines is at least `LINE_PAUSE` of the time since the start.
     """
 
     def __init__(self, console: Console | None = None, clock: Clock = time.monotonic) -> None:
@@ -90,6 +100,7 @@ class ProgressBar:
         self._begun = clock()
         self._meter = Meter(clock)
         self._bar: Progress | None = None
+        self._line: tuple[str, float, float] | None = None  # phase, fraction and time of the last plain line
         self._task = TaskID(0)
 
     def __enter__(self) -> Self:
@@ -103,7 +114,10 @@ class ProgressBar:
     def __call__(self, phase: str, fraction: float, statistics: Mapping[str, float]) -> None:
         fraction = min(1.0, max(0.0, fraction)) if math.isfinite(fraction) else 0.0
         self._meter.update(phase, fraction, float(statistics.get("rays", 0.0)))
-        if not self._console.is_terminal or self._clock() - self._begun < SHOW_AFTER:
+        if self._clock() - self._begun < SHOW_AFTER:
+            return
+        if not self._console.is_terminal:
+            self._print_line(phase, fraction, statistics)
             return
         if self._bar is None:
             self._start()
@@ -117,6 +131,25 @@ class ProgressBar:
         )
         # The bar is refreshed at each report; rich's own refreshing thread would take processor time from the renderer.
         self._bar.refresh()
+
+    def _print_line(self, phase: str, fraction: float, statistics: Mapping[str, float]) -> None:
+        """Print a plain line if it says something new."""
+        now = self._clock()
+        if self._line is not None:
+            last_phase, last_fraction, last = self._line
+            is_new = phase != last_phase or abs(fraction - last_fraction) >= 0.1 or now - last >= LINE_EVERY
+            if not is_new or now - last < max(SHOW_AFTER, LINE_PAUSE * (now - self._begun)):
+                return
+        self._line = phase, fraction, now
+        parts = [
+            f"{phase_text(phase, statistics.get('error'))} {100 * fraction:.0f} %",
+            rate_text(self._meter.rays_per_second),
+            left_text(self._meter.seconds_left),
+        ]
+        # A log that cannot be written, or a closed standard error, must not stop the work.
+        with suppress(OSError, ValueError):
+            self._console.file.write(f"eclat: {printable(', '.join(filter(None, parts)))}\n")
+            self._console.file.flush()
 
     def close(self) -> None:
         """Remove the bar from the screen."""

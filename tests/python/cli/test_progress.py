@@ -74,9 +74,35 @@ def test_a_bar_shows_phase_rate_and_time_left() -> None:
         assert part in text
 
 
-def test_no_bar_is_shown_for_short_calls_or_without_a_terminal() -> None:
+def test_no_bar_is_shown_for_short_calls() -> None:
     assert bar_text(terminal=True, seconds=1.5) == ""
-    assert bar_text(terminal=False, seconds=60) == ""
+    assert bar_text(terminal=False, seconds=1.5) == ""
+
+
+def test_lines_are_printed_without_a_terminal() -> None:
+    assert bar_text(terminal=False, seconds=2.5) == "eclat: solve 50 %, 9.8 Mrays/s, 0:04 left\n"
+
+
+def printed_lines(reports: list[tuple[float, str, float]]) -> list[str]:
+    """The plain lines for reports of (time, phase, fraction), without rate and time left."""
+    file, clock = io.StringIO(), Clock()
+    begun = clock.now
+    with ProgressBar(Console(file=file, force_terminal=False, width=40), clock) as bar:
+        for seconds, phase, fraction in reports:
+            clock.now = begun + seconds
+            bar(phase, fraction, {})
+    return [line.partition(",")[0] for line in file.getvalue().splitlines()]
+
+
+def test_plain_lines_tell_each_tenth_phase_and_half_minute() -> None:
+    slow = [(second, "solve", 0.001 * second) for second in range(100)]
+    assert printed_lines(slow) == [f"eclat: solve {percent} %" for percent in (0, 3, 6, 9)]
+    quick = [(float(second), "solve", second / 25) for second in range(25)] + [(26.5, "render", 0.0)]
+    steps = [f"eclat: solve {percent} %" for percent in (8, 20, 32, 44, 56, 68, 80, 92)]
+    assert printed_lines(quick) == [*steps, "eclat: render 0 %"]
+    day = [(60.0 * i, "solve", (i * 0.37) % 1) for i in range(24 * 60)]
+    assert len(printed_lines(day)) < 150
+    assert printed_lines([(3.0, "odd\x1b[2J", 0.0)]) == [r"eclat: odd\x1b[2J 0 %"]
 
 
 def test_a_bar_accepts_numbers_that_are_not_finite() -> None:
