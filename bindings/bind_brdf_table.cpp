@@ -35,7 +35,9 @@ auto factors(const InterfaceReflectance& reflectance) {
 
 /// Orders (N), coefficients (N, terms, order²) filled with zeros beyond each direction's order, errors (N).
 auto lookup(const BrdfTable& table, Points directions, Floats1 alphas) {
-    if (alphas.shape(0) != directions.shape(0)) throw std::invalid_argument("expected as many alphas as directions");
+    if (alphas.shape(0) != directions.shape(0))
+        throw std::invalid_argument("BRDF table: expected as many alphas as directions, got " +
+                                    std::to_string(alphas.shape(0)) + " and " + std::to_string(directions.shape(0)));
     const size_t count = directions.shape(0), terms = size_t(table.terms());
     const size_t all = size_t(coefficient_count(table.order()));
     std::vector<float> orders(count), errors(count), found(terms * all);

@@ -40,7 +40,9 @@ auto to_array(const std::vector<IrradianceRecord>& records) {
 }
 
 std::vector<IrradianceRecord> records_of(const Array<float, -1, -1>& values) {
-    if (values.shape(1) != floats_per_record) throw std::invalid_argument("a record cache of another version");
+    if (values.shape(1) != floats_per_record)
+        throw std::invalid_argument("records: expected rows of " + std::to_string(floats_per_record) + " floats, got " +
+                                    std::to_string(values.shape(1)));
     std::vector<IrradianceRecord> records(values.shape(0));
     if (!records.empty())
         std::memcpy(static_cast<void*>(records.data()), values.data(), records.size() * sizeof(IrradianceRecord));

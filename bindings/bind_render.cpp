@@ -73,7 +73,8 @@ Estimator called_estimator(const World& world, nb::object function) {
         });
         const nb::object found = function(color_array(origins), color_array(directions), std::move(numbers));
         const auto radiance = nb::cast<FoundRadiance>(found);
-        require(radiance.shape(0) == rays.size(), "an estimator: expected a radiance for each ray");
+        require(radiance.shape(0) == rays.size(), "estimator: expected radiance for " + std::to_string(rays.size()) +
+                                                      " rays, got " + std::to_string(radiance.shape(0)));
         for (size_t i = 0; i < rays.size(); ++i) {
             results[i].radiance = {radiance(i, 0, 0), radiance(i, 0, 1), radiance(i, 0, 2)};
             results[i].direct = {radiance(i, 1, 0), radiance(i, 1, 1), radiance(i, 1, 2)};
@@ -93,7 +94,8 @@ PointEstimator called_point_estimator(nb::object function) {
         }
         const nb::object found = function(color_array(positions), color_array(normals), options.component);
         const auto values = nb::cast<Points>(found);
-        require(values.shape(0) == points.size(), "an estimator: expected an irradiance for each point");
+        require(values.shape(0) == points.size(), "estimator: expected irradiance at " + std::to_string(points.size()) +
+                                                      " points, got " + std::to_string(values.shape(0)));
         PointIrradiance out;
         for (size_t i = 0; i < points.size(); ++i) out.values.push_back({values(i, 0), values(i, 1), values(i, 2)});
         return out;
@@ -192,7 +194,8 @@ auto film_sums(const Film& film) {
 
 void restore_film(Film& film, const Array<float, -1, -1, static_cast<int>(numbers_of_pixel)>& sums) {
     require(sums.shape(0) == size_t(film.height()) && sums.shape(1) == size_t(film.width()),
-            "sums: expected " + std::to_string(film.width()) + "x" + std::to_string(film.height()) + " pixels");
+            "sums: expected " + std::to_string(film.width()) + "x" + std::to_string(film.height()) + " pixels, got " +
+                std::to_string(sums.shape(1)) + "x" + std::to_string(sums.shape(0)));
     const float* data = sums.data();
     for (Film::Pixel& p : film.pixels()) {
         for (const auto color : summed_colors) p.*color = {data[0], data[1], data[2]}, data += 3;

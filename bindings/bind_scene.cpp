@@ -100,7 +100,7 @@ struct SceneBuilder {
 void set_parameter(Material& material, const std::string& name, const Value& value) {
     const auto names = parameter_names(material.kind);
     const auto found = std::find(names.begin(), names.end(), name);
-    require(found != names.end(), "material: no parameter " + name);
+    require(found != names.end(), "material: expected the name of a parameter of its kind, got " + name);
     material.parameters.resize(names.size());
     material.parameters[static_cast<size_t>(found - names.begin())] = value;
 }

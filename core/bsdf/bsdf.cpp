@@ -37,7 +37,7 @@ void Bsdf::add(const Lobe& lobe, Color weight) {
                 entries_[size_t(i)].weight += weight;
                 return;
             }
-    if (count_ == capacity) throw std::length_error("a BSDF has at most 8 lobes: blend fewer materials");
+    if (count_ == capacity) throw std::length_error("BSDF: expected at most 8 lobes, got more: blend fewer materials");
     std::construct_at(&entries_[size_t(count_)], lobe, weight);
     std::visit(
         [&](const auto& l) {

@@ -152,7 +152,8 @@ HemisphericalRotation::HemisphericalRotation(int order, Horizon horizon, int sph
       overlaps_(size_t(order) * size_t(order) * size_t(spherical_order)) {
     require_order(order);
     require_order(spherical_order);
-    require(spherical_order >= order, "the spherical order must not be below the hemispherical one");
+    require(spherical_order >= order, "rotation: expected a spherical order of at least " + std::to_string(order) +
+                                          ", the hemispherical order, got " + std::to_string(spherical_order));
     std::vector<double> H(size_t(polar_count(order))), Y(size_t(polar_count(spherical_order)));
     // Smooth in √z (hemisphere_heights): with that many nodes the error is that of rounding.
     for (const QuadratureNode& node : hemisphere_heights(2 * (order + spherical_order))) {

@@ -60,7 +60,7 @@ RadianceProjection::RadianceProjection(int order, Rows kind, int rows)
 
 RadianceCoefficients RadianceProjection::operator()(const HemisphereSamples& samples) const {
     require(samples.rows == rows_ && samples.columns == columns_ && samples.kind == kind_,
-            "a gather of another shape than its projection");
+            "radiance projection: expected samples of the grid for which it was made, got another grid");
     const size_t count = size_t(coefficient_count(order_));
     RadianceCoefficients out;
     out.values.resize(3 * count);

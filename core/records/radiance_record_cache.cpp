@@ -54,7 +54,9 @@ RadianceCache::RadianceCache(const CacheOptions& options, int order)
 void RadianceCache::insert(std::span<const IrradianceRecord> records,
                            std::span<const RadianceCoefficients> coefficients, std::span<const PlacedLobe> lobes,
                            float spacing, int threads) {
-    require(records.size() == coefficients.size(), "expected as many coefficients as records");
+    require(records.size() == coefficients.size(), "radiance cache: expected coefficients for each record, got " +
+                                                       std::to_string(coefficients.size()) + " for " +
+                                                       std::to_string(records.size()) + " records");
     require(lobes.empty() || lobes.size() == records.size(), "expected as many lobes as records");
     lobes_.insert(lobes_.end(), lobes.begin(), lobes.end());
     const auto count = size_t(coefficient_count(order_));
@@ -71,7 +73,8 @@ void RadianceCache::insert(std::span<const IrradianceRecord> records,
 void RadianceCache::insert(std::span<const IrradianceRecord> records, std::span<const float> values,
                            std::span<const uint16_t> gradients, float spacing, int threads) {
     require(values.size() == records.size() * 3 * stride_ && gradients.size() == 2 * values.size(),
-            "a radiance cache of another order");
+            "radiance cache: expected coefficients and gradients of order " + std::to_string(order_) +
+                ", got arrays of another size");
     values_.insert(values_.end(), values.begin(), values.end());
     gradients_.insert(gradients_.end(), gradients.begin(), gradients.end());
     cache_.insert(records, spacing, threads);

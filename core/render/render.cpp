@@ -121,10 +121,11 @@ void render(const Camera& camera, const Estimator& estimate, const RenderRange& 
         for (int tx = range.x0 / tile_size; tx * tile_size < range.x1; ++tx) tiles.emplace_back(tx, ty);
     const size_t pixels = size_t(camera.width) * static_cast<size_t>(camera.height);
     require(range.end_samples.empty() || (range.first_samples.size() == pixels && range.end_samples.size() == pixels),
-            "first_samples, end_samples: expected " + std::to_string(pixels) + " pixels");
+            "first_samples, end_samples: expected " + std::to_string(pixels) + " pixels, got " +
+                std::to_string(range.first_samples.size()) + " and " + std::to_string(range.end_samples.size()));
     if (!range.tile_order.empty()) {
-        require(range.tile_order.size() == tiles.size(),
-                "tile_order: expected " + std::to_string(tiles.size()) + " tiles");
+        require(range.tile_order.size() == tiles.size(), "tile_order: expected " + std::to_string(tiles.size()) +
+                                                             " tiles, got " + std::to_string(range.tile_order.size()));
         const auto in_order = tiles;
         for (size_t i = 0; i < tiles.size(); ++i) tiles[i] = in_order[range.tile_order[i] % in_order.size()];
     }

@@ -34,7 +34,7 @@ class AliasTable {
 
     explicit AliasTable(std::span<const double> weights) {
         require(weights.size() <= max_size,
-                "alias table: at most 4194304 entries, got " + std::to_string(weights.size()));
+                "alias table: expected at most 4194304 entries, got " + std::to_string(weights.size()));
         std::vector<uint32_t> counts = share_out(weights);
         if (counts.empty()) return;
         pdf_.resize(weights.size());

@@ -78,8 +78,8 @@ void Material::prepare(const std::vector<Material>& materials) {
             pane |= materials[child].pane;
             lobes += materials[child].lobes;
         }
-    require(lobes <= Bsdf::capacity, "a blend of materials has " + std::to_string(lobes) + " lobes; at most " +
-                                         std::to_string(Bsdf::capacity) + " are supported: blend fewer materials");
+    require(lobes <= Bsdf::capacity, "blend: expected materials with at most " + std::to_string(Bsdf::capacity) +
+                                         " lobes, got " + std::to_string(lobes) + ": blend fewer materials");
     if (kind == MaterialKind::plastic)
         coat = make_plastic_table(parameters[parameter(MaterialKind::plastic, "ior")].constant.r,
                                   std::min(parameters[parameter(MaterialKind::plastic, "alpha_u")].constant.r, 1.0f),

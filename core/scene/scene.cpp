@@ -46,7 +46,9 @@ void check(const MeshArrays& m, size_t index, size_t materials) {
         for (uint32_t v : m.triangles[i].v)
             require(v < n, where + "triangle " + std::to_string(i) + " uses vertex " + std::to_string(v) + " of " +
                                std::to_string(n));
-    require(m.material >= 0 && static_cast<size_t>(m.material) < materials, where + "material out of range");
+    require(m.material >= 0 && static_cast<size_t>(m.material) < materials,
+            where + "expected the index of one of " + std::to_string(materials) + " materials, got " +
+                std::to_string(m.material));
 }
 
 }  // namespace

@@ -141,19 +141,21 @@ BrdfTable::BrdfTable(std::vector<TableLobe> lobes, const BrdfTableOptions& optio
     const size_t count = lobes_.size() * grid_.directions();
     require(nodes_.orders.size() == count && nodes_.errors.size() == count &&
                 nodes_.coefficients.size() == count * size_t(terms() * count_per_term()),
-            "a BRDF table of another lobe, order or resolution");
-    for (const uint8_t order : nodes_.orders) require(order <= options_.order, "a BRDF table with impossible orders");
+            "BRDF table: expected arrays for these lobes, this order and this resolution, got arrays of other sizes");
+    for (const uint8_t order : nodes_.orders)
+        require(order <= options_.order, "BRDF table: expected orders of at most " + std::to_string(options_.order) +
+                                             ", got " + std::to_string(order));
 }
 
 void BrdfTable::check() {
-    require(!lobes_.empty(), "a BRDF table needs a lobe");
+    require(!lobes_.empty(), "BRDF table: expected at least one lobe, got none");
     require(options_.order >= 1 && options_.order <= BrdfTableOptions::max_order,
             "order must be in [1, 12], got " + std::to_string(options_.order));
     require(options_.resolution >= 2, "resolution must be at least 2, got " + std::to_string(options_.resolution));
     for (size_t i = 1; i < lobes_.size(); ++i)
         require(lobes_[i].kind == lobes_[0].kind && lobes_[i].isotropic() && lobes_[0].isotropic() &&
                     lobes_[i].u > lobes_[i - 1].u,
-                "the lobes of a table must be isotropic, of one kind and rising in roughness");
+                "BRDF table: expected isotropic lobes of one kind with increasing roughness, got others");
     std::vector<float> alphas;
     for (const TableLobe& lobe : lobes_) alphas.push_back(lobe.u);
     grid_ = TableGrid(options_.resolution, isotropic_, alphas);

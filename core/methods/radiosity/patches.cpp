@@ -216,7 +216,8 @@ PatchTree::PatchTree(const Geometry& geometry, float face_size, NoPatches)
         builder.sides.push_back({t, false, center, normal});
         if (!geometry.has_no_back(t)) builder.sides.push_back({t, true, center, -normal});
     }
-    require(builder.sides.size() < no_node / 4, "radiosity: too many triangles");
+    require(builder.sides.size() < no_node / 4, "radiosity: expected fewer than " + std::to_string(no_node / 4) +
+                                                    " sides of triangles, got " + std::to_string(builder.sides.size()));
     if (builder.sides.empty()) return;
     nodes_.reserve(2 * builder.sides.size());
     nodes_.resize(1);
@@ -236,7 +237,10 @@ PatchTree::PatchTree(const Geometry& geometry, float size, float face_size)
 }
 
 PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names) : PatchTree(geometry, 0, NoPatches{}) {
-    const auto fail = [] { require(false, "patches: expected those of this scene, without gaps and overlaps"); };
+    const auto fail = [] {
+        require(false,
+                "patches: expected patches that cover the surfaces of this scene without gaps or overlaps, got others");
+    };
     for (const PatchName& name : names) {
         const size_t side = 2 * size_t(name.triangle) + name.back;
         if (side >= side_.size() || side_[side] == no_node || name.path == 0) fail();

@@ -23,8 +23,8 @@ struct RadiosityOptions {
     float patch_size = 0;    // longest edge of a patch, m; 0 chooses it so that there are about `patches`
     size_t patches = 20000;  // number of patches after all refinements, in addition to one for each side
     int refinements = 2;     // number of times that patches are divided where light changes quickly
-    float tolerance =
-        0.003f;  // tolerated error of a link relative to the mean radiosity; increased if there are too many links
+    /// Tolerated error of a link relative to the mean radiosity, which is increased if there are too many links.
+    float tolerance = 0.003f;
     RadiositySolver solver = RadiositySolver::gathering;
     int bounces = -1;  // greatest number of edges from lights to patches: 1 is direct light; −1 means unlimited
     uint32_t seed = 0;

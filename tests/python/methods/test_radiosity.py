@@ -76,7 +76,7 @@ def test_damaged_files(solution: eclat.RadiositySolution, scene: eclat.Scene, tm
     patches = arrays["patches"].copy()
     patches[0] = patches[1]
     np.savez(file, **{**arrays, "patches": patches})
-    with pytest.raises(eclat.EclatError, match="expected those of this scene, without gaps and overlaps"):
+    with pytest.raises(eclat.EclatError, match="cover the surfaces of this scene without gaps or overlaps"):
         eclat.render(scene, eclat.RadiositySolution.load(file), samples=1, size=(8, 8))
 
 

@@ -88,8 +88,9 @@ TEST_CASE("divided patches become four, and names restore the same tree") {
         for (int k = 0; k < 3; ++k) CHECK(a.corner[k] == b.corner[k]);
     }
     const auto refused = [&](std::vector<PatchName> wrong) {
-        CHECK_THROWS_WITH(PatchTree(*room.geometry, wrong),
-                          "patches: expected those of this scene, without gaps and overlaps");
+        CHECK_THROWS_WITH(
+            PatchTree(*room.geometry, wrong),
+            "patches: expected patches that cover the surfaces of this scene without gaps or overlaps, got others");
     };
     auto missing = names, twice = names, elsewhere = names, deeper = names;
     missing.pop_back();
