@@ -14,7 +14,7 @@ namespace {
 // of 2e-3 at most in the albedo of a dielectric (F0 = 0.04), at grazing angles, and 7e-3 in that of a perfect mirror.
 constexpr int azimuths = 16, heights = 32;
 
-/// Mean of what visible facets reflect, split by Schlick's weight.
+/// Computes the mean reflectance of the visible facets, split by Schlick's weight.
 SplitAlbedo integrate(float cos_theta, float alpha) {
     if (alpha < smallest_alpha) {
         const float w = schlick_weight(cos_theta);
@@ -25,7 +25,7 @@ SplitAlbedo integrate(float cos_theta, float alpha) {
     double f0 = 0, f90 = 0;
     for (int i = 0; i < azimuths; ++i)
         for (int j = 0; j < heights; ++j) {
-            // Half the azimuths do: the other half mirrors them.
+            // Half of the azimuths suffice, because the other half mirrors them.
             const Vec3 m =
                 facets.sample_visible_normal(wo, {0.5f * (float(i) + 0.5f) / azimuths, (float(j) + 0.5f) / heights});
             const Vec3 wi = m * (2 * dot(wo, m)) - wo;

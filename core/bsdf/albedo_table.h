@@ -20,12 +20,13 @@ namespace eclat {
 struct SplitAlbedo {
     float f0 = 0, f90 = 0;
 
-    /// Where everything is reflected.
+    /// The entry for a surface that reflects all light.
     Color white() const { return Color(f0 + f90); }
     float of(float reflectance_0, float reflectance_90) const { return f0 * reflectance_0 + f90 * reflectance_90; }
 };
 
-/// Bilinear in sqrt(cosθ) and sqrt(α), both uniform in [0, 1]: finer where the albedo bends.
+/// Interpolates bilinearly in sqrt(cosθ) and sqrt(α), both uniform in [0, 1], so that the table is finer where the
+/// albedo is more curved.
 class AlbedoTable {
   public:
     static constexpr int cos_count = 48, alpha_count = 24;

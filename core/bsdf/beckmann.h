@@ -68,7 +68,8 @@ inline float inverse_erf(float x) {
     return p * x;
 }
 
-/// Slope x in the plane of incidence below which lies the share `u` of the visible area, unit roughness.
+/// Returns the slope x in the plane of incidence below which the fraction `u` of the visible area lies, for unit
+/// roughness.
 inline float sample_beckmann_slope(float u, float cos_theta, float sin_theta) {
     constexpr float half_inv_sqrt_pi = 0.28209479177f;
     float low = -beckmann_steepest, high = beckmann_steepest_visible(cos_theta, sin_theta);
@@ -89,12 +90,12 @@ inline float sample_beckmann_slope(float u, float cos_theta, float sin_theta) {
 
 /// Normal with density D(m) · max(0, dot(wo, m)) / σ(wo), wo.z > 0.
 inline Vec3 sample_beckmann_visible_normal(Vec3 wo, Vec2 u, float alpha_u, float alpha_v) {
-    // Stretch to unit roughness; turn the plane of incidence to +x.
+    // The configuration is stretched to unit roughness, and the plane of incidence is rotated to +x.
     const Vec3 w = normalize(Vec3{alpha_u * wo.x, alpha_v * wo.y, wo.z});
     const float sin_theta = std::sqrt(w.x * w.x + w.y * w.y);
     const float cos_phi = sin_theta > 0 ? w.x / sin_theta : 1, sin_phi = sin_theta > 0 ? w.y / sin_theta : 0;
 
-    // Across the plane of incidence, slopes are seen as they are: a normal distribution.
+    // Slopes perpendicular to the plane of incidence are normally distributed.
     const float across = inverse_erf(clamp(2 * u.y - 1, -0.9999999f, 0.9999999f));
     const float along = sample_beckmann_slope(clamp(u.x, 1e-7f, below_one), w.z, sin_theta);
 

@@ -83,7 +83,7 @@ float Bsdf::select(Vec3 wo, Mask set, std::array<float, capacity>& probability) 
 EvalPdf Bsdf::eval_lobes(Vec3 wo, Vec3 wi, Mask set) const {
     std::array<float, capacity> probability;
     EvalPdf sum;
-    // Only where some lobe is not a delta is there anything to add.
+    // Delta lobes contribute nothing here.
     if ((set & ~delta_) == 0 || select(wo, set, probability) == 0) return sum;
     for_each_bit(set & ~delta_, [&](size_t i) {
         const EvalPdf e = std::visit([&](const auto& l) { return l.eval(wo, wi); }, entries_[i].lobe);
@@ -118,7 +118,7 @@ std::optional<BsdfSample> Bsdf::sample_lobes(Vec3 wo, float u_lobe, Vec2 u, Lobe
         s.pdf_solid_angle *= probability[chosen];
         return s;
     }
-    // Any lobe might have led there.
+    // Any lobe may have generated this direction.
     const EvalPdf e = eval_lobes(wo, s.wi, lobes);
     if (!(e.pdf_solid_angle > 0)) return std::nullopt;
     s.weight = e.f * (abs_cos(s.wi) / e.pdf_solid_angle);

@@ -1,7 +1,8 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Front door of scattering at a point: a weighted sum of lobes in the local shading frame (z is the shading normal).
+// The interface for scattering at a point: a weighted sum of lobes in the local shading frame, whose z axis is the
+// shading normal.
 //
 // - `eval` does not include the cosine; delta lobes are 0 there and appear in `sample` only.
 // - Lobes that reflect are 0 unless wo.z > 0 and wi.z > 0: whoever owns a two-sided surface turns the frame. Solid
@@ -18,11 +19,12 @@
 
 namespace eclat {
 
-/// Which lobes are meant, by what knows their indirect light, or by whether a cache has given it (`set_cached`).
+/// Sets of lobes, which differ in the source of their indirect light and in whether a cache has given it
+/// (`set_cached`).
 enum class LobeSet : uint8_t {
     all,
-    diffuse,      // they reflect the irradiance of the side that is seen
-    translucent,  // they let through that of the other side
+    diffuse,      // lobes that reflect the irradiance of the visible side
+    translucent,  // lobes that transmit the irradiance of the other side
     matte,        // both of these
     glossy,       // all others, deltas included
     cached,
@@ -34,7 +36,7 @@ class Bsdf {
     static constexpr int capacity = 8;
 
     Bsdf() {}  // constructs no lobe: those beyond `count_` stay uninitialised
-    /// A Lambertian lobe alone, which most points of most scenes are.
+    /// Makes a BSDF with only a Lambertian lobe, which is the most frequent case.
     static Bsdf lambertian(Color reflectance) {
         Bsdf bsdf;
         if (is_black(reflectance)) return bsdf;
@@ -45,9 +47,9 @@ class Bsdf {
         return bsdf;
     }
 
-    /// `weight` times a lobe; Lambertian ones share a place. Throws std::length_error beyond `capacity`.
+    /// Adds `weight` times a lobe; Lambertian lobes are combined. Throws std::length_error beyond `capacity`.
     void add(const Lobe& lobe, Color weight);
-    /// The other's lobes times `weight`: blends.
+    /// Adds the lobes of another BSDF times `weight`, for blends.
     void append(const Bsdf& other, float weight);
 
     int count() const { return count_; }
@@ -55,7 +57,7 @@ class Bsdf {
     Color weight(int i) const { return entries_[size_t(i)].weight; }
     /// Marks all of a set as given by a cache.
     void set_cached(LobeSet set) { cached_ |= members(set); }
-    /// … a part of lobe i, of 0..1; what is left becomes another lobe.
+    /// Marks a share in 0..1 of lobe i as given by a cache; the rest becomes another lobe.
     void set_cached(int i, float share);
     bool has(LobeSet set) const { return members(set) != 0; }
     bool has_uncached_gloss() const { return (members(LobeSet::glossy) & ~cached_) != 0; }
@@ -70,7 +72,7 @@ class Bsdf {
         return {entries_[0].weight * inv_pi, wi.z * inv_pi};
     }
 
-    /// A direction that light comes from; nothing where it is absorbed. `u_lobe` and `u` are in [0, 1).
+    /// Samples a direction from which light comes, or nothing if the light is absorbed. `u_lobe` and `u` are in [0, 1).
     std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
         if (!is_lambertian_) return sample_lobes(wo, u_lobe, u, set);
         BsdfSample s;
@@ -79,9 +81,10 @@ class Bsdf {
         return s;
     }
 
-    /// ρ_d(wo): what the diffuse lobes reflect under uniform light; their indirect radiance is ρ_d / π · E.
+    /// Returns ρ_d(wo), the albedo of the diffuse lobes; their indirect radiance is ρ_d / π · E.
     Color diffuse_albedo(Vec3 wo) const { return albedo(wo, LobeSet::diffuse); }
-    /// τ_d(wo): what the translucent lobes let through; their indirect radiance is τ_d / π · E, with E of the other side.
+    /// Returns τ_d(wo), the transmittance of the translucent lobes; their indirect radiance is τ_d / π · E, with E of
+    /// the other side.
     Color translucent_albedo(Vec3 wo) const { return albedo(wo, LobeSet::translucent); }
 
     /// Directional albedo: exact for diffuse and delta lobes, an estimate for rough ones.
@@ -90,7 +93,7 @@ class Bsdf {
         return members(set) != 0 && wo.z > 0 ? entries_[0].weight : Color();
     }
 
-    /// What goes straight through, as light through a pane does.
+    /// Returns the share of light that passes straight through, as through a pane.
     Color straight(Vec3 wo) const;
 
   private:
@@ -118,7 +121,7 @@ class Bsdf {
     Color albedo_of_lobes(Vec3 wo, LobeSet set) const;
     float select(Vec3 wo, Mask set, std::array<float, capacity>& probability) const;
 
-    // Beside the first lobe, since that is all that most points read of a Bsdf.
+    // These are stored next to the first lobe, because most points read nothing else of a Bsdf.
     int count_ = 0;
     Mask diffuse_ = 0, translucent_ = 0, delta_ = 0, cached_ = 0;
     bool is_lambertian_ = false;  // one diffuse lobe with the same value everywhere: the fast path
@@ -144,7 +147,7 @@ Bsdf make_dielectric(float ior, float alpha_u, float alpha_v, Color reflection, 
 
 Bsdf make_thin_dielectric(float ior, Color reflection, Color transmission);
 
-/// A sheet that reflects diffusely on both sides, and lets light through as diffusely.
+/// Makes a thin surface that reflects and transmits light diffusely on both sides.
 Bsdf make_translucent(Color reflectance, Color transmittance);
 
 /// `table` must outlive the result.

@@ -89,7 +89,8 @@ Bsdf make_metallic_roughness(const MetallicRoughness& p) {
     Bsdf bsdf;
     const float diffuse = dielectric - through, turned = 1 - p.diffuse_transmission;
     bsdf.add(CoupledDiffuseLobe(smooth ? 0 : p.alpha, max_component(f0), f90), p.base_color * (diffuse * turned));
-    // What gloss reflects head-on is missing below, as it is of the part that is turned back.
+    // The light that the specular lobe reflects at normal incidence does not reach the diffuse base, neither on the way
+    // in nor on the way out.
     bsdf.add(DiffuseTransmissionLobe{}, p.diffuse_transmission_color * (diffuse * p.diffuse_transmission *
                                                                         (1 - std::min(max_component(f0), 1.0f))));
 

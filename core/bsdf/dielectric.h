@@ -38,7 +38,7 @@ struct RoughDielectricLobe {
     DielectricTint tint;
 
     EvalPdf eval(Vec3 wo, Vec3 wi) const {
-        // Turn wo up; the facets look the same from both sides.
+        // wo is mirrored to the upper side, because the facets are the same from both sides.
         const float eta = wo.z > 0 ? ior : 1 / ior;
         if (wo.z < 0) wo = mirrored(wo), wi = mirrored(wi);
         if (wo.z == 0 || wi.z == 0) return {};
@@ -73,7 +73,7 @@ struct RoughDielectricLobe {
     }
 
   private:
-    /// Both on the upper side.
+    /// Evaluates the reflection, with both directions on the upper side.
     EvalPdf eval_reflection(Vec3 wo, Vec3 wi, float eta) const {
         const Vec3 m = normalize(wo + wi);
         const float r = fresnel_dielectric(dot(wo, m), eta).reflectance;
@@ -82,7 +82,7 @@ struct RoughDielectricLobe {
                 tint.reflect_probability(r) * density / (4 * facets.visible_area(wo))};
     }
 
-    /// wo on the upper side, wi below.
+    /// Evaluates the refraction, with wo on the upper side and wi below.
     EvalPdf eval_refraction(Vec3 wo, Vec3 wi, float eta) const {
         // Half vector towards the thinner side [Walter07 eq. 16], turned up.
         const Vec3 h = wo + wi * eta;

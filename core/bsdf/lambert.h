@@ -29,8 +29,8 @@ struct LambertLobe {
     Color albedo(Vec3 wo) const { return Color(wo.z > 0 ? 1 : 0); }
 };
 
-/// Transmittance 1 to the other side, the same from both. It is not among the diffuse lobes but translucent: what it lets
-/// through is known to records of irradiance of the other side.
+/// A lobe with transmittance 1 to the other side, which is the same from both sides. It belongs to the translucent and
+/// not to the diffuse lobes, because records of the other side give its light.
 struct DiffuseTransmissionLobe {
     static constexpr bool is_diffuse = false, is_delta = false;
 

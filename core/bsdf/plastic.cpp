@@ -59,7 +59,8 @@ PlasticTable make_plastic_table(float ior, float alpha, Distribution distributio
     for (int i = 0; i < PlasticTable::size; ++i) {
         const float mu = std::max(float(i) / (PlasticTable::size - 1), 1e-6f);
         table.rough_transmittance[size_t(i)] = facet_shares(mu, ior, alpha, distribution).refracted;
-        // 2 ∫ R(μ) μ dμ by this rule falls short by 1 / size. So does Mitsuba, whose pictures ours shall equal.
+        // By this rule, 2 ∫ R(μ) μ dμ is too small by 1 / size. Mitsuba uses the same rule, and pictures shall agree
+        // with it.
         table.internal_reflectance +=
             2 * mu * facet_shares(mu, 1 / ior, alpha, distribution).reflected / PlasticTable::size;
     }

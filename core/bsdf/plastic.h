@@ -23,7 +23,8 @@
 
 namespace eclat {
 
-/// What depends on a coat's index and roughness only: made once a material, must outlive the BSDFs that use it.
+/// The values that depend only on the refractive index and the roughness of a coat. They are computed once per material
+/// and must outlive the BSDFs that use them.
 struct PlasticTable {
     static constexpr int size = 64;
 
@@ -43,8 +44,8 @@ struct PlasticTable {
 /// `alpha` below `smallest_alpha` is smooth. Takes milliseconds for a rough coat.
 PlasticTable make_plastic_table(float ior, float alpha, Distribution distribution);
 
-/// The base as seen through the coat, for a base that would reflect everything but for the light kept inside; its
-/// weight is `plastic_base_weight`.
+/// The base as seen through the coat, for a white base and without multiple internal reflection, which
+/// `plastic_base_weight` includes.
 struct CoatedDiffuseLobe {
     static constexpr bool is_diffuse = true, is_delta = false;
     const PlasticTable* table = nullptr;

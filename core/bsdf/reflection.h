@@ -15,7 +15,7 @@
 
 namespace eclat {
 
-/// What one facet reflects, by the cosine at which it is met.
+/// The reflectance of a facet as a function of the cosine of incidence.
 struct InterfaceReflectance {
     enum class Kind : uint8_t { conductor, dielectric, schlick };
 
@@ -90,7 +90,7 @@ struct RoughReflectionLobe {
     }
 };
 
-/// The limit of the above for smooth interfaces.
+/// The limit of the rough interface for a roughness of 0.
 struct MirrorLobe {
     static constexpr bool is_diffuse = false, is_delta = true;
     InterfaceReflectance reflectance;
@@ -108,7 +108,7 @@ struct MirrorLobe {
         return true;
     }
 
-    /// What goes straight through.
+    /// Returns the share of light that passes straight through.
     Color straight(Vec3 wo) const { return through ? albedo(wo) : Color(); }
 
     Color albedo(Vec3 wo) const {

@@ -36,7 +36,7 @@ struct ThinDielectricLobe {
         return true;
     }
 
-    /// What goes straight through.
+    /// Returns the share of light that passes straight through.
     Color straight(Vec3 wo) const { return tint.transmission * (1 - reflectance(wo.z)); }
 
     Color albedo(Vec3 wo) const { return tint.albedo(reflectance(wo.z)); }

@@ -19,10 +19,10 @@ namespace eclat {
 struct FilmSample {
     Color radiance{}, direct{}, albedo{};
     Vec3 normal{};
-    float distance = 0;  // 0: nothing was met
+    float distance = 0;  // 0 if the ray hit nothing
     bool cache_missed = false;
     bool gloss_cached = false, gloss_traced = false;  // at the first vertex
-    Color rough_albedo{};                             // of the first surface that is neither mirror nor clear glass
+    Color rough_albedo{};  // albedo of the first surface that is neither a mirror nor clear glass
     Vec3 rough_normal{};
 };
 
@@ -36,7 +36,7 @@ struct BadSample {
 class Film {
   public:
     Film(int width, int height) : width_(width), height_(height), pixels_(size_t(width) * height) {}
-    /// Between passes, while nobody adds.
+    /// This may be called only between passes, while no samples are added.
     Film(const Film& other)
         : width_(other.width_),
           height_(other.height_),
@@ -107,7 +107,7 @@ class Film {
         remember({x, y, sample});
     }
 
-    /// The first by their place, not by time, so that a warning is the same on any number of threads.
+    /// The first ones by position and not by time, so that a warning is the same with any number of threads.
     void remember(const BadSample& bad) {
         const auto before = [](const BadSample& a, const BadSample& b) { return a.key() < b.key(); };
         bad_.insert(std::upper_bound(bad_.begin(), bad_.end(), bad, before), bad);

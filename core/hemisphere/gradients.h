@@ -9,12 +9,13 @@
 
 namespace eclat {
 
-/// How irradiance changes when the normal turns: per channel, used as (n_k × n) · gradient. W·m⁻² per radian.
+/// The rotation gradient of irradiance per channel, in W·m⁻² per radian: a rotation of the normal from n_k to n changes
+/// the irradiance by (n_k × n) · gradient.
 struct RotationGradient {
     std::array<Vec3, 3> channel;
 };
 
-/// How irradiance changes when the point moves in its tangent plane: per channel. W·m⁻³.
+/// The translation gradient of irradiance in the tangent plane per channel, in W·m⁻³.
 struct TranslationGradient {
     std::array<Vec3, 3> channel;
 };

@@ -34,7 +34,7 @@ namespace {
 
 constexpr float degree = pi / 180;
 
-/// sin² between both walls of a row.
+/// Returns the difference of sin² between the two walls of a row.
 float row_middle(Rows kind, int j, int rows) {
     if (kind == Rows::cosine) return (static_cast<float>(j) + 0.5f) / static_cast<float>(rows);
     return 0.5f * (sqr(row_wall(kind, j, rows).sin) + sqr(row_wall(kind, j + 1, rows).sin));
@@ -79,7 +79,8 @@ Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind) {
 }
 
 float excess_limit(const HemisphereSamples& samples) {
-    // By judgement: a smaller share would blur what records know well, a larger one leaves the splotches of single rays.
+    // This share is chosen by judgement: a smaller one would blur light that records determine well, and a larger one
+    // leaves splotches from single rays.
     constexpr float largest_share = 0.05f;
     const std::vector<float> weights = row_weights(samples);
     const auto columns = static_cast<size_t>(samples.columns);
@@ -92,7 +93,7 @@ float excess_limit(const HemisphereSamples& samples) {
             sum += std::min(brought, limit);
             lowered = lowered || brought > limit;
         }
-        // The limit falls until it is the stated share of the sum that it leaves, within a hundredth.
+        // The limit is reduced until it is the required share of the sum that remains, within a hundredth.
         const float next = largest_share * sum;
         lowered = (limit == infinity || lowered) && next < 0.99f * limit;
         limit = std::min(limit, next);
@@ -138,7 +139,7 @@ float relative_noise(const HemisphereSamples& samples) {
             const float here = w * luminance(samples.L(j, k));
             const float beside = w * luminance(samples.L(j, (k + 1) % N));
             const float below = w * luminance(samples.L(j + 1 < M ? j + 1 : j - 1, k));
-            // Two cells differ by twice the variance of one.
+            // The variance of the difference of two cells is twice that of one.
             squares += 0.25f * (sqr(here - beside) + sqr(here - below));
             sum += here;
         }
@@ -208,7 +209,7 @@ float reach(const HemisphereSamples& samples) {
     if (met.empty()) return infinity;
     const auto half = met.begin() + static_cast<std::ptrdiff_t>(met.size() / 2);
     std::nth_element(met.begin(), half, met.end());
-    // The order in which a library leaves the rest is its own; sums must not depend on it.
+    // The order of the other elements depends on the library, so they are sorted before they are summed.
     std::sort(half, met.end());
     float sum = 0;
     for (auto r = half; r != met.end(); ++r) sum += 1 / *r;
@@ -223,9 +224,10 @@ float farthest_distance(const HemisphereSamples& samples) {
 }
 
 bool stands_apart(Vec3 here, Vec3 direction, Vec3 there) {
-    // A chord's normals differ by 2 × its elevation on a circle; twice that and 5° more are allowed for facets and mapped
-    // normals. All three numbers are judgement: tighter ones take a curved surface for its own obstacle, and records crowd
-    // there; looser ones overlook low steps. Common renderers ignore all hits below 10° instead.
+    // The normals at the two ends of a chord of a circle differ by twice its elevation. Twice this angle plus 5° is
+    // allowed, for facets and normal maps. All three numbers are chosen by judgement: with tighter ones, a curved
+    // surface counts as its own obstacle and gets too many records; with looser ones, low steps are overlooked. Common
+    // renderers ignore all hits below 10° instead.
     const float elevation = std::asin(clamp(dot(here, direction), -1, 1));
     if (elevation > 15 * degree) return true;
     return std::acos(clamp(dot(here, there), -1, 1)) > 4 * std::max(elevation, 0.0f) + 5 * degree;
@@ -239,7 +241,8 @@ float minimum_distance(const HemisphereSamples& samples) {
 }
 
 int clearance_sector(const Frame& frame, Vec3 d) {
-    // Three sectors a quadrant, counted from −u; by comparisons, since every lookup asks for it.
+    // There are three sectors per quadrant, counted from −u. They are found by comparisons, because every lookup calls
+    // this.
     const float u = dot(d, frame.u), v = dot(d, frame.v);
     const auto third = [](float along, float across) {
         constexpr float tan_30 = 0.57735027f;

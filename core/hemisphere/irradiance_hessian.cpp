@@ -28,8 +28,8 @@ namespace eclat {
 
 namespace {
 
-// A black world has no curvature, and would be trusted without end: this share of the mean radiance is added
-// everywhere, with darkness below the last row [Schwarzhaupt12].
+// Without light there is no curvature, and records would be valid everywhere. This share of the mean radiance is
+// therefore added everywhere, with darkness below the last row [Schwarzhaupt12].
 constexpr float added_share = 0.01f;
 
 /// The mesh's vertices: columns 0 … N of each row, the last one being the first again.
@@ -98,7 +98,7 @@ TangentHessian of_mesh(const HemisphereSamples& samples, float far) {
         const size_t ab = v.near[b] < v.near[a] ? b : a;
         return v.radiance[v.near[c] < v.near[ab] ? c : ab];
     };
-    // Two triangles a quad, (a, c, b) and (b, c, e); `right` has its last column in front too.
+    // Each quad has two triangles, (a, c, b) and (b, c, e); `right` repeats its last column at the front.
     std::vector<float> left(size_t(M) * N), right(size_t(M) * (N + 1));
     for (int j = 0; j + 1 < M; ++j) {
         for (int k = 0; k < N; ++k) {
@@ -110,7 +110,7 @@ TangentHessian of_mesh(const HemisphereSamples& samples, float far) {
     }
     TangentHessian sum;
     std::vector<float> jump(N);
-    // Inside the first row a fan from its first vertex.
+    // The area inside the first row is a fan from its first vertex.
     std::vector<float> fan(N);
     for (int k = 1; k + 1 < N; ++k) fan[k] = farthest(v.at(0, 0), v.at(0, k), v.at(0, k + 1));
     fan[0] = fan[1];
@@ -150,7 +150,7 @@ TangentHessian of_patches(const HemisphereSamples& samples, bool by_radiance) {
         if (!(r < infinity)) continue;
         const Vec3 w = samples.direction[i], n = samples.hit_normal[i];
         const float facing = -dot(w, n);
-        if (facing < 0.05f) continue;  // as thin as that, patches have no area to speak of
+        if (facing < 0.05f) continue;  // the visible area of such patches is negligible
         const float L = by_radiance ? luminance(samples.radiance[i]) : mean;
         // k = q / |p|⁴ with q = −p·n' and ∂p = −∂x: k_ij = (q_i g_j + q_j g_i) + q g_ij, g = |p|⁻⁴.
         const float nx = n.x / facing, ny = n.y / facing;

@@ -10,11 +10,11 @@
 
 namespace eclat {
 
-/// What a gather's cells are taken for when their second derivatives are added up.
+/// The model of the surroundings from which the second derivatives are computed.
 enum class Curvature : uint8_t {
-    occlusion,    // a mesh through all hits: also what hides and appears counts [Schwarzhaupt12]
-    radiometric,  // patches that stay visible, each with its own radiance [Jarosz12]
-    geometric,    // the same, all of one radiance
+    occlusion,    // a mesh through all hits, which includes occlusion [Schwarzhaupt12]
+    radiometric,  // patches that always stay visible, each with its own radiance [Jarosz12]
+    geometric,    // patches that always stay visible, all with the same radiance
 };
 
 /// Second derivatives along u and v of a gather's frame; symmetric.
@@ -22,17 +22,17 @@ struct TangentHessian {
     float uu = 0, uv = 0, vv = 0;
 };
 
-/// The Hessian of the irradiance's luminance [W m⁻⁴]. Whatever lies farther than `far` counts as that far.
-///
-/// Needs directions, and hit normals where the curvature is not that of occlusion.
+/// Computes the Hessian of the irradiance's luminance in W m⁻⁴. Distances above `far` count as `far`.
+/// It needs directions, and also hit normals unless the model is `occlusion`.
 TangentHessian irradiance_hessian(const HemisphereSamples& samples, Curvature curvature, float far);
 
-/// What the edge between two vertices of the mesh adds where the side that a × b points to is brighter by 1: `a` and `b`
-/// are unit directions, `near_a` and `near_b` one over the distances in them. The sum over the edges of a polygon, in the
-/// order in which that side is inside, is the Hessian of its irradiance for a radiance of 1.
+/// Returns the contribution of the edge between two vertices of the mesh if the radiance on the side of a × b is larger
+/// by 1. `a` and `b` are unit directions, and `near_a` and `near_b` are the inverse distances in these directions. The
+/// sum over the edges of a polygon, in the order in which that side is inside, is the Hessian of its irradiance for a
+/// radiance of 1.
 TangentHessian edge_hessian(Vec3 a, float near_a, Vec3 b, float near_b);
 
-/// Both eigenvalues by size, and the direction of the larger one as an angle from u.
+/// The two eigenvalues by size, and the direction of the larger one as an angle from u.
 struct PrincipalCurvatures {
     float larger = 0, smaller = 0;  // absolute values
     float angle = 0;

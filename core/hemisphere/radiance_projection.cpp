@@ -10,7 +10,7 @@ namespace eclat {
 
 namespace {
 
-/// Adds to the coefficients of (l, ±m) what a row brings: its polar factors times its sums over azimuth.
+/// Adds the contribution of a row to the coefficients of (l, ±m): its polar factors times its sums over azimuth.
 void add_row(int order, const double* polar, const double* series, double* b) {
     for (int l = 0; l < order; ++l)
         for (int m = -l; m <= l; ++m) b[coefficient_index(l, m)] += polar[polar_index(l, std::abs(m))] * series[m];
@@ -65,7 +65,7 @@ RadianceCoefficients RadianceProjection::operator()(const HemisphereSamples& sam
     RadianceCoefficients out;
     out.values.resize(3 * count);
     out.gradients.resize(6 * count);
-    // From the grid's own frame to the one that all records share.
+    // The coefficients are rotated from the frame of the grid to the frame that all records use.
     const Frame frame = Frame::around(samples.frame.n);
     const double c = double(dot(samples.frame.u, frame.u)), s = double(dot(samples.frame.u, frame.v));
     const double turn = std::atan2(s, c);

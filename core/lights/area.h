@@ -27,7 +27,7 @@ struct EmitterTriangle {
 
 class AreaLight {
   public:
-    /// `emission_index` finds the emission of a textured one in the list that the other functions take.
+    /// `emission_index` is the index of a textured emission in the list that the other functions take.
     AreaLight(const EmitterTriangle& triangle, uint32_t emission_index);
 
     /// Radiance towards `wo` (away from the surface); `bary` are the weights of the second and third vertex.
@@ -37,10 +37,10 @@ class AreaLight {
         return max(emissions[emission_].color(uv_at(bary)), Color(0.0f));
     }
 
-    /// A point of the triangle as seen from `from`; pdf 0 where only a dark back is seen.
+    /// Samples a point of the triangle as seen from `from`; the density is 0 if only a dark back is visible.
     LightSample sample(std::span<const Value> emissions, Vec3 from, Vec2 u) const;
 
-    /// Density of `sample` for the point `on` of the triangle.
+    /// Returns the density of `sample` for the point `on` of the triangle.
     float pdf_solid_angle(Vec3 from, Vec3 on) const {
         if (is_near(from)) {
             const SphericalTriangle seen = seen_from(from);
@@ -77,7 +77,7 @@ class AreaLight {
     Vec3 p0_, e1_, e2_, normal_, center_;
     float area_, near_squared_;
     Vec2 uv0_, uv1_, uv2_;  // at the first vertex, and the edges'
-    Color radiance_;        // of an untextured one
+    Color radiance_;        // radiance of an untextured triangle
     uint32_t emission_, triangle_id_;
     bool two_sided_, textured_;
 };

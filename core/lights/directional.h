@@ -33,7 +33,8 @@ class DirectionalLight {
     /// Radiance of the disc.
     Color radiance() const { return radiance_; }
 
-    /// Whether the disc covers `w`, by the chord: a cosine in float would move the sun's edge by half a percent.
+    /// Returns whether the disc covers `w`. This is computed from the chord, because a cosine in float would move the
+    /// sun's edge by half a percent.
     bool covers(Vec3 w) const { return length_squared(w - frame_.n) <= 2 * drop_; }
     float pdf_solid_angle() const { return uniform_cone_pdf_solid_angle(drop_); }
 
@@ -46,7 +47,7 @@ class DirectionalLight {
         return emit_from_infinity(sample(u_direction), center, radius, u_position);
     }
 
-    /// Flux through the bounding disc of each direction that the light comes from.
+    /// Returns the flux through the scene's bounding disc perpendicular to the light.
     Color power(float radius) const {
         const Color through = is_delta() ? irradiance_ : radiance_ * (1 / pdf_solid_angle());
         return through * (pi * radius * radius);

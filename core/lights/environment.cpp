@@ -13,7 +13,7 @@ namespace eclat {
 
 namespace {
 
-/// Longitude is singular at the poles; where sin θ is below this the direction counts as so far away from the pole.
+/// Longitude is singular at the poles, so sin θ is never below this value.
 constexpr float least_sine = 1e-6f;
 
 /// ∫ sin θ dθ over [from, to], split between the interpolation weights of its two ends.
@@ -61,7 +61,7 @@ EnvironmentImage::EnvironmentImage(std::span<const float> rgb, uint32_t width, u
         require(false, "environment: radiance must be finite and not negative, got " + std::to_string(*bad) +
                            " at row " + std::to_string(pixel / width) + ", column " + std::to_string(pixel % width));
     }
-    // A hundredth of a degree of skew is the loaders' rounding, not an intention.
+    // A skew of up to a hundredth of a degree is due to rounding in loaders.
     const auto off = [](float x) { return !(std::abs(x) < 2e-4f); };
     require(!off(length(x_) - 1) && !off(length(y_) - 1) && !off(length(z_) - 1) && !off(dot(x_, y_)) &&
                 !off(dot(y_, z_)) && !off(dot(z_, x_)),
@@ -115,7 +115,7 @@ void EnvironmentImage::build_distribution() {
     cells_ = PiecewiseConstant2D(width_, height_ + 1, weights);
     integral_ =
         Color(static_cast<float>(integral[0]), static_cast<float>(integral[1]), static_cast<float>(integral[2]));
-    // The mean over the square of what the density is proportional to becomes 1.
+    // The function to which the density is proportional is normalised to a mean of 1 over the square.
     if (!(cells_.total() > 0)) return;
     for (float& factor : row_factor_) factor = static_cast<float>(factor * width_ / cells_.total());
 }

@@ -30,16 +30,17 @@ class EnvironmentImage {
     /// Radiance from the direction `w`.
     Color radiance(Vec3 w) const;
     float pdf_solid_angle(Vec3 w) const;
-    /// Both at once, for the price of one.
+    /// Returns both at once, in the time of one.
     struct Lookup {
         Color radiance;
         float pdf_solid_angle;
     };
     Lookup lookup(Vec3 w) const;
 
-    /// The part of the radiance that gathers collect, see environment_split.h: all of it where nothing is sharp.
+    /// Returns the smooth part of the radiance, which gathers collect (environment_split.h). If there is no sharp part,
+    /// this is all of it.
     Color smooth_radiance(Vec3 w) const;
-    /// An image of the rest, to be sampled as direct light; nothing where nothing is sharp.
+    /// Returns an image of the sharp part, which is sampled as direct light, or nothing if there is none.
     std::optional<EnvironmentImage> sharp_part() const;
 
     LightSample sample(Vec2 u) const;

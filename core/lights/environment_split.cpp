@@ -13,8 +13,8 @@ namespace eclat {
 
 namespace {
 
-/// Of the irradiance, in one gather of the usual number of rays (14 rows, π · 14² rays): the error that records are usually
-/// asked for.
+/// The tolerated noise relative to the irradiance, for one gather of the usual number of rays (14 rows, π · 14² rays).
+/// It is the usual `max_error` of records.
 constexpr double tolerated_noise = 0.02;
 constexpr double gather_rays = M_PI * 14 * 14;
 constexpr double cell_solid_angle = 2 * M_PI / gather_rays;
@@ -31,7 +31,7 @@ struct Sky {
     uint32_t blocks = 0;
 };
 
-/// Blocks are about square and as large as a cell; texels larger than that are a block each.
+/// Blocks are about square and as large as a cell of a gather; each larger texel is a block.
 Sky sky_in_blocks(std::span<const float> rgb, uint32_t width, uint32_t height) {
     const double side = std::sqrt(cell_solid_angle);
     const auto bands = static_cast<uint32_t>(std::clamp(std::round(M_PI / side), 1.0, double(height)));
@@ -56,7 +56,8 @@ Sky sky_in_blocks(std::span<const float> rgb, uint32_t width, uint32_t height) {
     return sky;
 }
 
-/// Relative noise of a gather of the image cut at `limit`; infinite where nothing is left of it.
+/// Returns the relative noise of a gather of the image clamped at `limit`; it is infinite if nothing is left of the
+/// image.
 double relative_noise(const Sky& sky, double limit) {
     struct Moments {
         double solid_angle = 0, first = 0, second = 0;

@@ -2,10 +2,10 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // The division of an environment into a part that gathers collect and a part that counts as direct light.
-//
-// A gather sends one ray into each cell of its grid. The sky's gradients, a horizon, clouds are wider than a cell, and the
-// cells share them out well; a sun or a lamp in the image is met by one ray in thousands. So an image is split once,
-// L = smooth + sharp, both ≥ 0: smooth is L where its luminance is below a limit, and L scaled down to the limit elsewhere.
+// A gather sends one ray into each cell of its grid. The gradients of the sky, a horizon and clouds are wider than a
+// cell and are sampled well, but a sun or a lamp in the image is hit by one ray in thousands. The image is therefore
+// split once, L = smooth + sharp, both ≥ 0: smooth is L where its luminance is below a limit, and L scaled down to the
+// limit elsewhere.
 //
 // Symbol    name here       meaning
 //   c       limit           the luminance that smooth is cut at
@@ -26,8 +26,8 @@
 
 namespace eclat {
 
-/// The luminance at which the smooth part of an equirectangular image (height × width × 3, row 0 at the pole) is cut; infinite
-/// where nothing in it is sharp, 0 where everything is.
+/// Returns the luminance at which the smooth part of an equirectangular image (height × width × 3, row 0 at the pole)
+/// is clamped. It is infinite if nothing in the image is sharp, and 0 if everything is.
 float smooth_limit(std::span<const float> rgb, uint32_t width, uint32_t height);
 
 }  // namespace eclat

@@ -18,7 +18,7 @@ auto key_of(const Value& v) {
                       v.uv_transform);
 }
 
-/// Refuses what no light can emit.
+/// Throws std::invalid_argument for values that no light can emit.
 void check_power(Color power, const char* kind, size_t index) {
     if (is_finite(power) && power.r >= 0 && power.g >= 0 && power.b >= 0) return;
     require(false, "lights: " + std::string(kind) + " " + std::to_string(index) +
@@ -118,7 +118,7 @@ LightSample Lights::sample(Vec3 position, float u_light, Vec2 u, LightSet set) c
     if (s.pdf_solid_angle == 0) return {};
     s.pdf_solid_angle *= choice.pdf_discrete;
     if (s.delta || std::isfinite(s.distance)) return s;
-    // Image and discs overlap: one direction has one radiance and one density, whoever chose it.
+    // The image and the discs overlap, so the radiance and the density of a direction are sums over both.
     Infinite all;
     if (choice.kind == LightKind::environment || choice.kind == LightKind::sharp_environment) {
         all = {s.radiance, s.pdf_solid_angle};

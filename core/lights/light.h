@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// All lights of a scene. Front door of this folder.
+// All lights of a scene. This is the interface of the folder.
 //
 // Emissive triangles, points, spots, directional lights (suns) and an environment are sampled as one set: `sample`
 // chooses a light and a direction, `pdf_solid_angle` and `environment_pdf_solid_angle` are its exact density for
@@ -51,13 +51,13 @@ class Lights {
                areas_[emitter].pdf_solid_angle(position, hit_position);
     }
 
-    /// Radiance of what lies behind everything: the environment's image (if in `set`) and the discs of suns.
+    /// Returns the radiance from infinity: of the environment image, if it is in `set`, and of the discs of suns.
     Color environment(Vec3 direction, LightSet set = LightSet::all) const { return infinite(direction, set).radiance; }
     /// Density of `sample` for a direction that leaves the scene.
     float environment_pdf_solid_angle(Vec3 direction, LightSet set = LightSet::all) const {
         return infinite(direction, set).pdf_solid_angle;
     }
-    /// Both at once, which costs as much as one.
+    /// Returns both at once, in the time of one.
     struct Infinite {
         Color radiance;
         float pdf_solid_angle = 0;
@@ -72,13 +72,13 @@ class Lights {
     size_t emitter_count() const { return areas_.size(); }
     const AreaLight& emitter(uint32_t i) const { return areas_[i]; }
     bool has_environment_image() const { return environment_.has_value(); }
-    /// Radiance of what lies behind everything and is not in `set`: what a ray that escapes finds although light sampling
-    /// by that set leaves it out.
+    /// Returns the radiance from infinity that is not in `set`, which escaping rays find and light sampling with that
+    /// set leaves out.
     Color left_out(Vec3 direction, LightSet set) const {
         if (!environment_ || set == LightSet::all) return Color();
         return environment_->smooth_radiance(direction);
     }
-    /// No light at all, or only black ones.
+    /// Returns whether there is no light, or only black ones.
     bool dark() const { return sampler_.empty(); }
 
   private:
@@ -87,13 +87,13 @@ class Lights {
     std::vector<double> add_triangles(std::span<const EmitterTriangle> triangles);
 
     std::vector<AreaLight> areas_;
-    std::vector<Value> emissions_;  // textured ones
+    std::vector<Value> emissions_;  // emissions of textured lights
     std::vector<PointLight> points_;
     std::vector<SpotLight> spots_;
     std::vector<DirectionalLight> directionals_;
     std::vector<uint32_t> discs_;  // the directional lights with an extent
     std::optional<EnvironmentImage> environment_;
-    std::optional<EnvironmentImage> sharp_environment_;  // its part that is direct light in every set
+    std::optional<EnvironmentImage> sharp_environment_;  // sharp part, which is direct light in every set
     Vec3 center_;
     float radius_ = 1;
     LightSampler sampler_;

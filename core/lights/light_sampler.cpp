@@ -10,12 +10,12 @@ namespace eclat {
 
 namespace {
 
-// Lights that are sampled side by side: a lamp, a sun, a sky.
+// These are groups of lights that are sampled independently of their power: lamps, suns, the sky.
 constexpr std::array<size_t, light_kinds> group_of = {0, 1, 1, 2, 3, 3};
 constexpr size_t groups = 4;
 
-/// Odds: half by power, half shared equally by the groups that shine. By power alone a desk lamp would get one sample
-/// in a million beside the sun, also where the sun does not reach.
+/// Returns the probabilities: half is distributed by power, and half equally over the groups that emit. By power alone,
+/// a desk lamp would get one sample in a million beside the sun, even at points that the sun does not reach.
 std::vector<double> odds(std::array<std::vector<double>, light_kinds> powers, LightKind without) {
     std::ranges::fill(powers[static_cast<size_t>(without)], 0.0);
     std::array<double, groups> sum{};

@@ -12,11 +12,11 @@
 
 namespace eclat {
 
-/// Which lights take part.
+/// The set of lights that are sampled.
 enum class LightSet {
     all,
-    /// Without the smooth part of the environment's image, which a gather over the hemisphere collects. Its sharp part and
-    /// suns stay.
+    /// This excludes the smooth part of the environment image, which a gather over the hemisphere collects; its sharp
+    /// part and suns remain.
     without_smooth_environment,
 };
 
@@ -44,7 +44,7 @@ class LightSampler {
 
     bool empty() const { return emission_.empty(); }
 
-    /// For photons: by power alone, so that all carry nearly the same.
+    /// Chooses a light for photons by power alone, so that all photons have nearly the same power.
     Choice choose_emission(float u) const { return choice(emission_.sample(u)); }
 
   private:

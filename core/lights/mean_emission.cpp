@@ -48,7 +48,7 @@ MeanEmission::MeanEmission(const Value& emission) : emission_(emission) {
 MeanEmission::Range MeanEmission::reach(float a, float b, float c, uint32_t size, Wrap wrap) const {
     const Range everything = {0, (size + block_ - 1) / block_};
     float low = std::min(a, std::min(b, c)), high = std::max(a, std::max(b, c));
-    // Where a coordinate is rounded to more than a texel (2^23 is a float's precision), anything may be read.
+    // If the rounding error of a coordinate exceeds a texel (floats have 23 bits), any texel may be read.
     const float n = static_cast<float>(size);
     if (!(std::abs(low) * n < 0x1p21f && std::abs(high) * n < 0x1p21f)) return everything;
     if (wrap == Wrap::clamp) {
@@ -99,7 +99,8 @@ MeanEmission::Estimate MeanEmission::over(Vec2 uv0, Vec2 uv1, Vec2 uv2) const {
     Estimate out;
     out.mean = Color(static_cast<float>(sum[0] / samples), static_cast<float>(sum[1] / samples),
                      static_cast<float>(sum[2] / samples));
-    // A tenth goes by the share of lit blocks, so that what the points missed can still be picked.
+    // A tenth of the weight is proportional to the share of lit blocks, so that emission that the points missed can
+    // still be sampled.
     out.weight = 0.9 * luminance(out.mean) + 0.1 * lit_mean_ * lit / blocks;
     return out;
 }

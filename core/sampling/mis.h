@@ -7,13 +7,14 @@
 
 namespace eclat {
 
-/// Weight of a sample drawn with density `pdf` that another technique would have drawn with `other`.
+/// Returns the weight of a sample that was drawn with density `pdf` and that another technique would draw with density
+/// `other`.
 inline float balance_heuristic(float pdf, float other) {
     if (!(pdf > 0)) return 0;
     return 1 / (1 + other / pdf);
 }
 
-/// The same with squared densities, which suits techniques that are each good somewhere.
+/// Returns the weight with squared densities, which is better if each technique is good in a different region.
 inline float power_heuristic(float pdf, float other) {
     if (!(pdf > 0)) return 0;
     const float ratio = other / pdf;

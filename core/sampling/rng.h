@@ -24,10 +24,10 @@ inline uint32_t hash(uint32_t x) {
 inline uint32_t hash(uint32_t a, uint32_t b) { return hash(a ^ (hash(b) + 0x9e3779b9u)); }
 inline uint32_t hash(uint32_t a, uint32_t b, uint32_t c) { return hash(hash(a, b), c); }
 
-/// The seed of one use of random numbers, from that of all.
+/// Returns the seed of one use of random numbers, derived from the seed of the whole computation.
 inline uint32_t stream_seed(uint32_t seed, Stream stream) { return seed ^ hash(static_cast<uint32_t>(stream)); }
 
-/// … of one part of such a use, which it numbers itself.
+/// Returns the seed of a numbered part of such a use.
 inline uint32_t stream_seed(uint32_t seed, Stream stream, uint32_t part) {
     return seed ^ hash(static_cast<uint32_t>(stream), part);
 }

@@ -57,12 +57,12 @@ inline constexpr std::array<std::array<uint32_t, 256>, 4> sobol_1_reversed = [] 
 
 }  // namespace detail
 
-/// One sample of one pixel: hands out its dimensions in order.
+/// One sample of a pixel, which returns the numbers of its dimensions in order.
 class Sampler {
   public:
     Sampler(uint32_t seed, uint32_t pixel, uint32_t sample) : key_(hash(seed, pixel)), sample_(sample) {}
 
-    /// Continue at a given dimension, so that what a vertex draws does not depend on what earlier ones did.
+    /// Continues at a given dimension, so that the numbers of a vertex do not depend on how many earlier vertices used.
     void set_dimension(uint32_t dimension) { dimension_ = dimension; }
 
     void skip(uint32_t dimensions) { dimension_ += dimensions; }

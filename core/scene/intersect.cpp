@@ -25,7 +25,8 @@ struct Intersector::Impl {
     RTCScene scene = nullptr;
     OpacityFunction opacity;
     PaneFunction pane;
-    // Of each geometry: where nothing is to be asked, where opacity is, where only the side is, and where both are; of panes the same.
+    // There is one geometry for each combination of the tests that its triangles need (none, opacity, side, or both),
+    // each with and without panes.
     static constexpr unsigned kinds = 8;
     std::vector<uint32_t> to_triangle[kinds];
     std::vector<Triangle> indices[kinds];
@@ -53,12 +54,13 @@ void reject_backs(const RTCFilterFunctionNArguments* args) {
     }
 }
 
-/// What the eight rays of `transmitted` have passed; null while panes are met like other surfaces.
+/// The transmittance along the eight rays of `transmitted`; null if panes are hit like other surfaces.
 thread_local Color* passed = nullptr;
-/// How far along each of them it last went through the edge of a triangle.
+/// The distance at which each of these rays last passed through the edge of a triangle.
 thread_local float edge_passed[8];
 
-/// Whether a ray meets an edge where it went through that of a neighbour: both report it, but it is one surface.
+/// Returns whether a ray hits an edge at the point where it passed through the edge of the adjacent triangle. Both
+/// triangles report the hit, but it is one surface.
 bool passed_by_neighbor(unsigned ray, float t, float u, float v) {
     constexpr float on_edge = 1e-6f;  // in barycentric weights and in units of the distance: a few roundings
     if (std::min({u, v, 1 - u - v}) > on_edge) return false;
@@ -134,7 +136,7 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
     rtcReleaseGeometry(geometry);
 }
 
-/// What is the same for all packets.
+/// The data that are the same for all packets.
 void prepare(RTCRay8& packet, int* valid, Backs backs) {
     for (size_t i = 0; i < 8; ++i) {
         valid[i] = -1;
@@ -145,8 +147,8 @@ void prepare(RTCRay8& packet, int* valid, Backs backs) {
     }
 }
 
-/// Whether Embree can follow the ray: it stops the process (or, where it was built without its checks, answers wrongly)
-/// for components that are NaN or beyond 1.844e18. Scenes that reach out to 1e18 m, and bad arithmetic, lead there.
+/// Returns whether Embree can trace the ray. For components that are NaN or beyond 1.844e18, Embree stops the process
+/// or, if it was built without checks, returns wrong hits. Such rays occur in scenes that extend to 1e18 m.
 bool is_sound(const Ray& ray) {
     constexpr float most = 1.8e18f;
     const auto within = [](Vec3 v) { return std::abs(v.x) <= most && std::abs(v.y) <= most && std::abs(v.z) <= most; };

@@ -3,11 +3,11 @@
 
 // Rays against triangles, in batches. Straight-through opacity is decided here, so that masked leaves are invisible to
 // whoever asks: a candidate hit counts with probability `opacity`, drawn from a hash of the ray and the hit.
-//
-// So are culled backs: single-sided surfaces of glTF are not there for rays that come from behind [glTF 2.0, 3.9.6]. A ray
-// runs the way one looks: from eyes, and from points towards what lights them. All estimates of radiance and irradiance
-// rest on such rays, shadow rays included, so that they agree: what is seen is what lights. Who follows light the other
-// way has to ask whether where it arrives sees where it came from.
+// Culled backs are also decided here: single-sided surfaces of glTF are invisible to rays that come from behind [glTF
+// 2.0, 3.9.6]. Rays run in the direction of view: from the camera, and from points towards the lights. All estimates of
+// radiance and irradiance use such rays, including shadow rays, so that they are consistent: a surface lights a point
+// exactly if it is visible from the point. Code that follows light in the opposite direction, such as photon tracing,
+// must test whether the point of arrival sees the origin.
 
 #pragma once
 
@@ -26,19 +26,19 @@ namespace eclat {
 /// Opacity in [0, 1] of a triangle at barycentric weights (u, v).
 using OpacityFunction = std::function<float(uint32_t triangle, float u, float v)>;
 
-/// What a pane lets straight through of light that runs along `direction`, at barycentric weights (u, v).
+/// The share of light along `direction` that passes straight through a pane at the barycentric weights (u, v).
 using PaneFunction = std::function<Color(uint32_t triangle, float u, float v, Vec3 direction)>;
 
 enum class Coherence { none, camera };
 
-/// Whether rays pass through culled backs, or meet them.
+/// Whether rays pass through culled backs or hit them.
 enum class Backs : uint8_t { culled, met };
 
-/// What rays have to ask of a triangle before they meet it.
+/// The tests that decide whether a ray hits a triangle.
 struct Sieve {
-    bool translucent = false;  // its opacity
-    bool back_culled = false;  // from which side they come
-    bool pane = false;         // what it lets straight through, where light is asked for
+    bool translucent = false;  // depends on its opacity
+    bool back_culled = false;  // depends on the side from which the ray comes
+    bool pane = false;         // shadow rays pass straight through it
 };
 
 class Intersector {
@@ -47,20 +47,22 @@ class Intersector {
         uint32_t v[3];
     };
 
-    /// `sieves[i]` is of triangle i. `vertices` is borrowed, must outlive this object, and must own one element more than
-    /// it shows (wide loads read past the last).
+    /// `sieves[i]` belongs to triangle i. `vertices` must outlive this object, and its memory must extend one element
+    /// beyond its end, because wide loads read past the last element.
     Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles, std::span<const Sieve> sieves,
                 OpacityFunction opacity, PaneFunction pane = {});
     ~Intersector();
     Intersector(const Intersector&) = delete;
 
-    /// Closest hit of each ray. Rays are taken eight at a time in order, so results depend on a batch's order only.
-    /// A ray with NaN, or with components beyond 1.8e18, meets nothing, and no light passes along it.
+    /// Finds the closest hit of each ray. Rays are traced eight at a time in their order, so the results depend only on
+    /// the order of the batch. A ray with NaN, or with components beyond 1.8e18, meets nothing, and no light passes
+    /// along it.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence = Coherence::none,
                    Backs backs = Backs::culled) const;
-    /// out[i] = 1 where anything lies between t_min and t_max.
+    /// Sets out[i] to 1 if ray i hits anything between t_min and t_max.
     void occluded(std::span<const Ray> rays, std::span<uint8_t> out, Backs backs = Backs::culled) const;
-    /// out[i] = what panes and partial opacity let straight through between t_min and t_max; black where more lies there.
+    /// Sets out[i] to the transmittance of panes and partly opaque surfaces between t_min and t_max; it is black if
+    /// anything else is hit.
     void transmitted(std::span<const Ray> rays, std::span<Color> out) const;
 
     /// Whether any triangle's back is culled.

@@ -41,7 +41,7 @@ Bsdf metal_or_plastic(const Material& m, const Reader& read) {
     return make_metallic_roughness(p);
 }
 
-/// The most lobes that one point of a material may need.
+/// Returns the greatest number of lobes that a point of a material may need.
 int lobe_bound(MaterialKind kind) {
     switch (kind) {
         case MaterialKind::phong:

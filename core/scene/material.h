@@ -50,7 +50,7 @@ inline constexpr Names translucent[] = {"reflectance", "transmittance"};
 inline constexpr Names blend[] = {"weight"};
 }  // namespace detail
 
-/// What the parameters of a kind are called; what they mean is told beside `Material` in Python.
+/// Returns the names of the parameters of a kind; `Material` in Python documents their meaning.
 constexpr std::span<const std::string_view> parameter_names(MaterialKind kind) {
     switch (kind) {
         case MaterialKind::diffuse: return detail::diffuse;
@@ -67,7 +67,7 @@ constexpr std::span<const std::string_view> parameter_names(MaterialKind kind) {
     return {};
 }
 
-/// The place of a parameter among those of its kind; a name that the kind does not have does not compile.
+/// Returns the index of a parameter among those of its kind; a name that the kind does not have does not compile.
 consteval size_t parameter(MaterialKind kind, std::string_view name) {
     const auto names = parameter_names(kind);
     for (size_t i = 0; i < names.size(); ++i)
@@ -99,30 +99,31 @@ struct Material {
     bool pane = false;       // some light goes straight through, and so do shadow rays
     bool refracts = false;   // inside and outside differ, so its frame is never turned towards the viewer
     PlasticTable coat;       // plastic only
-    int lobes = 1;           // that a point of it may need, at most
+    int lobes = 1;           // greatest number of lobes that a point may need
 
-    /// Nothing is seen of it from behind.
+    /// Returns whether it is black or invisible from behind.
     bool has_no_back() const { return !two_sided && !transmits; }
-    /// Rays that come from behind pass through.
+    /// Returns whether rays that come from behind pass through.
     bool culls_back() const { return back_culled && has_no_back(); }
 
-    /// Its lobes depend on directions in the tangent plane.
+    /// Returns whether its lobes depend on directions in the tangent plane.
     bool anisotropic() const {
         return kind == MaterialKind::ward || kind == MaterialKind::conductor || kind == MaterialKind::dielectric;
     }
 
-    /// Fills what depends on constants only; `materials` holds its children, prepared.
+    /// Computes the values that depend only on constants; `materials` contains its children, which must have been
+    /// prepared.
     void prepare(const std::vector<Material>& materials);
 };
 
-/// What varies over a surface, as materials need it.
+/// The data of a surface point that materials need.
 struct SurfaceCoordinates {
     Vec2 uv, uv2;
     Color vertex_color{1};
     float vertex_alpha = 1;
 };
 
-/// Lobes of `materials[index]`; z of their frame is the side that is looked at.
+/// Makes the lobes of `materials[index]`; the z axis of their frame is on the visible side.
 Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceCoordinates& at, bool from_behind);
 
 /// Straight-through opacity in [0, 1].

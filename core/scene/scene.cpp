@@ -19,14 +19,14 @@ T interpolate(const std::vector<T>& values, const uint32_t* v, float b, float c)
     return (1 - b - c) * values[v[0]] + b * values[v[1]] + c * values[v[2]];
 }
 
-/// Unit normal of a triangle; any for one without an area.
+/// Returns the unit normal of a triangle, or any unit vector if the triangle has no area.
 Vec3 normal_of(Vec3 p0, Vec3 p1, Vec3 p2) {
     const Vec3 n = cross(p1 - p0, p2 - p0);
     const float l2 = length_squared(n);
     return l2 > 0 ? n / std::sqrt(l2) : Vec3{0, 0, 1};
 }
 
-/// The normal that `texel` of a normal map means where `up` is the direction of its green.
+/// Returns the normal for `texel` of a normal map, where `up` is the direction of the green channel.
 Vec3 from_tangent_space(Color texel, float scale, const Frame& frame, Vec3 up) {
     const float x = (2 * texel.r - 1) * scale, y = (2 * texel.g - 1) * scale;
     const Vec3 n = frame.u * x + up * y + frame.n * (2 * texel.b - 1);
@@ -202,7 +202,7 @@ SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
         normal = -normal;
         n = -n;
     }
-    // A shading normal that looks away from a viewer in front of the surface is bent until it does not.
+    // A shading normal that faces away from a viewer in front of the surface is bent towards the viewer.
     const float facing = dot(n, wo), side = dot(normal, wo);
     if (facing * side <= 0) n = normalize(n + wo * ((side > 0 ? 1.0f : -1.0f) * 1e-3f - facing));
     Frame frame = Frame::around(n);
@@ -211,7 +211,7 @@ SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
         const float determinant = b.x * c.y - b.y * c.x;
         if (determinant != 0) frame = Frame::along(n, ((p1 - p0) * c.y - (p2 - p0) * b.y) / determinant);
     }
-    // Lobes are large: they are made where they stay.
+    // Lobes are large, so they are constructed in place.
     return {.position = p0 * (1 - hit.u - hit.v) + p1 * hit.u + p2 * hit.v,
             .normal = normal,
             .frame = frame,

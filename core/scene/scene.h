@@ -36,15 +36,15 @@ class Geometry {
     size_t triangle_count() const { return faces_.size(); }
     Vec3 low() const { return low_; }
     Vec3 high() const { return high_; }
-    /// Half the diagonal of the bounds. For what must reach all of the scene, as a sun's photons; a stray part makes it huge, so
-    /// that no length of a method may come from it.
+    /// Returns half the diagonal of the bounds, for computations that must cover the whole scene, such as emitting
+    /// photons from a sun. A stray part makes it very large, so methods must not derive lengths from it.
     float radius() const { return 0.5f * length(high_ - low_); }
-    /// Of any triangle. The corners of the triangle that holds a point x, whose digits its hits have, lie no farther from the
-    /// origin than |x| and this.
+    /// Returns the length of the longest edge of any triangle. The corners of the triangle that contains a point x are
+    /// at most |x| plus this length away from the origin, which bounds the rounding error of hits.
     float longest_edge() const { return longest_edge_; }
 
     const Material& material_of(uint32_t triangle) const { return materials_[mesh_[faces_[triangle].mesh].material]; }
-    /// Whether nothing is seen of it from behind.
+    /// Returns whether a triangle is black or invisible from behind.
     bool has_no_back(uint32_t triangle) const {
         const Material& m = material_of(triangle);
         return m.has_no_back();
@@ -56,7 +56,7 @@ class Geometry {
     /// Unit normal by counter-clockwise order.
     Vec3 geometric_normal(uint32_t triangle) const;
 
-    /// Hints that `surface_point` will ask for the triangle: first for the face, some hits later for its vertices.
+    /// These prefetch the data that `surface_point` will read: first the face, and a few hits later its vertices.
     void prefetch_face(uint32_t triangle) const { __builtin_prefetch(&faces_[triangle]); }
     void prefetch_vertices(uint32_t triangle) const {
         for (const uint32_t v : faces_[triangle].v) __builtin_prefetch(&vertices_[v]);

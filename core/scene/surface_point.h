@@ -18,23 +18,23 @@ inline float even_share(Vec3 normal, Vec3 shading) {
     return shading == normal ? 1 : 0.5f * (1 + clamp(dot(normal, shading), -1, 1));
 }
 
-/// Where a ray met a surface, and how that point scatters.
+/// The point at which a ray hit a surface, and the scattering there.
 struct SurfacePoint {
     Vec3 position;
-    Vec3 normal;       // geometric, unit, on the side of the viewer unless the material refracts
-    Frame frame;       // of shading; its z is the side that `bsdf` looks at
+    Vec3 normal;       // geometric unit normal, on the side of the viewer unless the material refracts
+    Frame frame;       // shading frame, whose z axis is on the side of `bsdf`
     Vec2 uv;           // of the emitter's texture set
-    float offset = 0;  // how far rays must start from the surface so that they do not meet it again
+    float offset = 0;  // distance from the surface at which rays start, so that they do not hit it again
     uint32_t triangle = no_triangle;
     Bsdf bsdf;
 
-    /// The geometric normal, on the side that `bsdf` looks at.
+    /// Returns the geometric normal on the side of `bsdf`.
     Vec3 normal_towards_shading() const { return dot(normal, frame.n) >= 0 ? normal : -normal; }
 
     /// The share of a uniform hemisphere's irradiance that its shading normal leaves.
     float even_share() const { return eclat::even_share(normal_towards_shading(), frame.n); }
 
-    /// The same place as it is seen from the other side of a sheet, without what scatters there.
+    /// Returns the same point as seen from the other side of the surface, without a BSDF.
     SurfacePoint other_side() const {
         SurfacePoint out;
         out.position = position;

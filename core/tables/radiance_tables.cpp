@@ -104,7 +104,7 @@ LobeTable::LobeTable(const BrdfTable& table, const HemisphereFit& fit)
             for (int l = 0; l < order_; ++l)
                 for (int m = isotropic ? 0 : -l; m <= l; ++m)
                     node[size_t(place(l, m))] = float(c[size_t(coefficient_index(l, m))]);
-            // The dip of metals changes little of a lobe's width.
+            // The dip in the reflectance of metals has little effect on the width of a lobe.
             if (t > 1) continue;
             for (size_t k = 0; k < all; ++k) {
                 energy += c[k] * c[k];
@@ -117,7 +117,7 @@ LobeTable::LobeTable(const BrdfTable& table, const HemisphereFit& fit)
     shares_ = shares_of_nodes();
 }
 
-// The part grows with the number of nodes to the nearest that is not cached.
+// The share increases with the number of nodes between this one and the nearest node that is not cached.
 std::vector<float> LobeTable::shares_of_nodes() const {
     constexpr int ramp = 4;
     const auto directions = static_cast<int>(grid_.directions());
@@ -147,7 +147,8 @@ float LobeTable::share(Vec3 wo, float alpha) const {
 
 void LobeTable::add(Vec3 wo, float alpha, float share, const Color* colors, ReflectedFactors& out) const {
     const TableCorners around = grid_.around(wo, alpha);
-    // The order that would do says whether to cache; all that there is says what is reflected.
+    // The sufficient order decides whether the lobe is cached; all coefficients of the table are used for the
+    // reflection.
     const int order = order_;
     float width = 0;
     for (const TableCorner& corner : around) width += corner.weight * widths_[corner.node];
@@ -297,7 +298,7 @@ void RadianceTables::reflect(const Bsdf& bsdf, Vec3 wo, ReflectedFactors& out) c
     for (size_t k = 0; k < count; ++k) {
         float& share = out.shares[size_t(found[k].lobe)];
         share = found[k].table->share(wo, found[k].alpha);
-        // What is left of a lobe becomes another.
+        // The rest of a lobe becomes another lobe.
         if (share > 0 && share < 1 && room-- <= 0) share = std::round(share);
         if (share > 0) found[k].table->add(wo, found[k].alpha, share, found[k].colors.data(), out);
     }

@@ -28,12 +28,12 @@ namespace eclat {
 
 constexpr size_t max_radiance_coefficients = size_t(max_radiance_order) * max_radiance_order;
 
-/// What the lobes of a point that may be cached reflect towards one direction.
+/// The reflection towards one direction by those lobes of a point that may be cached.
 struct ReflectedFactors {
     int order = 0;                             // 0: there is nothing to cache
-    float width = 1;                           // of the narrowest of the lobes
-    bool grey = true;                          // only the first channel's factors are given
-    Color albedo;                              // under uniform light
+    float width = 1;                           // width of the narrowest of the lobes
+    bool grey = true;                          // whether only the factors of the first channel are given
+    Color albedo;                              // reflectance under uniform light
     std::array<float, Bsdf::capacity> shares;  // of each lobe of the BSDF, 0 where it is not to be cached
     std::array<std::array<float, max_radiance_coefficients>, 3> factors;
 };
@@ -52,8 +52,9 @@ class LobeTable {
     bool over_roughness() const { return lobes_.size() > 1; }
     int terms() const { return terms_; }
 
-    /// What part of the lobe is to be cached for wo.z > 0 in its frame: all or nothing but near the border between them, which
-    /// would show as a seam, since the one is smooth and a little wrong, the other noisy.
+    /// Returns the share of the lobe that is cached for wo.z > 0 in its frame. It is 0 or 1 except near the border
+    /// between cached and traced directions. An abrupt border would be visible as a seam, because cached light is
+    /// smooth with a small error and traced light is noisy.
     float share(Vec3 wo, float alpha) const;
     /// Adds `share` times `colors[t]` times term t to the factors of each channel.
     void add(Vec3 wo, float alpha, float share, const Color* colors, ReflectedFactors& out) const;
@@ -86,7 +87,7 @@ class RadianceTables {
 
     /// Factors of the lobes of `bsdf` that tables say may be cached, in the frame of `wo`. Order 0 where there are none.
     void reflect(const Bsdf& bsdf, Vec3 wo, ReflectedFactors& out) const;
-    /// Whether some lobe may be cached.
+    /// Returns whether some lobe may be cached.
     bool reflects(const Bsdf& bsdf, Vec3 wo) const;
 
   private:

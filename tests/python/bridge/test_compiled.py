@@ -157,7 +157,7 @@ def test_parameters_of_materials_have_the_same_names_in_the_core() -> None:
     assert set(MATERIAL_KINDS) == {kind.name for kind in _core.MaterialKind}
     for kind, names in MATERIAL_KINDS.items():
         assert list(names) == _core.parameter_names(_core.MaterialKind[kind])
-    with pytest.raises(ValueError, match="no parameter sheen"):
+    with pytest.raises(ValueError, match="expected the name of a parameter of its kind, got sheen"):
         _core.Material().set("sheen", _core.SceneBuilder().value(
             (0.0, 0.0, 0.0), texture=-1, channel=-1, uv_set=0, uv_transform=(1.0, 0.0, 0.0, 0.0, 1.0, 0.0), invert=False,
             square=False,
