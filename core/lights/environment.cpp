@@ -13,7 +13,7 @@ namespace eclat {
 
 namespace {
 
-/// Longitude is singular at the poles, so sin θ is never below this value.
+/// Longitude is singular at the poles, so densities use at least this value of sin θ.
 constexpr float least_sine = 1e-6f;
 
 /// ∫ sin θ dθ over [from, to], split between the interpolation weights of its two ends.

@@ -55,7 +55,7 @@ class Intersector {
     Intersector(const Intersector&) = delete;
 
     /// Finds the closest hit of each ray. Rays are traced eight at a time in their order, so the results depend only on
-    /// the order of the batch. A ray with NaN, or with components beyond 1.8e18, meets nothing, and no light passes
+    /// the order of the batch. A ray with components that are NaN or beyond 1.8e18 hits nothing, and no light passes
     /// along it.
     void intersect(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence = Coherence::none,
                    Backs backs = Backs::culled) const;

@@ -21,7 +21,8 @@ struct LitScene {
     World world() const { return {*geometry, lights, emitter_of_triangle}; }
 };
 
-/// Adds to `lights` all triangles whose material emits, and sets the bounding sphere of the scene.
+/// Makes a scene with the given lights and those of all triangles whose material emits. The triangles and the bounding
+/// sphere in `lights` are set here.
 LitScene light_scene(std::unique_ptr<Geometry> geometry, LightInputs lights = {});
 
 }  // namespace eclat

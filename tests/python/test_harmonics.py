@@ -117,7 +117,10 @@ def test_continuing_a_constant_sky_below_the_horizon_keeps_it_constant() -> None
         (lambda: harmonics.rotate("spherical", [1], -np.eye(3)), "got a reflection"),
         (lambda: harmonics.rotate("spherical", [1], 2 * np.eye(3)), "must be orthogonal"),
         (lambda: harmonics.rotate("hemispherical", [1], np.eye(3), horizon="bright"), "got 'bright'"),
-        (lambda: harmonics.rotate("hemispherical", np.ones(9), np.eye(3), spherical_order=2), "at least 3, the hemispherical order, got 2"),
+        (
+            lambda: harmonics.rotate("hemispherical", np.ones(9), np.eye(3), spherical_order=2),
+            "at least 3, the hemispherical order, got 2",
+        ),
         (lambda: harmonics.fit(np.ones(9), -1), "tikhonov must be"),
         (lambda: harmonics.fit(np.ones(1600), 0), "singular"),
         (lambda: harmonics.quadrature(4, "disk"), "domain must be one of"),

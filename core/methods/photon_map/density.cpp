@@ -70,8 +70,8 @@ class Estimate {
         const float weight = kernel_weight(options_.kernel, n.distance2 / sqr(disc_.radius));
         // Photons arrive on the geometric surface; light is measured against the shading normal.
         const float cosine = dot(photon.direction, at_.shading), on_surface = dot(photon.direction, photon.normal);
-        // Photons at grazing angles are few and have large weights. A lower bound of the weights would darken bumps (a
-        // bound of 4 by 1.6 %).
+        // Photons at grazing angles are few and have large weights. A tighter limit of the weights would darken bumps
+        // (a limit of 4 by 1.6 %).
         const float tilt = at_.shading == at_.normal ? 1 : std::max(0.0f, cosine) / std::max(on_surface, 1e-3f);
         return map_.power(photon) * (weight * tilt);
     }
