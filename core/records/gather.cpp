@@ -184,7 +184,7 @@ float noise_when_read(const HemisphereSamples& samples, float excess_noise, floa
     // the noise, and a smaller one would cause needless rays.
     constexpr float sharing = 8;
     const float E = luminance(irradiance(samples));
-    if (!(E > 0)) return 0;
+    if (!(E + excess > 0)) return 0;
     return std::sqrt(sqr(relative_noise(samples) * E) + sqr(excess_noise) / sharing) / (E + excess);
 }
 

@@ -88,9 +88,9 @@ void RecordCache::share_excess(int threads) {
     constexpr float widest = 4, narrowest = 0.5f;  // widths of the neighbourhood in units of a record's radius
     constexpr float noisiest = 0.1f;  // noise relative to the irradiance at which the neighbourhood is widest
     const auto& order = tree_.order();
-    shared_excess_ = parallel_map<Color>(order.size(), threads, [&](size_t slot) {
-        Color sum;
-        if (order[slot] == SphereTree::vacant || records_[order[slot]].enclosed > 0) return sum;
+    shared_excess_ = parallel_map<SharedExcess>(order.size(), threads, [&](size_t slot) {
+        SharedExcess shared;
+        if (order[slot] == SphereTree::vacant || records_[order[slot]].enclosed > 0) return shared;
         const IrradianceRecord& here = records_[order[slot]];
         const auto for_each_in = [&](float surroundings, auto&& f) {
             for_each_weight(here.position, here.normal, surroundings, surroundings * here.radius,
@@ -101,13 +101,17 @@ void RecordCache::share_excess(int threads) {
             noise += r.excess_noise * w;
             light += luminance(r.irradiance + r.excess) * w;
         });
-        if (!(noise > 0)) return records_[order[slot]].excess;
+        if (!(noise > 0)) return SharedExcess{records_[order[slot]].excess, 0};
+        float squares = 0;
         for_each_in(clamp(widest * noise / (noisiest * light), narrowest, widest),
                     [&](const IrradianceRecord& r, float w) {
-                        sum += r.excess * w;
+                        shared.mean += r.excess * w;
+                        squares += sqr(r.excess_noise * w);
                         weights += w;
                     });
-        return sum * (1 / weights);
+        shared.mean = shared.mean * (1 / weights);
+        shared.noise = std::sqrt(squares) / weights;
+        return shared;
     });
 }
 
@@ -130,9 +134,12 @@ bool RecordCache::obstructed(uint32_t slot, Vec3 p) const {
 }
 
 // Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
-// An obstacle that only one record sees thereby limits its neighbours too. One round over the unclamped distances is
-// exact, because by the triangle inequality a chain of clamps never gives a smaller radius than the direct clamp.
+// An obstacle that only one record sees thereby limits its neighbours too, but not those on the other side of the same
+// sheet or wall, which see the other half of the world. One round over the unclamped distances is exact, because by the
+// triangle inequality a chain of clamps never gives a smaller radius than the direct clamp.
 void RecordCache::clamp_to_neighbors(float spacing, int threads) {
+    // Chosen by judgement: faces that share an edge mostly see the same room.
+    constexpr float other_side = -0.5f;  // cosine of 120°
     std::vector<SphereTree::Sphere> points;
     for (const auto& r : records_) points.push_back({r.position, 0});
     const SphereTree tree(points);
@@ -145,7 +152,8 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
         const float reach = std::min(distance, record.largest_radius / spacing);
         tree.for_each_near(record.position, reach, [&](uint32_t slot, float d2) {
             const IrradianceRecord& other = records_[order[slot]];
-            if (other.enclosed == 0) distance = std::min(distance, other.distance + std::sqrt(d2));
+            if (other.enclosed == 0 && dot(record.normal, other.normal) > other_side)
+                distance = std::min(distance, other.distance + std::sqrt(d2));
         });
         return distance;
     });
@@ -157,13 +165,20 @@ void RecordCache::clamp_to_neighbors(float spacing, int threads) {
 
 size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing, int threads) {
     constexpr float deviations = 2;  // noise explains smaller differences with a probability of 95 %
+    // Returns the standard error of the luminance that is read at a record, W·m⁻². A record whose rays missed the bright
+    // object estimates no noise, but the records around it may.
+    const auto noise = [&](uint32_t record) {
+        const SharedExcess& shared = shared_excess_[slot_of_[record]];
+        return std::max(records_[record].own_noise * luminance(records_[record].irradiance + shared.mean),
+                        shared.noise);
+    };
     const auto error = [&](uint32_t from, uint32_t at) {
         const IrradianceRecord &a = records_[from], &b = records_[at];
         const float there = luminance(b.irradiance + shared_excess(at));
         const float read = luminance(extrapolate(a, b.position, Bend(b.normal, b.normal)) + shared_excess(from));
         // The lower bound is that of the error measure.
         const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
-        const float explained = deviations * std::sqrt(sqr(a.own_noise) + sqr(b.own_noise)) * there;
+        const float explained = deviations * std::sqrt(sqr(noise(from)) + sqr(noise(at)));
         return std::fabs(read - there) / (explained + tolerance * unit);
     };
     const auto reach = [&](uint32_t) { return Disagreement::Reach{1, options_.relaxation}; };
@@ -243,7 +258,7 @@ std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading,
     const Bend bend(normal, shading);
     for_each_weight(p, normal, options_.relaxation, 0, [&](uint32_t slot, float w) {
         const IrradianceRecord& record = records_[tree_.order()[slot]];
-        sum += (extrapolate(record, p, bend) + shared_excess_[slot] * bend.even) * w;
+        sum += (extrapolate(record, p, bend) + shared_excess_[slot].mean * bend.even) * w;
         weights += w;
         radii += w * record.radius;
     });

@@ -53,7 +53,7 @@ class RecordCache {
     /// Does the same with another measure of the error.
     size_t shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads);
     /// Returns the excess irradiance of record i, averaged over the records around it.
-    Color shared_excess(uint32_t i) const { return shared_excess_[slot_of_[i]]; }
+    Color shared_excess(uint32_t i) const { return shared_excess_[slot_of_[i]].mean; }
 
     // Normals are geometric in these functions, because bump maps tilt only the shading normal, not the surface on
     // which the records lie.
@@ -69,7 +69,7 @@ class RecordCache {
     template <class F>
     void for_each_serving(Vec3 p, Vec3 normal, float reach, F&& f) const {
         for_each_weight(p, normal, reach, 0,
-                        [&](uint32_t slot, float w) { f(tree_.order()[slot], w, shared_excess_[slot]); });
+                        [&](uint32_t slot, float w) { f(tree_.order()[slot], w, shared_excess_[slot].mean); });
     }
     /// Returns the mean noise of the records whose relaxed radii reach the point, or nothing if there is none.
     std::optional<float> noise_around(Vec3 p, Vec3 normal) const;
@@ -137,9 +137,13 @@ class RecordCache {
     std::vector<IrradianceRecord> records_;
     float mean_luminance_ = 0;
     SphereTree tree_;
-    std::vector<Footings> footings_;    // positions and reaches of the records in each leaf of the tree
-    std::vector<Color> shared_excess_;  // mean excess around the record in each slot of the tree
-    std::vector<uint32_t> slot_of_;     // slot of each record in the tree
+    std::vector<Footings> footings_;  // positions and reaches of the records in each leaf of the tree
+    struct SharedExcess {
+        Color mean;
+        float noise = 0;  // standard error of the luminance of the mean
+    };
+    std::vector<SharedExcess> shared_excess_;  // excess around the record in each slot of the tree, W·m⁻²
+    std::vector<uint32_t> slot_of_;            // slot of each record in the tree
 };
 
 }  // namespace eclat

@@ -42,9 +42,10 @@ SpacingRule spacing_rule(const IrradianceCacheOptions& options) {
 /// Sets the lengths and radii of the records of a pass. `mean` is the mean luminance of the irradiance in the scene, or
 /// 0 while it is unknown.
 /// Without a camera, points whose rays hit nothing have no length of their own. They take the typical length of the
-/// pass or, if no ray hits anything, a share of the extent of all points. In such scenes the light does not depend on
-/// it.
-void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOptions& options) {
+/// first pass whose rays hit anything, which is kept in `usual` (m, 0 until then), or else a share of the extent of all
+/// points. The light does not depend on it. The typical length of later passes would be too short, because they add
+/// records near surfaces that are close to others: the back of a floor beside a mirror got 160,000 records by it.
+void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOptions& options, float& usual) {
     std::vector<float> known;
     Vec3 low{infinity, infinity, infinity}, high = -low;
     for (const Gathered& g : gathered) {
@@ -52,17 +53,17 @@ void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOp
         low = min(low, g.record.position);
         high = max(high, g.record.position);
     }
-    float usual = pixel_share * std::max(length(high - low), 1e-3f * length(high));
-    if (!known.empty()) {
+    if (usual == 0 && !known.empty()) {
         const auto middle = known.begin() + static_cast<std::ptrdiff_t>(known.size() / 2);
         std::nth_element(known.begin(), middle, known.end());
         usual = *middle;
     }
+    const float length_of_none = usual > 0 ? usual : pixel_share * std::max(length(high - low), 1e-3f * length(high));
     for (Gathered& g : gathered) {
         if (!(g.footprint < infinity)) {
-            g.footprint = usual;
-            g.record.least_radius = options.least_pixels * usual;
-            g.record.largest_radius = options.largest_pixels * usual;
+            g.footprint = length_of_none;
+            g.record.least_radius = options.least_pixels * length_of_none;
+            g.record.largest_radius = options.largest_pixels * length_of_none;
         }
         space(g.record, g.obstacle, g.footprint, mean, spacing_rule(options));
     }
@@ -70,12 +71,12 @@ void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOp
 
 template <class Rows>
 std::vector<Gathered> gather_each(const GatherTask& task, std::span<const Candidate> candidates, const Rows& rows,
-                                  float mean) {
+                                  float mean, float& usual) {
     auto out = parallel_map<Gathered>(candidates.size(), task.options.threads, [&](size_t i) {
         task.progress.check();
         return gather(task, candidates[i], rows(candidates[i]));
     });
-    space_all(out, mean, task.options);
+    space_all(out, mean, task.options, usual);
     return out;
 }
 
@@ -142,8 +143,9 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
                                              const FarEnd& far, const IrradianceCacheOptions& options, Stream stream,
                                              int rows, Progress& progress) {
     const BrightPlaces none;
+    float usual = 0;
     return records_of(gather_each(
-        {world, far, none, options, stream, progress}, candidates, [&](const Candidate&) { return rows; }, 0));
+        {world, far, none, options, stream, progress}, candidates, [&](const Candidate&) { return rows; }, 0, usual));
 }
 
 std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
@@ -156,7 +158,8 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
         return gather(task, candidates[i], plan.count, plan.kind,
                       [&](const HemisphereSamples& samples) { plan.keep(i, samples); });
     });
-    space_all(gathered, plan.mean, options);
+    float usual = 0;
+    space_all(gathered, plan.mean, options, usual);
     return records_of(gathered);
 }
 
@@ -166,9 +169,10 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // far records have no larger radius anyway
     const auto wanted = unserved(solve.caches.far, candidates, options.threads);
     const FarEnd none;
+    float usual = 0;  // not used, because far records whose rays hit nothing are left out
     const auto gathered = gather_each(
         {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
-        [&](const Candidate&) { return options.far_rows; }, 0);
+        [&](const Candidate&) { return options.far_rows; }, 0, usual);
     const auto records = remembered(gathered, solve.bright);
     // Far records are only used in averages over whole hemispheres, so they may be coarse. Unless a finer spacing is
     // requested, their radii are at least about a hundredth of the distance from which they are seen, which is taken to
@@ -230,11 +234,11 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto wanted = solve.direct.worth_records(candidates, missed);
     caches.left_to_paths = solve.direct.left_to_paths();
     const FarEnd far = far_end(world, caches, options, progress, solve.tables);
-    const auto records = remembered(
-        gather_each(
-            {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
-            [&](const Candidate& c) { return rows_for(c, caches.near, options, share); }, caches.near.mean_luminance()),
-        solve.bright);
+    const auto records = remembered(gather_each(
+                                        {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
+                                        [&](const Candidate& c) { return rows_for(c, caches.near, options, share); },
+                                        caches.near.mean_luminance(), solve.usual_footprint),
+                                    solve.bright);
     caches.near.insert(records, options.spacing, options.threads);
     if (options.disagreement < infinity)
         caches.near.shrink_where_records_disagree(options.disagreement, options.spacing, options.threads);

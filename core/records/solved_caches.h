@@ -31,6 +31,7 @@ struct RecordSolve {
     const RadianceTables* tables = nullptr;   // tables of lobes, for radiance caching
     BrightPlaces bright{};                    // places at which gathers aim rays
     DirectRegions direct{}, glossy_direct{};  // regions without records
+    float usual_footprint = 0;                // of the first pass of near records, m, or 0 before it
 };
 
 }  // namespace eclat

@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
+import warnings
+
 import numpy as np
 import pytest
 
 import eclat
 from eclat.errors import EclatWarning
 from eclat.measure.error_estimate import LIGHT_BY_CHANCE, error_text
-from eclat.scene import Material, Mesh, PointLight, Scene, grey
+from eclat.scene import Environment, Material, Mesh, PointLight, Scene, grey
 
 
 def quad(corners: list[tuple[float, float, float]], material: Material) -> Mesh:
@@ -72,3 +74,53 @@ def test_path_warns_that_light_of_point_lights_by_mirrors_is_missing() -> None:
     with pytest.warns(EclatWarning, match="no path can find this light"):
         eclat.irradiance(scene, POINTS, NORMALS, eclat.Path(), samples=1)
     assert statistics(scene)[LIGHT_BY_CHANCE] > 0.1
+
+
+def wide_floor(*above: Mesh) -> tuple[Mesh, ...]:
+    """A floor of 8 × 16 m beside an upright mirror, 4 m high."""
+    floor = Material("diffuse", {"reflectance": grey(0.5)})
+    return (
+        quad([(0, 0, 8), (8, 0, 8), (8, 0, -8), (0, 0, -8)], floor),
+        quad([(0, 0, 8), (0, 0, -8), (0, 4, -8), (0, 4, 8)], Material("conductor")),
+        *above,
+    )
+
+
+def test_sides_of_a_floor_beside_a_mirror_get_records_by_what_each_sees() -> None:
+    """The back sees only sky: neither the mirror before it nor records of the front make its records small."""
+    scene = Scene(meshes=wide_floor(), environment=Environment(np.ones((1, 1, 3), np.float32)))
+    solution = eclat.solve(scene, view_independent=True, check=False)
+    back = solution.normals[:, 1] < -0.9
+    assert 100 < back.sum() < 2500
+    assert len(solution) < 8000
+    points = np.random.default_rng(1).uniform((0.1, 0, -7.9), (7.9, 0, 7.9), (200, 3))
+    found = eclat.irradiance(scene, points, np.tile((0, 1.0, 0), (200, 1)), solution)
+    np.testing.assert_allclose(found, np.pi, rtol=0.01)
+
+
+def test_light_that_a_mirror_sends_to_a_few_rays_does_not_multiply_records() -> None:
+    """The floor is lit by the image of a lamp, which one ray in 2000 meets: neighbouring records differ by chance."""
+    glow = Material("diffuse", {"reflectance": grey(0.0)}, emission=grey(40.0))
+    lamp = quad([(2.75, 3, -0.25), (3.25, 3, -0.25), (3.25, 3, 0.25), (2.75, 3, 0.25)], glow)
+    scene = Scene(meshes=wide_floor(lamp))
+    points = np.random.default_rng(1).uniform((0.5, 0, -7.9), (7.9, 0, 7.9), (4000, 3))
+    normals = np.tile((0, 1.0, 0), (4000, 1))
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", EclatWarning)
+        solution = eclat.solve(scene, points=(points, normals), check=False)
+        found = eclat.irradiance(scene, points, normals, solution, component="indirect")[:, 1]
+    assert len(solution) < 1500, "each of 4000 points asked for one of its own"
+    image = np.array([(-2.75, 3, -0.25), (-3.25, 3, -0.25), (-3.25, 3, 0.25), (-2.75, 3, 0.25)])
+    expected = 40 * np.pi * np.array([form_factor(image - p) for p in points])
+    assert found.mean() == pytest.approx(expected.mean(), rel=0.15)
+
+
+def form_factor(corners: np.ndarray) -> float:
+    """Of an upward point at the origin to a polygon, by Lambert's formula."""
+    rays = corners / np.linalg.norm(corners, axis=1, keepdims=True)
+    total = 0.0
+    for a, b in zip(rays, np.roll(rays, -1, axis=0), strict=True):
+        across = np.cross(a, b)
+        length = float(np.linalg.norm(across))
+        total += across[1] / length * np.arctan2(length, a @ b)
+    return abs(float(total)) / (2 * np.pi)

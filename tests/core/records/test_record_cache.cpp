@@ -299,6 +299,26 @@ TEST_CASE("no radius exceeds a neighbour's by more than the distance between the
     CHECK(changed > 100);
 }
 
+TEST_CASE("records on both sides of a sheet leave each other their radii") {
+    RecordCache cache;
+    const IrradianceRecord front = bare_record({0, 0, 0}, 0.1f, Color(1));
+    IrradianceRecord back = bare_record({0.05f, 0, 0}, 2, Color(1));
+    back.normal = {0, 0, -1};
+    cache.insert(std::vector{front, back}, spacing, 1);
+    CHECK(cache.records()[1].radius == doctest::Approx(spacing * 2));
+}
+
+TEST_CASE("records disagree by chance where few rays brought the light of one and none that of the other") {
+    std::vector<IrradianceRecord> records;
+    for (float x : {0.0f, 0.3f}) records.push_back(bare_record({x, 0, 0}, 1, Color(0)));
+    records[0].excess = Color(1);
+    records[0].excess_noise = 1;
+    records[0].own_noise = 0.35f;
+    RecordCache cache;
+    cache.insert(records, spacing, 1);
+    CHECK(cache.shrink_where_records_disagree(0.02f, spacing, 1) == 0);
+}
+
 TEST_CASE("the worse of two records that disagree shrinks until its error is the tolerated one") {
     // E = 1 + x²: each knows its value and slope, so both err by the square of the distance; relative to what is there, that
     // is more where it is darker.
