@@ -89,9 +89,9 @@ class Meter:
 class ProgressBar:
     """A line with the phase, a bar, the rays per second and the time left.
 
-    It is shown only after `SHOW_AFTER` seconds, and removed when the `with` block ends. Where there is no terminal, plain
-    lines are printed instead, one for each new phase, tenth of it, or `LINE_EVERY` seconds, but not more than a reader of
-    a log can bear: the pause between two lines is at least `LINE_PAUSE` of the time since the start.
+    It is shown only after `SHOW_AFTER` seconds, and removed when the `with` block ends. Without a terminal, plain lines
+    are printed instead: one for each new phase, for each tenth of a phase, and every `LINE_EVERY` seconds. To keep logs
+    short, the pause between two lines is at least `LINE_PAUSE` of the time since the start.
     """
 
     def __init__(self, console: Console | None = None, clock: Clock = time.monotonic) -> None:
@@ -133,7 +133,7 @@ class ProgressBar:
         self._bar.refresh()
 
     def _print_line(self, phase: str, fraction: float, statistics: Mapping[str, float]) -> None:
-        """Print a plain line if it says something new."""
+        """Print a plain line if it differs from the last one."""
         now = self._clock()
         if self._line is not None:
             last_phase, last_fraction, last = self._line

@@ -2,9 +2,9 @@
 # SPDX-License-Identifier: Apache-2.0
 """The output of a command: a progress bar and text for people, or lines of JSON for programs.
 
-Results go to standard output; the bar (plain lines where there is no terminal), warnings and errors go to
-standard error. With `--json`, standard output holds only events (`eclat.cli.progress.JsonEvents`), one per line, and errors are
-also printed on standard error.
+Results go to standard output; the bar (plain lines without a terminal), warnings and errors go to standard error. With
+`--json`, standard output holds only events (`eclat.cli.progress.JsonEvents`), one per line, and errors are also printed
+on standard error.
 """
 
 from __future__ import annotations

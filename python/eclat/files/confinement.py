@@ -2,8 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """Confine the files that a scene may read to one folder.
 
-`read_file`, through which every file of a scene is read, asks `check_confined`. The folder belongs to the current thread
-or task, as the warnings in `eclat.errors` do, so that two loads in two threads can have two folders.
+`read_file`, which reads every file of a scene, calls `check_confined`. The folder belongs to the current thread or
+task, like the warnings in `eclat.errors`, so that loads in two threads can have different folders.
 """
 
 from __future__ import annotations
@@ -21,11 +21,11 @@ _root: ContextVar[str | None] = ContextVar("root", default=None)
 
 @contextmanager
 def confined_to(root: str | os.PathLike[str] | None) -> Iterator[None]:
-    """Confine the files that are read in the block to the folder `root`. None confines nothing further.
+    """Confine the files that are read in the block to the folder `root`. None adds no restriction.
 
     Raises
     ------
-    EclatError : `root` is no folder.
+    EclatError : `root` is not a folder.
     """
     if root is None:
         yield
@@ -45,7 +45,8 @@ def confined_to(root: str | os.PathLike[str] | None) -> Iterator[None]:
 
 
 def is_outside(path: str | os.PathLike[str]) -> bool:
-    """Whether `path`, after every symbolic link and `..` in it, lies outside the folder. The file need not exist.
+    """Return whether `path`, with all symbolic links and `..` resolved, lies outside the folder. The file need not
+    exist.
 
     A path that cannot be looked up, such as one with a zero byte, counts as outside.
     """
@@ -59,8 +60,8 @@ def is_outside(path: str | os.PathLike[str]) -> bool:
 
 
 def check_confined(path: str | os.PathLike[str], where: str, name: str | None = None) -> None:
-    """Raise EclatError if `path` lies outside the folder. `where` is the start of the message, which calls the file
-    `name`, or its path if that is None.
+    """Raise EclatError if `path` lies outside the folder. The message starts with `where` and calls the file `name` or,
+    if that is None, by its path.
     """
     if is_outside(path):
         raise EclatError(

@@ -94,7 +94,8 @@ def _channels(prefix: str, letters: str, array: Float32) -> dict[str, Float32]:
 
 
 def _layers(arrays: Mapping[str, Float32], name: str) -> dict[str, Float32]:
-    """Group channels into layers by the part of their names before the last dot. It is empty for the image itself.
+    """Group channels into layers by the part of their names before the last dot. This part is empty for the image
+    itself.
 
     Channels that do not belong to a layer of a known form are ignored, with a warning.
     """

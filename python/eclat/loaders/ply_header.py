@@ -42,7 +42,7 @@ class Property:
 
 @dataclass(frozen=True)
 class Element:
-    """An element of the file: `count` rows that have the same properties."""
+    """An element of a PLY file, which consists of `count` rows with the same properties."""
 
     name: str
     count: int

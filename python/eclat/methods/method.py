@@ -79,12 +79,14 @@ class Prepared(ABC):
         return False
 
     def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator | None:
-        """Make an unbiased estimator that reads nothing of what was prepared and judges pictures; None if there is none."""
+        """Make an unbiased estimator that does not read prepared data, with which the error of pictures is measured;
+        None if there is none.
+        """
         return None
 
     @property
     def record_positions(self) -> FloatArray | None:
-        """World positions (N, 3) of the records, which pictures can show; None if there are no records."""
+        """The world positions (N, 3) of the records, which pictures can mark; None if there are no records."""
         return None
 
     def layers(self, film: _core.Film) -> dict[str, np.ndarray]:

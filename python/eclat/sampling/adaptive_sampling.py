@@ -8,11 +8,12 @@ the pixel as in `metrics.relative_rmse`, and n the number of samples of the pixe
 if n is proportional to √v [Neyman34]. v is estimated from the samples taken so far, in passes that each double the
 samples of the picture; each pass distributes its samples according to the estimates of the passes before.
 
-A pixel's own samples have no say in how many it gets: v is the mean over its eight neighbours, relative to their
-radiance. Otherwise a pixel that was lucky to find light which few paths find would get many more samples, among which
-that light counts little, and one without luck would keep its few. What its neighbours find because they got more for
-its luck is left: where one sample in a hundred finds all light, pictures of 16 samples are a fifth too dark, of 64 a
-twentieth, and those of 256 are right; where one in ten does, 1 % at 16.
+The number of samples of a pixel does not depend on its own samples: v is the mean over its eight neighbours, relative
+to their radiance. Otherwise, a pixel that found rare light by chance would get many more samples, in whose mean this
+light has little weight, while a pixel that missed it would keep its few samples, so that the picture would be too dark.
+A smaller bias remains, because the neighbours of such a pixel get more samples. If one sample in a hundred finds all
+the light, pictures are a fifth too dark with 16 samples, a twentieth with 64, and correct with 256; if one sample in
+ten finds it, they are 1 % too dark with 16.
 
 If an edge cuts off a small part of a pixel, a few samples may all miss this part and agree about the wrong colour. If a
 lamp is on the other side of the edge, such pixels cause most of the error of a picture. The colour on the other side is
@@ -126,8 +127,9 @@ class AdaptiveSamples:
         self.counts, self._mean = counts, mean
 
     def state(self) -> dict[str, NDArray[np.float32]]:
-        """Return what `restore` needs besides the picture: `counts`, and `variance`, `variance_around` and `contrast` if there
-        are any, over the whole picture (height, width)."""
+        """Return the arrays that `restore` needs in addition to the picture: `counts` and, if they exist, `variance`,
+        `variance_around` and `contrast`, all over the whole picture (height, width).
+        """
         known = {
             "counts": self.counts[self._region],
             "variance": self._variance,
@@ -142,7 +144,7 @@ class AdaptiveSamples:
         return state
 
     def restore(self, state: Mapping[str, NDArray[np.float32]], mean: Picture) -> None:
-        """Go on from a picture (height, width, 3) and from what `state` gave for it."""
+        """Continue from a picture (height, width, 3) and the arrays that `state` returned for it."""
         self.counts = state["counts"].astype(np.uint32)
         self._mean = np.asarray(mean[self._region], dtype=np.float64)
         if "contrast" in state:
@@ -168,8 +170,9 @@ def _neighbourhood(values: NDArray[np.float64]) -> Iterator[NDArray[np.float64]]
 
 
 def _neighbours(values: NDArray[np.float64], border: Literal["edge", "reflect"]) -> Iterator[NDArray[np.float64]]:
-    """Yield eight copies of the picture that are shifted by one pixel; beyond the border lie the pixels at the border, or
-    with "reflect" those beside it, so that no pixel is its own neighbour."""
+    """Yield eight copies of the picture, each shifted by one pixel. Pixels at the border are repeated beyond it; with
+    "reflect", the pixels next to them are used instead, so that no pixel is its own neighbour.
+    """
     height, width = values.shape[:2]
     if border == "reflect" and min(height, width) < 2:
         border = "edge"  # There is nothing beside it.
@@ -196,7 +199,8 @@ def _around(values: NDArray[np.float64]) -> NDArray[np.float64]:
 def _blended(
     before: NDArray[np.float64] | None, now: NDArray[np.float64], seen: NDArray[np.bool_]
 ) -> NDArray[np.float64]:
-    """Combine the variances of earlier passes with those of the last, where that has `seen` any samples.
+    """Combine the variances of earlier passes with those of the last pass at the pixels that it sampled, which `seen`
+    marks.
 
     The last pass has the largest weight, because samples are stratified, so their variance decreases with their number.
     """

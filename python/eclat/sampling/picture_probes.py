@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""The error of the picture that is shown, measured at a few of its pixels by paths of their own.
+"""The error of the picture that is shown, measured by additional paths at a few of its pixels.
 
 Symbol    name here    meaning
   s       shown        the picture that is shown, denoised or not
@@ -9,15 +9,15 @@ Symbol    name here    meaning
   π       chances      the chance of a pixel to be probed
   P       –            number of pixels
 
-(s − p)(s − q) has the expectation (s − T)², whatever made s: the noise that is left, the smoothing of a denoiser and the
-error of records all count, with the signs that they have against each other. r tells the square R² + c by which it is
-divided, and each of the three takes the place of r once. The mean over pixels is estimated from some of them as the sum
-of these values / (π P) [HorvitzThompson52]. The halves tell where the picture errs or is noisy, and such pixels are probed
-more often; the chance depends on s alone, so the estimate of the mean is unbiased. s itself would not do for R: where a
-denoiser carries light over an edge, the square of s hides the error (2.0 instead of 2.6 % in the Cornell box).
+(s − p)(s − q) has the expectation (s − T)² for any s, so it includes the remaining noise, the smoothing of a denoiser,
+the error of records, and their correlations. It is divided by R² + c, which is estimated from r; each of the three
+estimates takes the place of r once. The mean over pixels is estimated from some of them as the sum of these values / (π
+P) [HorvitzThompson52]. Pixels at which the halves indicate a large error or noise are probed more often. The
+probabilities depend on s alone, so the estimate of the mean is unbiased. R is not taken from s, because where a
+denoiser spreads light over an edge, the square of s would hide the error (2.0 instead of 2.6 % in the Cornell box).
 
-The probes are drawn after it was decided to take no more samples. The estimate that led to this decision is low more often
-than high, since a low one ends the work.
+The probes are drawn after the decision to stop sampling. The estimate on which that decision is based is more often too
+low than too high, because a low estimate ends the sampling.
 """
 
 from __future__ import annotations
@@ -37,18 +37,20 @@ from eclat.sampling.denoised_halves import WINDOW, DenoisedHalves
 Float64 = NDArray[np.float64]
 
 TakeSamples = Callable[[Counts, int], NDArray[np.floating]]
-"""A function from the number of samples of each pixel (H, W), and the number of the estimate, 0, 1 or 2, to the mean of these
-samples (H, W, 3). The estimates are independent of each other and of the picture."""
+"""A function that takes the number of samples of each pixel (H, W) and the number of the estimate (0, 1 or 2), and
+returns the mean of these samples (H, W, 3). The estimates are independent of each other and of the picture.
+"""
 
 ESTIMATES = 3
-"""Number of independent estimates at a pixel."""
+"""The number of independent estimates at a pixel."""
 
 PATHS = 96
-"""Paths for each estimate. Fewer paths at more pixels tell less: the deviation of the product of two noisy estimates falls
-with the number of paths, but only with the root of the number of pixels."""
+"""The number of paths of each estimate. Fewer paths at more pixels give less information: the deviation of the product
+of two noisy estimates is inversely proportional to the number of paths, but only to the root of the number of pixels.
+"""
 
 EVEN_CHANCE = 0.4
-"""Part of the probes that is spread evenly. No pixel counts more than the inverse of this."""
+"""The share of the probes that is distributed evenly. The weight of a pixel is at most the inverse of this share."""
 
 LEAST_PATHS = 1 << 18
 """Paths for the probes of a small picture; they take 0.1 to 0.5 s."""
@@ -60,14 +62,17 @@ PATHS_OF_SAMPLE = 0.15
 """Paths for each sample of the picture."""
 
 DISTRUST = 0.5
-"""What the halves and the probes of records say of the square of the error is believed to this part of it. The halves do not
-see what both share, and neither sees how the two errors go together: in furnished rooms it was 0.6 to 1.2 of the truth."""
+"""The relative standard deviation that is assumed for the squared error from the halves and the probes of records. The
+halves do not measure errors that both share, and neither measures the correlation of the two errors: in furnished rooms
+the estimate was 0.6 to 1.2 of the true value.
+"""
 
 
 @dataclass(frozen=True)
 class ProbedError:
-    """`squared` is the mean of (s − T)² / (R² + c), which chance can make negative, and `deviation` its standard error.
-    `in_one_tile` is the part of it that the worst tile of the picture holds, in 0..1."""
+    """`squared` is the estimated mean of (s − T)² / (R² + c), which noise can make negative, and `deviation` is its
+    standard error. `in_one_tile` is the share of it, in 0..1, in the tile of the picture with the largest error.
+    """
 
     squared: float
     deviation: float
@@ -100,7 +105,7 @@ def probed_error(found: DenoisedHalves, take: TakeSamples, paths: int, seed: int
 
 
 def _chances(found: DenoisedHalves, probes: int) -> Float64:
-    """Compute the chance of each pixel (H, W), whose sum is about `probes`."""
+    """Compute the probabilities (H, W) of the pixels, whose sum is about `probes`."""
     size = found.squared.size
     if probes >= size:
         return np.ones_like(found.squared)
@@ -119,10 +124,10 @@ def _blurred(values: Float64) -> Float64:
 
 
 def _drawn(chances: Float64, seed: int) -> NDArray[np.bool_]:
-    """Draw pixels, each with its chance, (H, W).
+    """Draw pixels with the given probabilities (H, W).
 
-    The pixels stand in a row, one window of the picture after another and in random order in each, and are drawn where the
-    running sum of the chances passes a multiple of one: each window gets its part of the probes.
+    The pixels are listed window by window, in random order within each window. A pixel is drawn where the cumulative
+    sum of the probabilities passes an integer, so that each window gets its share of the probes.
     """
     height, width = chances.shape
     y, x = np.mgrid[0:height, 0:width]
@@ -136,7 +141,9 @@ def _drawn(chances: Float64, seed: int) -> NDArray[np.bool_]:
 
 
 def _summary(parts: Float64, drawn: NDArray[np.bool_]) -> ProbedError:
-    """Add the parts up; their spread tells the standard error, as if pixels had been drawn independently."""
+    """Sum the contributions, and estimate the standard error from their variance as if the pixels had been drawn
+    independently.
+    """
     used = parts[drawn]
     count = used.size
     if count == 0:
@@ -152,8 +159,9 @@ def _summary(parts: Float64, drawn: NDArray[np.bool_]) -> ProbedError:
 
 
 def joined(probed: ProbedError, known: ErrorEstimate | None) -> ErrorEstimate:
-    """Return the mean of what the probes found and of what was known before, each with the inverse of its variance as its
-    weight; without the latter, what the probes found."""
+    """Return the mean of the error that the probes measured and the error that was estimated before, weighted by the
+    inverse of their variances. Without the latter, this is the error that the probes measured.
+    """
     if known is None:
         return _skew(probed.squared, probed.deviation, 0.0, probed.in_one_tile)
     squared = known.error**2
@@ -173,8 +181,10 @@ def joined(probed: ProbedError, known: ErrorEstimate | None) -> ErrorEstimate:
 
 
 def _skew(squared: float, deviation: float, unserved: float, in_one_tile: float) -> ErrorEstimate:
-    """Make an estimate from a squared error that is the mean of many small values and a few large ones: chance finds too
-    little of it more often than too much, so the interval reaches as far up as that of its logarithm."""
+    """Make an estimate from a squared error that is the mean of many small values and a few large ones. Such a mean is
+    underestimated more often than overestimated, so the upper end of the interval is that of an interval for its
+    logarithm.
+    """
     usual = ErrorEstimate.of_squared(squared, deviation, unserved)
     high = usual.high
     if 0 < deviation < squared:

@@ -269,7 +269,8 @@ def _openness(scene: Scene, camera: Camera) -> float:
 
 def _free(scene: Scene, origin: FloatArray, directions: FloatArray) -> FloatArray:
     """Return the free distances (N,) in metres from a point along unit directions (N, 3); they are infinite for rays
-    that leave the scene. In scenes of many triangles they are those of a grid."""
+    that leave the scene. In scenes with many triangles they are computed on a grid.
+    """
     if is_part(scene):
         return free_distances(scene, origin, directions)
     return _distances(surface(scene), origin, directions)

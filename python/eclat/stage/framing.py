@@ -63,7 +63,8 @@ class Grid:
 
 
 def free_distances(scene: Scene, origin: FloatArray, directions: FloatArray) -> FloatArray:
-    """Return the distances (N,) in metres from a point along unit directions (N, 3) that are free of surface for sure.
+    """Return distances (N,) in metres from a point along unit directions (N, 3) up to which there is certainly no
+    surface.
 
     They are found on the grid, so they are up to three cells too short, and infinite where a ray leaves the scene.
     """
@@ -80,7 +81,7 @@ def free_distances(scene: Scene, origin: FloatArray, directions: FloatArray) -> 
 
 
 def _place_in(grid: Grid, camera: Camera, upright: FloatArray) -> FloatArray:
-    """Return the camera's place in the grid's cells."""
+    """Return the position of the camera in units of the grid's cells."""
     place: FloatArray = (np.asarray(camera.to_world, dtype=np.float64)[:3, 3] @ upright - grid.low) / grid.cell
     return place
 

@@ -13,10 +13,11 @@ from numpy.typing import NDArray
 from eclat.scene import FloatArray, Mesh, Scene
 
 MANY = 400_000
-"""The number of triangles beyond which a part of about this number stands for all. A room has about 50,000 occupied
-cells, so that several triangles of the part lie in each."""
+"""The number of triangles above which only a part of about this number is used. A room has about 50,000 occupied cells,
+so that several triangles of the part lie in each cell.
+"""
 _PART = 1 << 16
-"""The number of triangles that are looked at together, so that they stay in the processor's cache."""
+"""The number of triangles that are processed together, so that they stay in the processor's cache."""
 
 _surfaces: weakref.WeakKeyDictionary[Mesh, tuple[list[weakref.ref[Mesh]], FloatArray]] = weakref.WeakKeyDictionary()
 """By the first mesh of a scene of many triangles: all its meshes, and their surface, which is asked for several
@@ -26,7 +27,8 @@ times."""
 def surface(scene: Scene) -> FloatArray:
     """Return the corners (T, 3, 3) of all triangles whose coordinates are finite.
 
-    Of scenes with more than `MANY` triangles these are the corners of a part (see `is_part`), chosen by `_chosen`.
+    In scenes with more than `MANY` triangles, these are the corners of only a part of the triangles, which `_chosen`
+    chooses (see `is_part`).
     """
     meshes = [mesh for mesh in scene.meshes if len(mesh.triangles)]
     if not is_part(scene):
@@ -38,7 +40,7 @@ def surface(scene: Scene) -> FloatArray:
 
 
 def is_part(scene: Scene) -> bool:
-    """Return whether `surface` is a part of the scene's triangles, so that rays would slip between them."""
+    """Return whether `surface` is only a part of the scene's triangles, so that rays may pass between them."""
     return sum(len(mesh.triangles) for mesh in scene.meshes) > MANY
 
 

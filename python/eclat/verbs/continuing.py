@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Pictures that can be continued: their layers hold what was added up, and later samples are added to that.
+"""Pictures that can be continued: their layers hold the sums of the samples, to which later samples are added.
 
-Sample n of a pixel is a function of the seed, the pixel and n. Hence 4 samples and then 12 give the bits of 16 at once, if the
-records are the same and if the first number is one at which a pass ends: a power of two with adaptive sampling, any number
-without. Other numbers give another picture, but always the same one.
+Sample n of a pixel depends only on the seed, the pixel and n. Therefore, 4 samples continued by 12 give the same bits
+as 16 samples at once, if the records are the same and a pass ends at the first number: with adaptive sampling this is
+so for powers of two, and otherwise for any number. Other numbers give a different picture, but always the same one.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ FORMAT = 1
 """Version of the layers and metadata, which is incremented whenever they change."""
 
 KEY = "continuable"
-"""Name of the metadata that such a picture has."""
+"""The key of the metadata of such a picture."""
 
 FROM_PICTURE = ("size", "crop", "max_depth", "seed", "filter", "adaptive", "halves")
 """The arguments of `render` that a continued picture determines."""
@@ -39,7 +39,9 @@ Layers = dict[str, NDArray[np.float32]]
 
 @dataclass(frozen=True, eq=False)
 class Begun:
-    """A picture that is to be continued. `state` is what its metadata hold for that, `name` its name in messages."""
+    """A picture that is to be continued. `state` is the part of its metadata that continuing needs, and `name` is its
+    name in messages.
+    """
 
     image: Image
     state: dict[str, Any]
@@ -47,9 +49,10 @@ class Begun:
 
     @staticmethod
     def of(picture: Image | str | os.PathLike[str]) -> Begun:
-        """Take up an Image, or read one from an .exr file.
+        """Prepare an Image for continuing, or read one from an .exr file.
 
-        Raises EclatError if it cannot be read or continued, or if the layers for that are missing or damaged.
+        Raises EclatError if it cannot be read or continued, or if the layers that continuing needs are missing or
+        damaged.
         """
         image, name = (
             (picture, "continued") if isinstance(picture, Image) else (Image.load(picture), os.fspath(picture))
@@ -69,8 +72,9 @@ class Begun:
         return Begun(image, state, name)
 
     def settings(self, defaults: tuple[Any, ...], given: tuple[Any, ...]) -> tuple[Any, ...]:
-        """Return the arguments `FROM_PICTURE` as the picture has them. Raises EclatError if another value was given for one
-        of them."""
+        """Return the arguments in `FROM_PICTURE` with the values of the picture. Raises EclatError if a different value
+        was given for one of them.
+        """
         settings = []
         for name, default, value in zip(FROM_PICTURE, defaults, given, strict=True):
             own = self.state[name]
@@ -83,11 +87,13 @@ class Begun:
 
     @property
     def samples(self) -> int:
-        """Number of samples per pixel that the picture has."""
+        """The number of samples per pixel that the picture has."""
         return int(self.image.metadata["statistics"]["samples"])
 
     def require_match(self, scene: Scene, camera: Camera, method: str, samples: int | None) -> None:
-        """Raise EclatError if the picture shows another scene, from elsewhere or by another method, or has the samples."""
+        """Raise EclatError if the picture has another scene, camera or method, or already has the requested number of
+        samples.
+        """
         if self.state["scene"] != fingerprint(scene):
             raise EclatError(f"{self.name}: shows another scene: geometry, materials or lights differ; render it anew")
         if self.state["camera"] != fingerprint_of_camera(camera):
@@ -98,7 +104,7 @@ class Begun:
             raise EclatError(f"samples: expected more than the {self.samples} that {self.name} has, got {samples}")
 
     def restore(self, sampling: Sampling) -> None:
-        """Give what was added up to the empty films of `sampling`, and its state to itself."""
+        """Copy the sums of the picture into the empty films of `sampling`, and restore the state of `sampling`."""
         layers = self.image.layers
         for number, film in enumerate(_films(sampling)):
             parts = [layers[name] for name in sorted(layers) if name.startswith(f"sums_{number}_")]
@@ -109,7 +115,7 @@ class Begun:
         sampling.take_up(self.samples)
 
     def add_bad_samples(self, image: Image) -> None:
-        """Count the samples that were not finite before, too; the first of them stays the first."""
+        """Add the samples of the previous run that were not finite to the count; the first of them stays the first."""
         before, after = (picture.metadata.get("bad_samples") for picture in (self.image, image))
         if before:
             more = after["count"] if after else 0
@@ -141,7 +147,7 @@ def make_continuable(
 
 
 def fingerprint_of_camera(camera: Camera) -> str:
-    """Compute a hash of all that determines what a camera sees; its name and preferred size do not."""
+    """Compute a hash of the properties of a camera that affect the picture, which excludes its name and preferred size."""
     seen = {name: getattr(camera, name) for name in camera.__dataclass_fields__ if name not in ("name", "size")}
     seen["to_world"] = np.asarray(camera.to_world, np.float64).tolist()
     return hashlib.sha256(repr(sorted(seen.items())).encode()).hexdigest()[:32]

@@ -44,12 +44,14 @@ from eclat.verbs.solve import require_check
 FILTERS = ("box", "tent")
 
 SHARE_OF_PROBES = 0.15
-"""Share of the time for samples that is left to the probes of the finished picture. They take as many paths as 0.15 of
-the samples."""
+"""The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
+as 0.15 of the samples.
+"""
 
 PREVIEW_SECONDS = 4.0
-"""Least time between two previews: the picture is then written anew often enough for a viewer, and seldom enough that writing
-it costs little."""
+"""The least number of seconds between two previews. The picture is then updated often enough for a viewer, and rarely
+enough that writing it takes little time.
+"""
 
 
 def render(
@@ -120,10 +122,10 @@ def render(
     continued : a picture that was rendered with `continuable`, or the name of its .exr file, to which samples are added;
         `samples` is the total number. Size, crop, depth, seed, filter, adaptive and halves are those of the picture; scene,
         camera and method must be the same. With the same options, the picture has the same bits as one that took all samples at
-        once (with adaptive sampling, if the first number of samples was a power of two). The options of the method may differ:
-        records that are finer then serve the new samples. Rays and seconds in the statistics are those of this call.
-    continuable : whether the picture gets layers with what was added up (`sums_*`, `sample_*`), so that it can be continued
-        later; an .exr file is about three times as large then. Continued pictures can be continued again.
+        once (with adaptive sampling, if the first number of samples was a power of two). The options of the method may
+        differ, so that finer records serve the new samples. Rays and seconds in the statistics are those of this call.
+    continuable : whether the picture gets layers with the sums of its samples (`sums_*`, `sample_*`), so that it can be
+        continued later. An .exr file is then about three times as large. Continued pictures can be continued again.
     keep_partial : whether Ctrl-C keeps what is finished. The KeyboardInterrupt then has an attribute `partial`, an
         Image of the samples taken so far, whose metadata give their number as `samples_done`. The attribute is absent
         until every pixel has a sample.
@@ -241,8 +243,9 @@ def _refuse_contradictions(samples: int | None, time: float | None, refine: bool
 
 
 def _goal_of_samples(goal: Goal, estimate: ErrorEstimate | None, probes: bool) -> Goal:
-    """Return the goal for the samples: noise gets what the estimated error of the records leaves of the error, at least half
-    of it, and a deadline leaves time for the probes, if there are any."""
+    """Return the goal for the samples. The noise may take the part of the error that the estimated error of the records
+    leaves, and at least half of it. A deadline is moved forward to leave time for the probes, if there are any.
+    """
     if estimate is not None:
         share = max(0.5, 1 - (estimate.quoted / goal.max_error) ** 2) ** 0.5
         goal = replace(goal, max_error=goal.max_error * share)
