@@ -230,7 +230,8 @@ class ProgressivePhotons(Prepared):
 
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
         raise EclatError(
-            "photon-map: expected progressive=False for a single estimator, got progressive=True, which makes a new estimator for each sample"
+            "photon-map: expected progressive=False for a single estimator, got progressive=True, which makes a new "
+            "estimator for each sample"
         )
 
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:

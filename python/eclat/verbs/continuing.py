@@ -66,9 +66,7 @@ class Begun:
         if state.get("format") != FORMAT:
             raise EclatError(f"{name}: expected a continuable picture of format {FORMAT}, got {state.get('format')!r}")
         if _checksum(_state_of(image.layers)) != state.get("checksum"):
-            raise EclatError(
-                f"{name}: expected the layers that hold the samples as they were written, got damaged ones"
-            )
+            raise EclatError(f"{name}: expected the layers of samples as Éclat wrote them, got damaged ones")
         return Begun(image, state, name)
 
     def settings(self, defaults: tuple[Any, ...], given: tuple[Any, ...]) -> tuple[Any, ...]:
@@ -95,9 +93,14 @@ class Begun:
         samples.
         """
         if self.state["scene"] != fingerprint(scene):
-            raise EclatError(f"{self.name}: shows another scene: geometry, materials or lights differ; render it anew")
+            raise EclatError(
+                f"{self.name}: expected a picture of the same scene, got one with other geometry, materials or lights; "
+                "render it anew"
+            )
         if self.state["camera"] != fingerprint_of_camera(camera):
-            raise EclatError(f"{self.name}: was seen by another camera; expected the same position, direction and lens")
+            raise EclatError(
+                f"{self.name}: expected a picture with the same position, direction and lens of the camera, got another"
+            )
         if self.image.metadata.get("method") != method:
             raise EclatError(f"{self.name}: expected the method {self.image.metadata.get('method')}, got {method}")
         if samples is not None and samples <= self.samples:

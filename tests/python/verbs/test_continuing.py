@@ -84,8 +84,8 @@ def test_pictures_that_cannot_be_continued_are_refused(cornell: eclat.Scene, tmp
 
     refused("without the samples of each pixel; render it with --continuable", continued=plain)
     lamp = eclat.scene.PointLight((0.5, 0.5, 0.5), (1.0,) * 3)
-    refused("shows another scene", scene=replace(cornell, lights=(lamp,)))
-    refused("another camera", camera=replace(cornell.cameras[0], fov=20.0))
+    refused("expected a picture of the same scene", scene=replace(cornell, lights=(lamp,)))
+    refused("lens of the camera, got another", camera=replace(cornell.cameras[0], fov=20.0))
     refused("expected the method path, got direct", what=eclat.Direct())
     refused("expected more than the 2 that continued has, got 2", samples=2)
     refused("seed cannot change when a picture is continued, expected 0, got 3", seed=3)
