@@ -9,7 +9,10 @@ from dataclasses import dataclass
 import numpy as np
 
 import eclat
-from eclat.lightmap.atlas import areas
+from eclat.gltf_export import Part
+from eclat.lightmap.atlas import Atlas, Unwrapped, areas
+from eclat.lightmap.seams import seam_samples
+from eclat.lightmap.texels import corners_of
 from eclat.scene import FloatArray
 
 
@@ -66,3 +69,19 @@ def lookup(image: np.ndarray, uvs: FloatArray) -> FloatArray:
     above = texel(0, 0) * (1 - fx) + texel(0, 1) * fx
     below = texel(1, 0) * (1 - fx) + texel(1, 1) * fx
     return above * (1 - fy) + below * fy
+
+
+def seam_gap(lightmap: eclat.Lightmap) -> float:
+    """The root mean square of the step across seams, relative to the mean irradiance."""
+    size = np.array(lightmap.irradiance.shape[1::-1])
+    atlas = Atlas(int(size[0]), int(size[1]), tuple(in_one_chart(part, size) for part in lightmap.parts), "")
+    corners = corners_of([part.mesh for part in lightmap.parts], atlas)
+    a, b = (lookup(lightmap.irradiance, ends / size) for ends in seam_samples(corners))
+    return float(np.sqrt(np.mean((a - b) ** 2)) / lightmap.irradiance.mean())
+
+
+def in_one_chart(part: Part, size: np.ndarray) -> Unwrapped:
+    """A part of a light map as if it were one chart: seams are where places differ."""
+    numbers = np.arange(len(part.mesh.positions))
+    assert part.lightmap_uvs is not None
+    return Unwrapped(numbers, np.asarray(part.mesh.triangles), part.lightmap_uvs * size, 0 * numbers)

@@ -33,6 +33,7 @@ from eclat.cli.scene_options import (
 )
 from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable
+from eclat.measure.error_estimate import error_text
 
 MAP = "Map"
 
@@ -42,6 +43,7 @@ EXAMPLES = {
     "eclat bake room.glb --method radiosity": "Use another method:",
     "eclat bake room.glb --cache room.npz": "Use a file that `eclat solve --view-independent` wrote:",
     "eclat bake room.glb --flatten": "Write room_flat.glb, which viewers without support for light maps can show:",
+    "eclat bake room.glb --method path --samples 64 --denoise": "Bake with few paths, and remove the noise:",
     "eclat bake room.glb --component indirect": "Bake only indirect light, and leave the lights to the viewer:",
 }
 
@@ -105,6 +107,12 @@ EXAMPLES = {
     section=MAP,
     help="Largest width and height of the light map in texels [4096].",
 )
+@option(
+    "--denoise/--no-denoise",
+    default=False,
+    section=QUALITY,
+    help="Remove the noise with Open Image Denoise's network for light maps, and measure the error that remains [off].",
+)
 @samples_option("Samples per texel: of the lights, and paths with --method path", default=256)
 @max_error_option("Relative error of the indirect light, for methods with records")
 @max_depth_option()
@@ -141,6 +149,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         if flags["cache"]:
             what = eclat.load_solved(flags["cache"], scene)
         keys = (
+            "denoise",
             "component",
             "texel_size",
             "samples",
@@ -184,6 +193,8 @@ def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat:
 
 def _errors(statistics: dict[str, float]) -> str:
     """Describe the estimated errors of the texels before the fit."""
+    if "noise_left" in statistics:
+        return f", {error_text(statistics)}{', denoised' if statistics['denoised'] > 0 else ''}"
     names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
     return "".join(
         f", {what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0

@@ -74,7 +74,8 @@ class GatheredTexels:
     """The irradiance of N texels.
 
     `values` (N, 3) is the irradiance at the positions `places` (N, 2) in the map, in texels. `seen` (N,) is False for
-    texels that no viewer can see, whose values are 0. `counts` holds the number of `rays`, and the errors
+    texels that no viewer can see, whose values are 0. `source` is what computed the light: the solution, if records were
+    solved for it. `counts` holds the number of `rays`, and the errors
     `direct_error` and `estimated_error` that `eclat.irradiance` states.
     """
 
@@ -82,6 +83,7 @@ class GatheredTexels:
     places: FloatArray
     seen: Mask
     counts: dict[str, float]
+    source: Source
 
 
 def sample_points(corners: Corners, texels: Texels, supersampling: int) -> TexelPoints:
@@ -163,7 +165,8 @@ def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settin
 
     values: FloatArray = np.zeros((len(free), 3))
     if not from_records:
-        return GatheredTexels(mean_of(source, settings.component), places, seen, {"rays": rays, **errors})
+        values = mean_of(source, settings.component)
+        return GatheredTexels(values, places, seen, {"rays": rays, **errors}, source)
     # Records include the light of an environment image, so direct and indirect light are computed together then: their
     # sum has less noise than the two parts.
     apart = settings.component == "total" and scene.environment is None
@@ -171,4 +174,4 @@ def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settin
     values[seen] = of_points(at, source, **settings.keywords(component))
     if apart:
         values += mean_of(Direct(), "direct")
-    return GatheredTexels(values, places, seen, {"rays": rays, **errors})
+    return GatheredTexels(values, places, seen, {"rays": rays, **errors}, source)

@@ -86,7 +86,13 @@ class DenoisedHalves:
         return min(math.sqrt(self.deviation), self.deviation / (2 * self.error) if self.error > 0 else math.inf)
 
 
-def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b: ArrayLike) -> DenoisedHalves:
+def judged_halves(
+    a: ArrayLike,
+    b: ArrayLike,
+    denoised_a: ArrayLike,
+    denoised_b: ArrayLike,
+    covered: NDArray[np.bool_] | None = None,
+) -> DenoisedHalves:
     """Denoise the mean of two halves of a picture where that reduces the error, and estimate the error that remains.
 
     Parameters
@@ -95,6 +101,8 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
         they must be rendered with different seeds; two halves of one Sobol' sequence are not independent.
     denoised_a, denoised_b : (H, W, 3) a and b after denoising. Each must depend on its own half alone; the layers that
         guide the denoiser must come from the same half too.
+    covered : (H, W), True for the pixels that count, such as the texels of surfaces in a light map; the others have no part
+        in errors and weights, and their error is 0. None means all.
 
     Raises
     ------
@@ -102,16 +110,17 @@ def judged_halves(a: ArrayLike, b: ArrayLike, denoised_a: ArrayLike, denoised_b:
     """
     halves = _of_one_shape(a, b, denoised_a, denoised_b)
     a, b, denoised_a, denoised_b = halves
+    counted = np.ones(a.shape[:2]) if covered is None else covered.astype(np.float64)
     products = (np.minimum(denoised_a, denoised_b) ** 2, a * b)
-    scale = _scale(*products, 0.5)
-    weight = _best_weights([_squared_error(halves, w, scale) for w in (0.0, 0.5, 1.0)])
-    scale = _scale(*products, weight[..., None])
-    squared = _squared_error(halves, weight[..., None], scale)
+    scale = _scale(*products, 0.5, counted)
+    weight = _best_weights([_squared_error(halves, w, scale) for w in (0.0, 0.5, 1.0)], counted)
+    scale = _scale(*products, weight[..., None], counted)
+    squared = _squared_error(halves, weight[..., None], scale) * counted
     pixels = weight[..., None] * (denoised_a + denoised_b) / 2 + (1 - weight[..., None]) * (a + b) / 2
     raw = _squared_error(halves, 0.0, scale)
     return DenoisedHalves(
-        pixels, weight, float(squared.mean()), _deviation(squared), float(raw.mean()), _local_error(squared),
-        squared, scale,
+        pixels, weight, _mean(squared, counted), _deviation(squared, counted), _mean(raw, counted),
+        _local_error(squared, counted), squared, scale,
     )  # fmt: skip
 
 
@@ -123,13 +132,13 @@ def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
     EclatError : the shapes differ.
     """
     first, last = _of_one_shape(a, b)
-    scale = _scale(first * last, first * last, 0.0)
+    counted = np.ones(first.shape[:2])
+    scale = _scale(first * last, first * last, 0.0, counted)
     squared = _squared_error((first, last, first, last), 0.0, scale)
-    mean = float(squared.mean())
+    mean = _mean(squared, counted)
     weight = np.zeros(squared.shape)
-    return DenoisedHalves(
-        (first + last) / 2, weight, mean, _deviation(squared), mean, _local_error(squared), squared, scale
-    )
+    deviation, local = _deviation(squared, counted), _local_error(squared, counted)
+    return DenoisedHalves((first + last) / 2, weight, mean, deviation, mean, local, squared, scale)
 
 
 def _of_one_shape(*pictures: ArrayLike) -> tuple[Float64, ...]:
@@ -140,24 +149,30 @@ def _of_one_shape(*pictures: ArrayLike) -> tuple[Float64, ...]:
     return halves
 
 
-def _deviation(squared: Float64) -> float:
+def _mean(values: Float64, counted: Float64) -> float:
+    """Average the pixels that count; 0 if none does."""
+    return float((values * counted).sum()) / max(1.0, float(counted.sum()))
+
+
+def _deviation(squared: Float64, counted: Float64) -> float:
     """Compute the standard error of the mean from the differences between windows. In small pictures windows are
     smaller, so that there are at least four along each side."""
     window = max(1, min(WINDOW, min(squared.shape) // 4))
-    means = _window_means(squared, window=window)
-    counts = _window_means(np.ones_like(squared), total=True, window=window)
-    spread = float(np.average((means - squared.mean()) ** 2, weights=counts))
-    return math.sqrt(spread / max(1, means.size - 1))
+    means, counts = _window_means(squared, counted, window), _window_sums(counted, window)
+    if not counts.any():
+        return 0.0
+    spread = float(np.average((means - _mean(squared, counted)) ** 2, weights=counts))
+    return math.sqrt(spread / max(1, int(np.count_nonzero(counts)) - 1))
 
 
-def _local_error(squared: Float64) -> Float64:
+def _local_error(squared: Float64, counted: Float64) -> Float64:
     """Compute the local error (H, W): the root of the mean over a window and its neighbours, interpolated between
     windows."""
-    means = _between_centres(_blurred(_window_means(squared)), squared.shape)
+    means = _between_centres(_local_means(squared, counted), squared.shape)
     return np.asarray(np.sqrt(np.maximum(means, 0.0)))
 
 
-def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float) -> Float64:
+def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float, counted: Float64) -> Float64:
     """Estimate R² + c, (H, W, 3).
 
     Where the denoised halves are shown, R² is the square of the darker half: most of the error is at edges, where
@@ -166,8 +181,11 @@ def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float) -> Floa
     the darker half is 96 to 98 % of the error computed with the true R²; with the product of the denoised halves it is
     87 to 91 %.
     """
-    square = np.maximum(weight * denoised + (1 - weight) * _mean_of_nine(sampled), 0.0)
-    return np.asarray(np.maximum(square + RELATIVE_C * square.mean(), np.finfo(np.float64).tiny))
+    counted = counted[..., None]
+    nearby = _mean_of_nine(sampled * counted) / np.maximum(_mean_of_nine(counted), np.finfo(np.float64).tiny)
+    square = np.maximum(weight * denoised + (1 - weight) * nearby, 0.0)
+    mean = float((square * counted).sum()) / max(1.0, square.shape[2] * float(counted.sum()))
+    return np.asarray(np.maximum(square + RELATIVE_C * mean, np.finfo(np.float64).tiny))
 
 
 def _squared_error(halves: tuple[Float64, ...], weight: Float64 | float, scale: Float64) -> Float64:
@@ -185,28 +203,35 @@ def _mean_of_nine(values: Float64) -> Float64:
     return np.asarray(sliding_window_view(padded, (3, 3), axis=(0, 1)).mean(axis=(-1, -2)))
 
 
-def _best_weights(errors: list[Float64]) -> Float64:
+def _best_weights(errors: list[Float64], counted: Float64) -> Float64:
     """Compute the weights (H, W) in 0..1 that minimise the error of each window, interpolated between their centres.
 
     `errors` are the squared errors f for the weights 0, ½ and 1. As a function of w, f is a parabola, which is least at
     w = (3 f(0) − 4 f(½) + f(1)) / (4 f(0) − 8 f(½) + 4 f(1)). The estimate of each window is averaged with those of its
     neighbours.
     """
-    raw, half, full = (_blurred(_window_means(error)) for error in errors)
+    raw, half, full = (_local_means(error, counted) for error in errors)
     slope, bend = 3 * raw - 4 * half + full, 4 * raw - 8 * half + 4 * full
     inside = np.divide(slope, bend, out=np.zeros_like(slope), where=bend > 0)
     weights = np.where(bend > 0, np.clip(inside, 0.0, 1.0), np.where(full <= raw, 1.0, 0.0))
     return _between_centres(weights, errors[0].shape)
 
 
-def _window_means(values: Float64, total: bool = False, window: int = WINDOW) -> Float64:
-    """Compute the mean, or with `total` the sum, of each window of `window` pixels a side; the last window of a row or
-    column may be smaller."""
+def _window_sums(values: Float64, window: int = WINDOW) -> Float64:
+    """Add up each window of `window` pixels a side; the last window of a row or column may be smaller."""
     rows, columns = (np.arange(0, size, window) for size in values.shape)
-    sums = np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1)
-    if total:
-        return np.asarray(sums)
-    return np.asarray(sums / _window_means(np.ones_like(values), total=True, window=window))
+    return np.asarray(np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1))
+
+
+def _window_means(values: Float64, counted: Float64, window: int = WINDOW) -> Float64:
+    """Average the pixels of each window that count; 0 where none does."""
+    return np.asarray(_window_sums(values * counted, window) / np.maximum(1.0, _window_sums(counted, window)))
+
+
+def _local_means(values: Float64, counted: Float64) -> Float64:
+    """Average each window with its neighbours, each with the share of its pixels that count as a further weight."""
+    share = _window_sums(counted) / _window_sums(np.ones_like(counted))
+    return _blurred(_window_means(values, counted) * share) / np.maximum(_blurred(share), np.finfo(np.float64).tiny)
 
 
 def _blurred(windows: Float64) -> Float64:

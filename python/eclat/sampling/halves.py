@@ -80,7 +80,7 @@ class Halves:
             denoiser.denoise(picture, film.rough_albedo[self._inside], film.rough_normal[self._inside])
             for picture, film in zip(sampled, films, strict=True)
         ]
-        return judged_halves(*sampled, *clean)
+        return judged_halves(sampled[0], sampled[1], clean[0], clean[1])
 
     def within(self, layer: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the pixels of the region out of an array over the whole picture."""

@@ -17,7 +17,9 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.gltf_export import Part
 from eclat.gltf_export.geometry import select_vertices
+from eclat.images.denoiser import require_denoiser
 from eclat.lightmap.atlas import Atlas, areas, check_texel_count, default_texel_size, unwrap
+from eclat.lightmap.denoising import gather_denoised
 from eclat.lightmap.fit import bilinear, differences, fit
 from eclat.lightmap.gathering import GatheredTexels, Settings, gather, sample_points, visible_points
 from eclat.lightmap.gutters import dilate
@@ -48,6 +50,7 @@ def bake(
     scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,
     *,
+    denoise: bool = False,
     component: Component = "total",
     texel_size: float | None = None,
     sides: SidesChoice = "auto",
@@ -67,6 +70,10 @@ def bake(
     Parameters
     ----------
     what : a method, its class or its name, or a solution, as for `eclat.irradiance`; None means irradiance caching.
+    denoise : whether Open Image Denoise, by its network for light maps, removes the noise. The light is then gathered in two
+        halves with half of the samples each, which measure the error that is left over the texels of surfaces; where denoising
+        would increase it, the samples are kept (`lightmap.denoising`). The statistics hold `noise_left` and, where no other
+        error is unknown, `estimated_error`, each with the ends of its 95 % confidence interval.
     component : the light to compute: "total", "direct" or "indirect". With "indirect", the saved file keeps the scene's
         lights, and the viewer adds their direct light itself.
     texel_size : side of a texel in metres. None chooses it so that the map has about a quarter of a million texels.
@@ -85,7 +92,8 @@ def bake(
 
     Raises
     ------
-    EclatError : the scene has no surfaces, the map would be larger than `max_size`, or an argument is out of range.
+    EclatError : the scene has no surfaces, the map would be larger than `max_size`, or an argument is out of range,
+        or Open Image Denoise is to be used and is not installed.
 
     Examples
     --------
@@ -97,7 +105,7 @@ def bake(
     checked_component(component)
     scene = staged(scene)
     checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
-    _check_map(sides, supersampling, gutter, max_size)
+    _check_map(denoise, sides, supersampling, gutter, max_size)
     source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
     source.require_match(scene, max_depth)
     started = clock.perf_counter()
@@ -112,7 +120,12 @@ def bake(
     texels = rasterize(corners, atlas.width, atlas.height)
     settings = Settings(component, samples, max_depth, seed, threads, progress)
     points = sample_points(corners, texels, supersampling)
-    gathered = gather(scene, source, points, visible_points(scene, solid, points, settings), settings)
+    free = visible_points(scene, solid, points, settings)
+    if denoise:
+        charts, shape = corners.charts[texels.triangles], (atlas.height, atlas.width)
+        gathered = gather_denoised(scene, source, points, free, settings, texels, charts, shape)
+    else:
+        gathered = gather(scene, source, points, free, settings)
     image = _image(texels, corners, atlas, gathered, gutter)
     # All dark surfaces share one black texel; filtering also reads the texels around it.
     image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
@@ -124,21 +137,16 @@ def bake(
         component=component,
         method=source.options.name,
         gutter=gutter,
-        statistics={
-            "texels": float(len(texels)),
-            "buried": float((~gathered.seen).sum()),
-            **gathered.counts,
-            "seconds": clock.perf_counter() - started,
-            "area": area,
-            "charts": float(len(np.unique(corners.charts[corners.charts >= 0]))),
-        },
+        statistics=_statistics(texels, corners, gathered) | {"area": area, "seconds": clock.perf_counter() - started},
         settings=asdict(source.options)
         | {"samples": samples, "supersampling": supersampling, "max_depth": max_depth, "seed": seed}
-        | {"charts": atlas.method, "sides": sides},
+        | {"charts": atlas.method, "sides": sides, "denoise": denoise},
     )
 
 
-def _check_map(sides: str, supersampling: int, gutter: int, max_size: int) -> None:
+def _check_map(denoise: bool, sides: str, supersampling: int, gutter: int, max_size: int) -> None:
+    if denoise:
+        require_denoiser()
     if sides not in get_args(SidesChoice):
         known = get_args(SidesChoice)
         raise EclatError(f"sides must be one of {', '.join(known)}, got {sides!r}{did_you_mean(str(sides), known)}")
@@ -148,6 +156,12 @@ def _check_map(sides: str, supersampling: int, gutter: int, max_size: int) -> No
         raise EclatError(f"gutter must be between 2 and 64 texels, got {gutter}")
     if not 16 <= max_size <= LARGEST_SIZE:
         raise EclatError(f"max_size must be between 16 and {LARGEST_SIZE} texels, got {max_size}")
+
+
+def _statistics(texels: Texels, corners: Corners, gathered: GatheredTexels) -> dict[str, float]:
+    charts = len(np.unique(corners.charts[corners.charts >= 0]))
+    numbers = {"texels": len(texels), "buried": int((~gathered.seen).sum()), "charts": charts}
+    return {name: float(number) for name, number in numbers.items()} | gathered.counts
 
 
 def _lit_area(scene: Scene, lit: list[Side]) -> float:

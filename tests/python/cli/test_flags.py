@@ -63,7 +63,10 @@ VALUES: dict[str, list[str]] = {
 """A value unlike the default for each flag that takes one."""
 
 ENDING = {"render": ".png", "solve": ".npz", "irradiance": ".npy", "bake": ".glb", "compare": ".html"}
-BESIDE = {"render": {"--camera-up": ["--camera-from", "0,0,3"]}, "bake": {"--exposure": ["--flatten"]}}
+BESIDE = {
+    "render": {"--camera-up": ["--camera-from", "0,0,3"]},
+    "bake": {"--exposure": ["--flatten"], "--no-denoise": ["--denoise"]},
+}
 """Flags that say something only beside others."""
 ONLY_TERMINALS = ("--quiet", "--help")
 

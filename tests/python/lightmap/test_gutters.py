@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from eclat.lightmap.gutters import dilate
+from eclat.lightmap.gutters import dilate, fill_nearest
 
 
 def test_rings_around_one_texel() -> None:
@@ -28,3 +28,19 @@ def test_means_of_the_ring_before_and_only_where_wanted() -> None:
     filled, now = dilate(values, known, 5, wanted)
     assert now.tolist() == [[True, True, False, False, True]]
     assert known.sum() == 2, "the arguments are left alone"
+
+
+def test_the_nearest_texel_fills_the_rest() -> None:
+    random = np.random.default_rng(3)
+    known = random.random((40, 57)) < 0.02
+    values = random.random((40, 57, 3))
+    filled = fill_nearest(values, known)
+    rows, columns = np.nonzero(known)
+    y, x = np.mgrid[0:40, 0:57]
+    distances = (y[..., None] - rows) ** 2 + (x[..., None] - columns) ** 2
+    nearest = values[rows, columns][distances.argmin(axis=2)]
+    ties = (np.sort(distances, axis=2)[..., 1] == distances.min(axis=2))[..., None]
+    assert ((filled == nearest) | ties).mean() > 0.99  # jump flooding errs now and then
+    np.testing.assert_array_equal(filled[known], values[known])
+    assert not fill_nearest(values, np.zeros_like(known)).any()
+    np.testing.assert_array_equal(fill_nearest(values[:1, :1], np.ones((1, 1), bool)), values[:1, :1])

@@ -101,3 +101,24 @@ def test_equal_errors_give_equal_weights() -> None:
     assert raw == pytest.approx(biased, rel=0.3)
     assert found.weight.min() > 0.3 and found.weight.max() < 0.7
     assert true_squared_error(found.pixels, reference) < 0.65 * min(raw, biased)
+
+
+def test_what_does_not_count_has_no_part() -> None:
+    reference = truth(False)
+    a, b = halves(reference, 0.3, 2)
+    covered = np.ones((SIZE, SIZE), dtype=bool)
+    covered[:, 50:90] = False
+    covered[:40] = False
+    found = judged_halves(a, b, blur(a), blur(b), covered)
+    true = ((found.pixels - reference) ** 2 / (reference**2 + RELATIVE_C * (reference[covered] ** 2).mean()))[
+        covered
+    ].mean()
+    assert abs(found.squared_error - true) < 3 * found.deviation < 5 * true
+    random = np.random.default_rng(0)
+    mess = [np.where(covered[..., None], x, 1e3 * random.normal(size=x.shape)) for x in (a, b, blur(a), blur(b))]
+    again = judged_halves(*mess[:2], mess[2], mess[3], covered)
+    np.testing.assert_array_equal(again.pixels[covered], found.pixels[covered])
+    assert again.squared_error == found.squared_error and again.deviation == found.deviation
+    assert not again.squared[~covered].any()
+    nothing = judged_halves(a, b, blur(a), blur(b), np.zeros_like(covered))
+    assert nothing.squared_error == 0 and nothing.deviation == 0
