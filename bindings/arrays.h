@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Names for the shapes of arrays that cross the border, and their conversions.
+// Names for the shapes of arrays that are passed between Python and the core, and their conversions.
 
 #pragma once
 
@@ -50,7 +50,7 @@ inline std::vector<PointNormal> points_with_normals(const Points& positions, con
     return out;
 }
 
-/// A NumPy array of `shape` filled by `fill(float* data)`.
+/// Makes a NumPy array of `shape` that `fill(float* data)` fills.
 template <class Fill>
 nb::ndarray<nb::numpy, float> float_array(std::initializer_list<size_t> shape, Fill&& fill) {
     size_t size = 1;

@@ -33,7 +33,8 @@ auto factors(const InterfaceReflectance& reflectance) {
     });
 }
 
-/// Orders (N), coefficients (N, terms, order²) filled with zeros beyond each direction's order, errors (N).
+/// Returns orders (N), coefficients (N, terms, order²), which are zero beyond the order of each direction, and errors
+/// (N).
 auto lookup(const BrdfTable& table, Points directions, Floats1 alphas) {
     if (alphas.shape(0) != directions.shape(0))
         throw std::invalid_argument("BRDF table: expected as many alphas as directions, got " +

@@ -77,7 +77,7 @@ void bind_record_enums(nb::module_& m) {
         .value("harmonic", Metric::harmonic);
 }
 
-/// A property that stands for a field of the options' `cache`.
+/// Defines a property for a field of the member `cache` of the options.
 template <auto member>
 void def_cache_option(nb::class_<IrradianceCacheOptions>& type, const char* name) {
     using T = std::remove_reference_t<decltype(std::declval<CacheOptions>().*member)>;
@@ -86,7 +86,7 @@ void def_cache_option(nb::class_<IrradianceCacheOptions>& type, const char* name
         [](IrradianceCacheOptions& o, T value) { o.cache.*member = value; });
 }
 
-/// Where each field of a record lies in a row of floats: (name, first float, how many).
+/// Lists the position of each field of a record in a row of floats: (name, first float, number of floats).
 std::vector<std::tuple<const char*, size_t, size_t>> record_layout() {
     using R = IrradianceRecord;
     const auto field = [](const char* name, size_t offset, size_t bytes) {
@@ -205,7 +205,7 @@ void bind_solved_caches(nb::module_& m) {
 }
 
 void bind_record_solves(nb::module_& m) {
-    // They fill `caches` in place: after an interrupt it holds the passes that were finished.
+    // These functions fill `caches` in place, so that it holds the finished passes after an interrupt.
     m.def(
         "solve_for_camera",
         [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, SolvedCaches& caches,

@@ -33,7 +33,7 @@ nb::ndarray<nb::numpy, double> double_array(std::vector<double> values, size_t r
     return {owned->data(), {rows, columns}, owner};
 }
 
-/// `f(vector)` for each column of (order², channels).
+/// Calls `f(vector)` for each column of an array (order², channels).
 template <class F>
 auto for_each_channel(const Channels& coefficients, const F& f) {
     const size_t count = coefficients.shape(0), channels = coefficients.shape(1);

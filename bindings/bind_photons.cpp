@@ -38,7 +38,7 @@ std::vector<Photon> photons_of(const PhotonArray& values) {
 
 StoredPhotons stored(const std::vector<Photon>& photons, double paths) { return {photons, paths}; }
 
-/// Photons and the number of paths that were emitted for them.
+/// Returns photons and the number of paths that were emitted for them.
 auto trace(const CoreScene& scene, const PhotonTracing& tracing, Progress& progress) {
     TracedPhotons traced;
     {

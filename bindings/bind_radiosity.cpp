@@ -19,9 +19,10 @@ using namespace nb::literals;
 
 namespace {
 
-// A patch by name: triangle; 1 for the back, 2 for one of unknown light; lower and upper half of its path.
+// The name of a patch has four numbers: the triangle; flags (1 for the back, 2 for unknown light); and the lower and
+// the upper half of its path.
 using PatchNames = Array<uint32_t, -1, 4>;
-// Direct and total irradiance, albedo, emitted and transmitted radiosity.
+// The values of a patch are its direct and total irradiance, albedo, and emitted and transmitted radiosity.
 using PatchValues = Array<float, -1, 15>;
 
 constexpr uint32_t back_bit = 1, unknown_bit = 2;

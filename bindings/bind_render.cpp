@@ -21,7 +21,7 @@ using namespace nb::literals;
 
 namespace {
 
-/// Numbers of samples, one for each pixel of the picture or one for all.
+/// The numbers of samples: one for each pixel of the picture, or one for all.
 using SampleCounts = Array<uint32_t, -1>;
 
 void render_samples(const Camera& camera, Film& film, const EstimatorHolder& estimator, const RenderRange& asked,
@@ -53,9 +53,9 @@ auto irradiance(Points positions, Points normals, const PointEstimatorHolder& es
 
 using FoundRadiance = Array<float, -1, 2, 3>;
 
-/// An estimator that is a function in Python: (rays, 3) origins and directions, and a number for each ray to draw random
-/// numbers from → (rays, 2, 3) radiance, and the part of it of paths with at most two edges. Albedo, normal and depth of
-/// what the camera sees are found here, so that all methods show the same.
+/// An estimator that calls a function in Python. The function takes origins and directions (rays, 3) and a random key
+/// for each ray, and returns the radiance and its part from paths with at most two edges, (rays, 2, 3). The albedo,
+/// normal and depth of visible surfaces are computed here, so that they are the same for all methods.
 Estimator called_estimator(const World& world, nb::object function) {
     PathOptions first_edge;
     first_edge.max_depth = 1;
@@ -113,7 +113,7 @@ auto layer(const Film& film, Get&& get) {
     });
 }
 
-/// (height, width): of each pixel's samples, how many were counted.
+/// Returns the number of samples that were counted in each pixel, (height, width).
 auto share(const Film& film, uint32_t Film::Pixel::* counted) {
     const auto& pixels = film.pixels();
     return float_array({size_t(film.height()), size_t(film.width())}, [&](float* data) {
@@ -122,7 +122,7 @@ auto share(const Film& film, uint32_t Film::Pixel::* counted) {
     });
 }
 
-/// A layer of `values` of pixels, each divided by the pixel's samples.
+/// Makes a layer of `values` of pixels, each divided by the number of the pixel's samples.
 template <class Value>
 auto mean_layer(Value Film::Pixel::* value) {
     return [value](const Film& f) {

@@ -21,7 +21,7 @@ using namespace nb::literals;
 
 namespace {
 
-/// Collects what Python describes, then becomes a scene.
+/// Collects the parts of a scene that Python passes, and then makes the scene.
 struct SceneBuilder {
     SceneBuilder() = default;
     SceneBuilder(const SceneBuilder&) = delete;
@@ -96,7 +96,7 @@ struct SceneBuilder {
     }
 };
 
-/// The kind must be known; a name that it does not have throws.
+/// Sets a parameter. The kind must be known; an unknown name raises an exception.
 void set_parameter(Material& material, const std::string& name, const Value& value) {
     const auto names = parameter_names(material.kind);
     const auto found = std::find(names.begin(), names.end(), name);

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Estimators as Python holds them: opaque, made by named functions, and handed to `render` and `irradiance`.
+// Estimators for Python: opaque objects that named functions make, and that `render` and `irradiance` take.
 
 #pragma once
 

@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// A scene as Python holds it.
+// The object that owns a scene for Python.
 
 #pragma once
 

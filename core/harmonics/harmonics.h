@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Front door of functions on the sphere and the hemisphere as coefficients of real harmonics.
+// The interface for functions on the sphere and the hemisphere, represented by coefficients of real harmonics.
 //
 // "Order n" means n bands l = 0 … n − 1, hence n² coefficients; that of (l, m), −l ≤ m ≤ l, stands at l² + l + m.
 // m > 0 goes with √2 cos mφ, m < 0 with √2 sin |m|φ. There is no Condon–Shortley phase: band 1 of the spherical

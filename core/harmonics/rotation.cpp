@@ -172,7 +172,7 @@ HemisphericalRotation::HemisphericalRotation(int order, Horizon horizon, int sph
     const HemisphereFit fit(spherical_order, continuation_tikhonov);
     std::vector<double> one(size_t(coefficient_count(spherical_order)));
     for (int l = 0; l < order; ++l) {
-        // All m at once: they do not meet.
+        // All m are processed at once, because they do not interact.
         std::fill(one.begin(), one.end(), 0.0);
         for (int m = 0; m <= l; ++m)
             for (int L = m; L < spherical_order; ++L) one[size_t(coefficient_index(L, m))] = overlaps_[index(l, L, m)];

@@ -21,7 +21,7 @@
 
 namespace eclat {
 
-/// Rows one after another.
+/// The matrix, row by row.
 using Matrix3 = std::array<double, 9>;
 
 /// Throws std::invalid_argument unless `R` is a rotation to within 1e-6.
@@ -62,9 +62,9 @@ TurnTiltTurn turn_tilt_turn(const Matrix3& R);
 /// their norm. Meant for tilts with beta (order − 1) below 8, beyond which digits cancel.
 void rotate_by_series(int order, const TurnTiltTurn& rotation, double tolerance, std::span<double> coefficients);
 
-/// What rises above the horizon when the hemisphere tilts.
+/// The values of the function below the horizon, parts of which rotate above it when the hemisphere tilts.
 enum class Horizon : uint8_t {
-    continued,  ///< the smooth continuation of what was there: least squares on the hemisphere
+    continued,  ///< the smooth continuation of the function by least squares on the hemisphere
     dark,  ///< nothing, as [Gautron04] has it: exact for a function that is 0 below, but its step costs more than it
            ///< saves, see docs/algorithms/radiance_cache.md
 };
@@ -74,7 +74,7 @@ class HemisphericalRotation {
     /// Many functions on the sphere agree on the hemisphere up to the Tikhonov factor; `continued` takes the least of them:
     /// tuned to errors and to noise, which a smaller factor lets grow below the horizon (measured on the page).
     static constexpr double continuation_tikhonov = 1e-3;
-    /// The spherical order that serves a horizon best.
+    /// Returns the best spherical order for a horizon.
     static int spherical_order_for(Horizon horizon, int order) {
         return horizon == Horizon::continued ? order + 2 : 2 * order;
     }

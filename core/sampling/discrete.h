@@ -19,15 +19,14 @@ namespace eclat {
 
 struct DiscreteSample {
     uint32_t index = 0;
-    float pdf_discrete = 0;  // 0: there is nothing to pick
-    float remapped = 0;      // a fresh uniform number made from what the choice left of the old one
+    float pdf_discrete = 0;  // 0 if there is nothing to choose from
+    float remapped = 0;      // a uniform number made from the unused part of the random number
 };
 
-/// Picks i with probability near weight_i / Σ weight in constant time [Walker77, Vose91].
-///
-/// Random numbers here are multiples of 2^-24, so probabilities are too: weights are rounded to counts of those 2^24
-/// numbers (at least one where the weight is positive), the table is filled in integers, and `pdf_discrete` is exactly
-/// how often an index comes out, however many there are.
+/// Chooses i with a probability close to weight_i / Σ weight in constant time [Walker77, Vose91].
+/// Random numbers are multiples of 2^-24, and so are probabilities: weights are rounded to counts of these 2^24
+/// numbers, at least one if the weight is positive, and the table is computed in integers. `pdf_discrete` is therefore
+/// exactly the frequency of an index, for any number of entries.
 class AliasTable {
   public:
     AliasTable() = default;
@@ -51,7 +50,7 @@ class AliasTable {
         const uint32_t bits = static_cast<uint32_t>(scaled);
         const Entry& entry = entries_[bits >> shift_];
         const uint32_t offset = bits & (capacity() - 1);
-        // What lies below the 24th bit is kept for the remapped number.
+        // The bits below the 24th are used for the remapped number.
         const float rest = scaled - static_cast<float>(bits);
         if (offset < entry.threshold) {
             return {bits >> shift_, entry.pdf, remap(offset, rest, entry.threshold)};
@@ -62,7 +61,7 @@ class AliasTable {
     float pdf_discrete(uint32_t index) const { return empty() ? 0 : pdf_[index]; }
 
   private:
-    // Indices below `threshold` of the bucket's numbers are its own, the rest its alias's.
+    // The bucket's numbers below `threshold` give its own index, and the others that of its alias.
     struct Entry {
         uint32_t threshold = 0, alias = 0;
         float pdf = 0, alias_pdf = 0;
@@ -77,7 +76,7 @@ class AliasTable {
         return std::min((static_cast<float>(offset) + rest) / static_cast<float>(range), below_one);
     }
 
-    /// Counts that sum to 2^24: one for each positive weight, the others by rounding the running sum.
+    /// Returns counts whose sum is 2^24: one for each positive weight, and the others by rounding the cumulative sum.
     static std::vector<uint32_t> share_out(std::span<const double> weights) {
         double sum = 0;
         uint32_t positive = 0;
@@ -101,7 +100,7 @@ class AliasTable {
         return counts;
     }
 
-    /// Each bucket is topped up by one entry that has too much [Vose91]; in integers nothing is left over.
+    /// Fills each bucket with the excess of one other entry [Vose91]; in integers there is no remainder.
     void fill(std::vector<uint32_t> counts) {
         const size_t size = counts.size();
         shift_ = 24 - static_cast<uint32_t>(std::countr_zero(size));
@@ -159,7 +158,7 @@ double cumulate(std::span<const T> weights, CdfNode* nodes) {
     return total;
 }
 
-/// The cell i with nodes[i].below ≤ u < nodes[i + 1].below, and where u lies in it.
+/// Finds the cell i with nodes[i].below ≤ u < nodes[i + 1].below, and the position of u in it.
 inline DiscreteSample find_cell(const CdfNode* nodes, uint32_t size, float u) {
     u = std::clamp(u, 0.0f, below_one);
     const uint32_t k = std::min(static_cast<uint32_t>(u * static_cast<float>(size)), size - 1);
@@ -210,8 +209,8 @@ class PiecewiseConstant2D {
   public:
     struct Cell {
         uint32_t column = 0, row = 0;
-        Vec2 offset;             // place in the cell, in [0, 1)²
-        float pdf_discrete = 0;  // of the cell; times width · height it is the density on the unit square
+        Vec2 offset;             // position in the cell, in [0, 1)²
+        float pdf_discrete = 0;  // probability of the cell; times width · height it is the density on the unit square
     };
 
     PiecewiseConstant2D() = default;

@@ -23,7 +23,7 @@ Integrals integrate(const TableLobe& lobe, Vec3 wo, Basis basis, int order, int 
     const size_t terms = size_t(lobe.terms()), n = size_t(order), all = n * n;
     Integrals out;
     out.coefficients.resize(terms * all);
-    // Where the lobe is symmetric in φ, half the azimuths do.
+    // If the lobe is symmetric in φ, half of the azimuths suffice.
     const int azimuths = lobe.isotropic() ? count : 2 * count;
     const double step = pi_double / count, weight = lobe.isotropic() ? 2 * step : step;
     std::vector<double> cosines(size_t(azimuths) * n), sines(cosines.size());
@@ -180,7 +180,7 @@ void BrdfTable::make_node(size_t i) {
     const int order = options_.order;
     const size_t count = size_t(coefficient_count(order));
 
-    // Halve the steps until nothing changes.
+    // The steps are halved until the result no longer changes.
     constexpr int coarsest = 16, finest = 256;
     Integrals before = integrate(lobe, wo, options_.basis, order, coarsest), now = before;
     bool done = false;
@@ -191,7 +191,8 @@ void BrdfTable::make_node(size_t i) {
     }
     const Integrals& result = before;
 
-    // The smallest order that serves metals and dielectrics. What such quadrature does not resolve, no order does.
+    // This is the smallest order that suffices for metals and dielectrics. A lobe that the quadrature does not resolve
+    // is not resolved by any order.
     const auto white = errors_by_order(combined(result, count, 1), result.white, order, fit_.get());
     const auto dielectric =
         errors_by_order(combined(result, count, dielectric_f0), result.dielectric, order, fit_.get());

@@ -46,11 +46,11 @@ struct TableLobe {
 
 struct BrdfTableOptions {
     Basis basis = Basis::hemispherical;
-    int order = 10;          ///< largest, up to max_order
+    int order = 10;          ///< largest order, up to max_order
     double max_error = 0.2;  ///< largest e_n of a direction that is cached
     int resolution = 64;     ///< nodes over |p|, or along each side of the quadrant
     int threads = 0;
-    bool adaptive = true;  ///< else every direction has the largest order, whatever its error
+    bool adaptive = true;  ///< if false, every direction has the largest order
 
     static constexpr int max_order = 12;
 };
@@ -59,15 +59,16 @@ class BrdfTable {
   public:
     /// Numbers per node (lobe by lobe, direction by direction).
     struct Nodes {
-        std::vector<uint8_t> orders;  ///< smallest that serves, 0 where none does
+        std::vector<uint8_t> orders;  ///< smallest sufficient order, 0 if there is none
         std::vector<float>
             errors;  ///< e at the table's largest order for F0 = F90; 1 where the quadrature did not converge
         std::vector<float> coefficients;  ///< terms × count_per_term
     };
 
-    /// By quadrature, refined until it has converged. `lobes`: one, or isotropic ones of a kind with rising α.
+    /// Computes a table by quadrature, which is refined until it has converged. `lobes` is one lobe, or isotropic lobes
+    /// of one kind with increasing α.
     BrdfTable(std::vector<TableLobe> lobes, const BrdfTableOptions& options, Progress& progress);
-    /// From what another table gave.
+    /// Restores a table from the arrays of another one.
     BrdfTable(std::vector<TableLobe> lobes, const BrdfTableOptions& options, Nodes nodes);
 
     int terms() const { return lobes_.front().terms(); }

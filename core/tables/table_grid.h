@@ -39,7 +39,7 @@ class TableCorners {
 class TableGrid {
   public:
     TableGrid() = default;
-    /// `alphas`: of the lobes, rising; one where roughness is no axis.
+    /// `alphas` are the increasing roughnesses of the lobes; there is one if the table does not depend on roughness.
     TableGrid(int resolution, bool isotropic, std::vector<float> alphas)
         : resolution_(size_t(resolution)), isotropic_(isotropic), alphas_(std::move(alphas)) {}
 
@@ -47,7 +47,8 @@ class TableGrid {
     /// Nodes of a lobe: over |p|, or the quadrant's rows.
     size_t directions() const { return isotropic_ ? resolution_ : resolution_ * resolution_; }
 
-    /// The place of `wo`, with wo.z > 0; there is none below the least roughness of several.
+    /// Returns the position of `wo`, with wo.z > 0, in the table, or nothing if the roughness is below the least of
+    /// several.
     TableCorners around(Vec3 wo, float alpha) const {
         TableCorners out;
         const size_t n = resolution_;
