@@ -42,9 +42,9 @@ class Machine:
     def perf_counter(self) -> float:
         return self.now
 
-    def job(self, *arguments: Any) -> Any:
+    def job(self, *arguments: Any, **keywords: Any) -> Any:
         """A `Job` whose solves take the machine's time."""
-        job, machine = Job(*arguments), self
+        job, machine = Job(*arguments, **keywords), self
 
         class Timed:
             def solve(self, options: eclat.IrradianceCache, check_share: float) -> eclat.Solution:
@@ -85,7 +85,7 @@ def test_a_solve_that_takes_too_long_is_given_up(cornell: eclat.Scene, monkeypat
     machine = Machine()
     monkeypatch.setattr(time_budget, "clock", machine)
 
-    def job(scene: eclat.Scene, purpose: View, work: Work) -> Any:
+    def job(scene: eclat.Scene, purpose: View, work: Work, keep_partial: bool = False) -> Any:
         if machine.now:  # all but the first
             machine.now = 19.0
             assert work.progress is not None
@@ -96,8 +96,27 @@ def test_a_solve_that_takes_too_long_is_given_up(cornell: eclat.Scene, monkeypat
                     timely("solve", 0.5, {})
 
             return Late()
-        return machine.job(scene, purpose, work)
+        return machine.job(scene, purpose, work, keep_partial=keep_partial)
 
     monkeypatch.setattr(time_budget, "Job", job)
     found = within(cornell, 20.0, (24, 24))
     assert found.options == first_options(eclat.IrradianceCache()) and machine.now == 19.0
+
+
+def test_a_first_solve_that_takes_too_long_is_stopped(cornell: eclat.Scene) -> None:
+    """On a busy machine the first solve alone could take many times the whole time."""
+    with pytest.warns(
+        eclat.EclatWarning, match=r"^time: even a coarse solve takes too long; it is stopped after .* s with"
+    ):
+        solution = within(cornell, time_budget.clock.perf_counter() - 1, (512, 512))
+    assert not solution.complete
+    with pytest.warns(eclat.EclatWarning, match="this cache is incomplete"):
+        image = eclat.render(cornell, solution, samples=1, size=(8, 8), check=False)
+    assert np.isfinite(image.pixels).all() and image.pixels.mean() > 0.05
+
+
+def test_without_time_for_a_record_paths_are_traced(cornell: eclat.Scene) -> None:
+    late = Care(deadline=time_budget.clock.perf_counter() - 1)
+    with pytest.warns(eclat.EclatWarning, match="it is stopped after .* s with 0 records"):
+        prepared = eclat.IrradianceCache().prepare(cornell, View(cornell.cameras[0], (512, 512)), Work(), late)
+    assert prepared.options.name == "path"

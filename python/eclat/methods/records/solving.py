@@ -118,7 +118,11 @@ class Job:
 
     def solve(self, options: RecordOptions, check_share: float) -> Solution:
         """Solve once, and estimate the error with up to the given share of the rays of the solve; 0 estimates no
-        error."""
+        error.
+
+        With `keep_partial`, an interrupt has the Solution of the finished passes as its attribute `partial`, if there are
+        any records; a TimeoutError of the progress function always has it.
+        """
         started = clock.perf_counter()
         caches, counted = _core.SolvedCaches(), _core.Progress()
         photons, photon_rays = self._photons(options)
@@ -142,6 +146,10 @@ class Job:
         except KeyboardInterrupt as stop:
             if self.keep_partial and caches.near_count:
                 stop.partial = solution(False)  # type: ignore[attr-defined]
+            raise
+        except TimeoutError as late:
+            if self.keep_partial:
+                late.partial = solution(False)  # type: ignore[attr-defined]
             raise
         return self.checked(solution(True), check_share, caches) if check_share > 0 else solution(True)
 

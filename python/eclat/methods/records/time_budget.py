@@ -15,6 +15,7 @@ import time as clock
 from dataclasses import replace
 
 from eclat.bridge.running import ProgressReport
+from eclat.errors import warn
 from eclat.measure.error_estimate import CHECK_SHARE
 from eclat.methods.records.laws import RAYS_EXPONENT, finer, first_options
 from eclat.methods.records.options import RecordOptions
@@ -22,6 +23,10 @@ from eclat.methods.records.solution import Solution
 from eclat.methods.records.solving import Job
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
+
+SHARE_OF_FIRST = 0.5
+"""Share of the whole time after which the first solve is stopped. It usually takes a tenth; on a machine that is busy with
+other work, or for a very short time, it would take all of it, and more."""
 
 SHARE_OF_RECORDS = 0.45
 """Share of the remaining time that the last solve and its check may take."""
@@ -51,7 +56,11 @@ def solve_within(
     """
     begun = clock.perf_counter()
     check_share = CHECK_SHARE if care.check else 0.0
-    last = Job(scene, purpose, work).solve(first_options(options), 0.0)
+    soon = replace(work, progress=_until(begun + SHARE_OF_FIRST * (deadline - begun), work.progress))
+    try:
+        last = Job(scene, purpose, soon, keep_partial=True).solve(first_options(options), 0.0)
+    except _LateError as late:
+        return _unfinished(late)
     total = last.statistics["rays"]
 
     def fitting() -> float:
@@ -90,8 +99,19 @@ def solve_within(
     return last
 
 
-class _LateError(Exception):
+class _LateError(TimeoutError):
     """Raised if a solve takes longer than the time that is left."""
+
+
+def _unfinished(late: _LateError) -> Solution:
+    """Return what the first solve had finished when it was stopped, and warn: it may be nothing at all."""
+    solution = getattr(late, "partial", None)
+    assert isinstance(solution, Solution)
+    warn(
+        f"time: even a coarse solve takes too long; it is stopped after {solution.statistics['seconds']:.2g} s with "
+        f"{solution.statistics['records']:.0f} records, and paths are traced where records are missing"
+    )
+    return solution
 
 
 def _until(latest: float, report: ProgressReport | None) -> ProgressReport:
