@@ -12,7 +12,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 from contextvars import ContextVar
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -30,6 +30,9 @@ _ALLOWANCE = 1 << 29
 _GROWTH = 256
 """The number of further bytes that the decoded images may take for each byte of their files. A decoded photograph is 10
 to 50 times as large as its JPEG file."""
+
+_STRIP = 1 << 20
+"""The number of texels that are converted at a time."""
 
 _spent: ContextVar[list[int] | None] = ContextVar("spent", default=None)
 """The bytes that the images of the current load take, and `_GROWTH` times the bytes of their files."""
@@ -69,7 +72,7 @@ def decode_image(data: bytes) -> NDArray[Any]:
         raise EclatError(f"the image cannot be decoded: expected one of {', '.join(FORMATS)}") from None
     except _DECODER_ERRORS as error:
         raise EclatError(f"the image cannot be decoded: {error or type(error).__name__}") from None
-    if not np.isfinite(pixels).all():
+    if pixels.dtype != np.uint8 and not np.isfinite(pixels).all():
         raise EclatError("the image has texels that are not finite")
     return pixels
 
@@ -145,4 +148,19 @@ def _pixels(image: Image.Image, data: bytes) -> NDArray[Any]:
     if mode in ("1", "L"):
         return np.array(image.convert("L"))[..., None]
     alpha = mode in ("RGBA", "LA", "PA", "La", "RGBa") or "transparency" in image.info
-    return np.array(image.convert("RGBA" if alpha else "RGB"))
+    return _converted(image, "RGBA" if alpha else "RGB")
+
+
+def _converted(image: Image.Image, mode: Literal["RGB", "RGBA"]) -> NDArray[np.uint8]:
+    """Convert an image to 8-bit colours (H, W, 3 or 4), a strip at a time.
+
+    Pillow's converted image and the bytes that NumPy asks it for would otherwise take several times the memory of the
+    result.
+    """
+    pixels = np.empty((image.height, image.width, len(mode)), np.uint8)
+    rows = max(1, _STRIP // image.width)
+    image.load()
+    for top in range(0, image.height, rows):
+        strip = image.crop((0, top, image.width, min(top + rows, image.height)))
+        pixels[top : top + rows] = np.asarray(strip.convert(mode))
+    return pixels
