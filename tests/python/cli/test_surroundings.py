@@ -66,6 +66,46 @@ def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
     assert os.listdir() == ["cornell-box.png"] and Path("cornell-box.png").read_bytes() == b"old"
 
 
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ("solve", "cornell-box", "--max-error", "0.001"),
+        (
+            "irradiance",
+            "cornell-box",
+            "--points",
+            "points.csv",
+            "--method",
+            "path",
+            "--samples",
+            "16000000",
+            "-o",
+            "e.npy",
+        ),
+        ("bake", "cornell-box", "--texel-size", "0.002"),
+        ("compare", "cornell-box", "--reference-samples", "1000000", "--methods", "path"),
+    ],
+)
+def test_each_command_stops_and_leaves_nothing(arguments: tuple[str, ...]) -> None:
+    Path("points.csv").write_text("0 0.5 0 0 1 0\n" * 1000)
+    with subprocess.Popen(
+        [*COMMAND, *arguments, "--json"],
+        env=os.environ | {"PYTHONPATH": PATHS},
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+    ) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if json.loads(line)["event"] == "progress":
+                break
+        process.send_signal(signal.SIGTERM)
+        _, complaint = process.communicate(timeout=120)
+    assert (process.returncode, complaint) == (143, "eclat: terminated\n")
+    assert os.listdir() == ["points.csv"]
+
+
 def test_a_terminated_run_with_keep_partial_keeps_its_result() -> None:
     with subprocess.Popen(
         [*ENDLESS, "--size", "32x32", "--keep-partial"],
