@@ -41,7 +41,7 @@ def cornell() -> eclat.Scene:
 def texels(cornell: eclat.Scene) -> MapTexels:
     lit = lit_sides(cornell, "front", solid_triangles(cornell, cornell.meshes), 1)
     meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in lit]
-    atlas = unwrap(meshes, 0.04, gutter=2, max_size=1024, timeout=0, progress=None)
+    atlas = unwrap(meshes, 0.05, gutter=2, max_size=1024, timeout=0, progress=None)
     corners = corners_of(meshes, atlas)
     found = rasterize(corners, atlas.width, atlas.height)
     return found, sample_points(corners, found, 1), corners.charts[found.triangles], (atlas.height, atlas.width)
@@ -51,6 +51,7 @@ def settings(samples: int, seed: int, threads: int | None = None) -> Settings:
     return Settings("total", samples, -1, seed, threads, None)
 
 
+@pytest.mark.slow
 def test_the_error_that_is_stated_is_the_true_one(cornell: eclat.Scene, texels: MapTexels) -> None:
     found, points, *place = texels
     free = np.ones(points.positions.shape[:2], dtype=bool)
@@ -58,7 +59,7 @@ def test_the_error_that_is_stated_is_the_true_one(cornell: eclat.Scene, texels: 
     def gathered(samples: int, seed: int) -> GatheredTexels:
         return gather(cornell, eclat.Path(), points, free, settings(samples, seed))
 
-    a, b = (gathered(512, seed).values for seed in (91, 92))
+    a, b = (gathered(192, seed).values for seed in (91, 92))
     square = ((a + b) / 2) ** 2
     scale = square + RELATIVE_C * square.mean()
 
@@ -68,7 +69,7 @@ def test_the_error_that_is_stated_is_the_true_one(cornell: eclat.Scene, texels: 
     ratios = []
     for seed in range(4):
         clean = gather_denoised(cornell, eclat.Path(), points, free, settings(32, seed), found, *place)
-        assert true(clean.values) < 0.6 * true(gathered(32, seed).values)
+        assert true(clean.values) < 0.75 * true(gathered(32, seed).values)
         assert clean.counts["denoised"] > 0.5 and "direct_error" not in clean.counts
         ratios.append(clean.counts["estimated_error"] / true(clean.values))
         assert true(clean.values) < 1.25 * clean.counts["estimated_error_high"]
