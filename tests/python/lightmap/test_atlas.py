@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 import time
 import warnings
 from dataclasses import replace
@@ -144,3 +145,22 @@ def test_default_texel_size() -> None:
     assert default_texel_size(26.0) == 0.01
     assert default_texel_size(26.0e6) == pytest.approx(10, rel=0.05)
     assert default_texel_size(0) == 1
+
+
+def test_an_interrupt_ends_the_child(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    (tmp_path / "child.py").write_text(
+        "import os, sys, time\n"
+        f"open({str(tmp_path / 'starting')!r}, 'w').write(str(os.getpid()))\n"
+        f"os.rename({str(tmp_path / 'starting')!r}, {str(tmp_path / 'pid')!r})\n"
+        "time.sleep(1000)\n"
+    )
+    monkeypatch.setattr(atlas_module, "XATLAS_PROGRAM", tmp_path / "child.py")
+
+    def progress(*report: object) -> None:
+        if (tmp_path / "pid").exists():
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        unwrap(meshes_of("cornell-box"), 0.05, timeout=120, progress=progress)
+    with pytest.raises(ProcessLookupError):
+        os.kill(int((tmp_path / "pid").read_text()), 0)
