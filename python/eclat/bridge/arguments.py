@@ -8,7 +8,7 @@ import math
 
 import numpy as np
 
-from eclat.errors import EclatError
+from eclat.errors import EclatError, shown
 from eclat.images.image import check_size
 from eclat.scene import Camera, FloatArray, Scene
 
@@ -84,8 +84,8 @@ def checked_max_error(max_error: float) -> float:
 
 def checked_max_depth(max_depth: int) -> int:
     """Return the greatest number of edges of a path: −1 (no limit) or at least 1."""
-    if max_depth == 0 or max_depth < -1:
-        raise EclatError(f"max_depth must be -1 (unlimited) or at least 1, got {max_depth}")
+    if not (max_depth == -1 or 1 <= max_depth < 2**31):
+        raise EclatError(f"max_depth must be -1 (unlimited) or at least 1 and below 2^31, got {max_depth}")
     return max_depth
 
 
@@ -98,8 +98,7 @@ def checked_time(time: float | None) -> float | None:
 
 def points_with_normals(points: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return points (N, 3) and unit normals (N, 3), both float64; N may be 0."""
-    points = np.atleast_2d(np.asarray(points, np.float64))
-    normals = np.atleast_2d(np.asarray(normals, np.float64))
+    points, normals = _rows("points", points), _rows("normals", normals)
     if points.shape != normals.shape or points.ndim != 2 or (points.size and points.shape[1] != 3):
         raise EclatError(f"points and normals must both be (N, 3), got {points.shape} and {normals.shape}")
     points, normals = points.reshape(-1, 3), normals.reshape(-1, 3)
@@ -112,3 +111,11 @@ def points_with_normals(points: FloatArray, normals: FloatArray) -> tuple[FloatA
             f"got the point {points[row].tolist()} with the normal {normals[row].tolist()} at index {row}"
         )
     return points, normals / lengths[:, None]
+
+
+def _rows(name: str, values: object) -> FloatArray:
+    try:
+        with np.errstate(all="ignore"):
+            return np.atleast_2d(np.asarray(values, np.float64))
+    except (TypeError, ValueError, OverflowError):
+        raise EclatError(f"{name}: expected an array of numbers, got {shown(values)}") from None

@@ -15,6 +15,7 @@ from eclat.errors import EclatError, warn
 from eclat.files.atomic_file import check_writable, write_file
 from eclat.images import image_files
 from eclat.images.tone import check_display, exposure_stops
+from eclat.typed import typed
 
 LAYERS: dict[str, str] = {
     "direct": "RGB",
@@ -112,6 +113,7 @@ class Image:
         """The height in pixels."""
         return int(self.pixels.shape[0])
 
+    @typed
     def save(
         self, path: str | os.PathLike[str], exposure: float | Literal["auto"] = 0.0, tone_mapping: str = "none"
     ) -> None:
@@ -175,6 +177,7 @@ class Image:
         return replace(self, pixels=pixels)
 
     @staticmethod
+    @typed
     def load(path: str | os.PathLike[str]) -> Image:
         """Read an image from an .exr, .pfm or .npy file.
 

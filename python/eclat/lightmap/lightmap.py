@@ -24,6 +24,7 @@ from eclat.images.exr import encode_exr
 from eclat.images.tone import srgb_encode
 from eclat.lightmap.flat import encode_flat
 from eclat.scene import Scene
+from eclat.typed import typed
 
 VERSION = 1
 """Version of the format of the JSON file."""
@@ -85,6 +86,7 @@ class Lightmap:
         lit = largest > 0
         return float((largest[lit] > self.intensity()).mean()) if lit.any() else 0.0
 
+    @typed
     def save(self, path: str | os.PathLike[str]) -> list[Path]:
         """Write the files `room_lit.glb`, `room_lit.lightmap.exr` and `room_lit.lightmap.json`, and return their paths.
 
@@ -136,6 +138,7 @@ class Lightmap:
         write_files({exr: picture, side_car: text, glb: data})
         return list(names)
 
+    @typed
     def save_flat(
         self, path: str | os.PathLike[str], exposure: float | None = None, tone_mapping: str = "none"
     ) -> Path:

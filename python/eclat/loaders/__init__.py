@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import Any
 
 from eclat import scenes
-from eclat.errors import EclatError, did_you_mean, heard_warnings
+from eclat.errors import EclatError, did_you_mean, heard_warnings, shown
 from eclat.files.confinement import check_confined, confined_to
 from eclat.scene import Scene
 
@@ -31,12 +31,18 @@ The function takes the path of the file and returns a scene.
 """
 
 
-def load(path: str | os.PathLike[str], *, root: str | os.PathLike[str] | None = None, **parameters: object) -> Scene:
-    """Load a scene from a file, or a built-in scene by its name.
+def load(
+    path: str | os.PathLike[str] | Mapping[str, Any],
+    *,
+    root: str | os.PathLike[str] | None = None,
+    **parameters: object,
+) -> Scene:
+    """Load a scene from a file or a dict, or a built-in scene by its name.
 
     Parameters
     ----------
-    path : a file with one of the `SUFFIXES` in upper or lower case, or one of `eclat.scenes.NAMES`.
+    path : a file with one of the `SUFFIXES` in upper or lower case, or one of `eclat.scenes.NAMES`; or a
+        dict as `load_dict` takes it.
     root : a folder. Every file that the scene reads, itself included, must lie below it after all symbolic links and
         `..` in the path are followed. What a loader does about a file outside of it is what it does about one that
         does not exist. None lets files lie anywhere that the format allows.
@@ -59,6 +65,12 @@ def load(path: str | os.PathLike[str], *, root: str | os.PathLike[str] | None = 
     >>> len(scene.meshes) > 0
     True
     """
+    if isinstance(path, Mapping) and not parameters:
+        return load_dict(path, root=root)
+    if not isinstance(path, str | os.PathLike):
+        raise EclatError(
+            f"load: expected the path of a scene file, the name of a built-in scene or a dict, got {shown(path)}"
+        )
     with confined_to(root):
         return _load(path, parameters)
 
@@ -87,6 +99,8 @@ def load_dict(
     """
     from eclat.loaders import mitsuba
 
+    if not isinstance(description, Mapping):
+        raise EclatError(f"load_dict: expected a dict, got {shown(description)}")
     folder = None if base_folder is None else Path(base_folder)
     with confined_to(root):
         return _collecting_warnings(lambda: mitsuba.load_dict(description, folder))

@@ -27,6 +27,7 @@ from eclat.measure.error_estimate import ErrorEstimate, error_text
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
+from eclat.typed import typed
 
 PassEstimator = Callable[[int, _core.Progress], _core.Estimator]
 """A function from the index of a sample, from 0, to the estimator that takes this sample."""
@@ -169,6 +170,7 @@ class Solved(Prepared):
             )
         return self.merged(other)
 
+    @typed
     def save(self, path: str | os.PathLike[str]) -> None:
         """Write an `.npz` file, either completely or not at all. Raises EclatError if it cannot be written."""
         header = {
@@ -183,6 +185,7 @@ class Solved(Prepared):
         write_archive(path, header | self.header(), self.arrays())
 
     @classmethod
+    @typed
     def load(cls, path: str | os.PathLike[str], scene: Scene | None = None) -> Self:
         """Read a saved solution.
 
@@ -345,6 +348,7 @@ def as_method(what: Source | type[Method] | str | None, default: Method | None =
     raise EclatError(f"expected a method, its class, its name or a solution, got {shown(what)}")
 
 
+@typed
 def load_solved(path: str | os.PathLike[str], scene: Scene | None = None) -> Solved:
     """Read a solution of any method, which `eclat solve` or `Solved.save` wrote.
 
@@ -363,6 +367,9 @@ def merge(first: S, second: S) -> S:
     Raises EclatError if the methods, scenes or options differ, if both hold the photons of the same seed, or if they
     are solutions of radiosity.
     """
+    for solution in (first, second):
+        if not isinstance(solution, Solved):
+            raise EclatError(f"merge: expected two solutions, got {shown(solution)}")
     merged = first.merge(second)
     assert isinstance(merged, type(first))
     return merged

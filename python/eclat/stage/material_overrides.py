@@ -10,9 +10,10 @@ from dataclasses import replace
 from pathlib import Path
 from typing import Any
 
-from eclat.errors import EclatError, did_you_mean
+from eclat.errors import EclatError, did_you_mean, shown
 from eclat.loaders.mitsuba import load_material
 from eclat.scene import Material, Mesh, Scene, Value
+from eclat.typed import typed
 
 _BASE_COLOURS = ("reflectance", "diffuse_reflectance", "base_color")
 """Names of the parameters that hold the base colour in the various kinds of material."""
@@ -28,6 +29,7 @@ def material_names(scene: Scene) -> list[str]:
     return [name for name in dict.fromkeys(names) if name]
 
 
+@typed
 def override_materials(
     scene: Scene,
     materials: Mapping[str, Mapping[str, Any] | Material],
@@ -110,6 +112,8 @@ def _value(text: str) -> Any:
 def _in_place_of(old: Material, name: str, given: Mapping[str, Any] | Material, folder: Path) -> Material:
     if isinstance(given, Material):
         return given
+    if not isinstance(given, Mapping):
+        raise EclatError(f"material {name!r}: expected a Material or a dict, got {shown(given)}")
     try:
         new = load_material(given, folder)
     except EclatError as error:

@@ -31,6 +31,7 @@ from eclat.lightmap.texels import Corners, Texels, corners_of, rasterize
 from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
+from eclat.typed import typed
 from eclat.verbs.irradiance import Component, checked_component
 
 SAMPLES = 256
@@ -46,6 +47,7 @@ BLACK_ROWS = 3
 """Number of black rows below the charts, which hold the texel that all dark surfaces share."""
 
 
+@typed
 def bake(
     scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,

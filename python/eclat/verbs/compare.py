@@ -13,11 +13,12 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from eclat.bridge.arguments import MAX_ERROR_RANGE
-from eclat.errors import EclatError
+from eclat.errors import EclatError, shown
 from eclat.images.image import Image
 from eclat.images.tone import auto_exposure
 from eclat.measure.metrics import away_from_edges, flip, has_flip, relative_rmse, signed_error
 from eclat.methods import METHODS, Method, Path, as_method
+from eclat.typed import typed
 from eclat.verbs.render import render
 
 if TYPE_CHECKING:
@@ -132,6 +133,7 @@ class Comparison:
         return [{name: getattr(m, name) for name in names} for r in self.results for m in r.measurements]
 
 
+@typed
 def compare(
     scene: Scene | str | os.PathLike[str],
     methods: Sequence[str | Method | type[Method]] | None = None,
@@ -231,6 +233,8 @@ def _measured(name: str, images: Sequence[Image], reference: Reference, truth: I
 
 def _known(methods: Sequence[str | Method | type[Method]] | None) -> list[Method]:
     """Return the methods without duplicates. Raises EclatError for an unknown one."""
+    if methods is not None and (isinstance(methods, str) or not isinstance(methods, Sequence)):
+        raise EclatError(f"methods: expected a list of methods, got {shown(methods)}")
     try:
         found = [as_method(method).options for method in methods or METHODS]
     except EclatError as error:

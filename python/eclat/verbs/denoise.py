@@ -13,8 +13,10 @@ from eclat.errors import EclatError
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.sampling.denoised_halves import judged_halves
+from eclat.typed import typed
 
 
+@typed
 def denoise(picture: Image, other: Image | None = None) -> Image:
     """Remove the noise of a picture with Open Image Denoise (`pip install pyoidn`).
 

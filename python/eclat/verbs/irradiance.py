@@ -31,6 +31,7 @@ from eclat.methods.records.laws import core_options
 from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
+from eclat.typed import typed
 
 Component = Literal["total", "direct", "indirect"]
 
@@ -56,6 +57,7 @@ def paths_for_few(count: int, max_error: float) -> int | None:
     return paths if count * paths * RAYS_OF_TRACED_PATH < far + count * gather else None
 
 
+@typed
 def irradiance(
     scene: Scene | str | os.PathLike[str],
     points: FloatArray,

@@ -36,6 +36,7 @@ from eclat.sampling.convergence import Goal, Sampling
 from eclat.sampling.halves import Halves, seed_of_half
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
+from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
 from eclat.verbs.first_look import first_look
 from eclat.verbs.picture import Picture, SampleTaker
@@ -54,6 +55,7 @@ enough that writing it takes little time.
 """
 
 
+@typed
 def render(
     scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,

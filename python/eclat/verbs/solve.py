@@ -17,11 +17,12 @@ from eclat.bridge.arguments import (
     thread_count,
 )
 from eclat.bridge.running import ProgressReport
-from eclat.errors import EclatError
+from eclat.errors import EclatError, shown
 from eclat.methods import IrradianceCache, Method, Solved, as_method
 from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, View, Work
 from eclat.scene import Camera, FloatArray, Scene
 from eclat.stage.staging import staged
+from eclat.typed import typed
 
 if TYPE_CHECKING:
     from eclat.methods.photon_map import PhotonMap, Photons
@@ -91,6 +92,7 @@ def solve(
 ) -> Solved: ...
 
 
+@typed
 def solve(
     scene: Scene | str | os.PathLike[str],
     what: Method | type[Method] | str | None = None,
@@ -173,6 +175,7 @@ def solve(
     return method.solve(scene, purpose, work, Care(check=check, refine=refine, keep_partial=keep_partial))
 
 
+@typed
 def refine(
     solution: Solved,
     scene: Scene | str | os.PathLike[str],
@@ -235,6 +238,8 @@ def purpose_of(
     if (camera is not None or size is not None) + (points is not None) + view_independent > 1:
         raise EclatError("solve: expected at most one of camera (with size), points and view_independent, got several")
     if points is not None:
+        if not isinstance(points, tuple | list) or len(points) != 2:
+            raise EclatError(f"points: expected a pair of arrays, points and normals, got {shown(points)}")
         return AtPoints(*points_with_normals(*points))
     if view_independent:
         return Everywhere()
