@@ -84,8 +84,10 @@ def checked_max_error(max_error: float) -> float:
 
 def checked_max_depth(max_depth: int) -> int:
     """Return the greatest number of edges of a path: −1 (no limit) or at least 1."""
-    if not (max_depth == -1 or 1 <= max_depth < 2**31):
-        raise EclatError(f"max_depth must be -1 (unlimited) or at least 1 and below 2^31, got {max_depth}")
+    if max_depth == 0 or max_depth < -1:
+        raise EclatError(f"max_depth must be -1 (unlimited) or at least 1, got {max_depth}")
+    if max_depth >= 2**31:
+        raise EclatError(f"max_depth must be below {2**31}, got {max_depth}")
     return max_depth
 
 
