@@ -227,11 +227,12 @@ PatchTree::PatchTree(const Geometry& geometry, float face_size, NoPatches)
     builder.measure_clusters();
 }
 
-PatchTree::PatchTree(const Geometry& geometry, float size, float face_size)
+PatchTree::PatchTree(const Geometry& geometry, float size, float face_size, std::span<const float> scales)
     : PatchTree(geometry, face_size, NoPatches{}) {
     const auto sides = static_cast<uint32_t>(nodes_.size());
     for (uint32_t i = 0; i < sides; ++i)
-        if (!nodes_[i].is_cluster()) halve_down_to(i, size, deepest);
+        if (!nodes_[i].is_cluster())
+            halve_down_to(i, size * scale_of(scales, 2 * size_t(nodes_[i].triangle) + nodes_[i].back), deepest);
     list_leaves();
     join_faces();
 }
@@ -363,12 +364,14 @@ PatchName PatchTree::name(uint32_t leaf) const {
     return name;
 }
 
-size_t count_patches(const Geometry& g, float size, size_t most) {
+size_t count_patches(const Geometry& g, float size, size_t most, std::span<const float> scales) {
     size_t count = 0;
     for (uint32_t t = 0; t < g.triangle_count() && count < most; ++t) {
         const Corners corners = corners_of(g, t);
         if (corners.area() > 0)
-            count += count_parts(corners, size, most - count, deepest_count) * (g.has_no_back(t) ? 1 : 2);
+            for (size_t side = 2 * size_t(t); side < 2 * size_t(t) + (g.has_no_back(t) ? 1 : 2); ++side)
+                count +=
+                    count_parts(corners, size * scale_of(scales, side), most - std::min(most, count), deepest_count);
     }
     return count;
 }
@@ -377,24 +380,26 @@ size_t count_sides(const Geometry& geometry) {
     return count_patches(geometry, infinity, std::numeric_limits<size_t>::max());
 }
 
-double total_area(const Geometry& geometry) {
+double total_area(const Geometry& geometry, std::span<const float> scales) {
     double area = 0;  // in double precision, since there may be millions of triangles
     for (uint32_t t = 0; t < geometry.triangle_count(); ++t)
-        area += static_cast<double>(corners_of(geometry, t).area()) * (geometry.has_no_back(t) ? 1 : 2);
+        for (size_t side = 2 * size_t(t); side < 2 * size_t(t) + (geometry.has_no_back(t) ? 1 : 2); ++side)
+            area +=
+                static_cast<double>(corners_of(geometry, t).area()) / sqr(static_cast<double>(scale_of(scales, side)));
     return area;
 }
 
-float patch_size_for(const Geometry& geometry, size_t count) {
+float patch_size_for(const Geometry& geometry, size_t count, std::span<const float> scales) {
     constexpr int steps = 24;
-    const double area = total_area(geometry);
+    const double area = total_area(geometry, scales);
     if (!(area > 0) || count_patches(geometry, infinity, count) >= count) return infinity;
     // Halves of a square of side s have the area s² / 2 and the longest edge √2 s. Slender triangles need more.
     float high = static_cast<float>(8 * std::sqrt(area / static_cast<double>(count)));
     float low = high / 64;
-    while (count_patches(geometry, high, count) >= count) high *= 2;
+    while (count_patches(geometry, high, count, scales) >= count) high *= 2;
     for (int i = 0; i < steps; ++i) {
         const float middle = std::sqrt(low * high);
-        (count_patches(geometry, middle, count) >= count ? low : high) = middle;
+        (count_patches(geometry, middle, count, scales) >= count ? low : high) = middle;
     }
     return high;
 }

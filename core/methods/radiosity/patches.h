@@ -50,8 +50,9 @@ struct PatchName {
 class PatchTree {
   public:
     /// Bisects sides across their longest edge until it is at most `size`. Links end at patches, or at face clusters
-    /// [Willmott99]: clusters of whole sides that are at most `face_size` wide and face about the same way.
-    PatchTree(const Geometry& geometry, float size, float face_size = 0);
+    /// [Willmott99]: clusters of whole sides that are at most `face_size` wide and face about the same way. `scales` has,
+    /// for each side, the factor by which its patches may be longer; if it is empty, all factors are 1.
+    PatchTree(const Geometry& geometry, float size, float face_size = 0, std::span<const float> scales = {});
     /// Makes the tree whose leaves have the given names, which may be in any order. Throws std::invalid_argument if
     /// there is no such tree.
     PatchTree(const Geometry& geometry, std::span<const PatchName> names);
@@ -93,14 +94,17 @@ class PatchTree {
 /// Returns the number of sides that can be patches.
 size_t count_sides(const Geometry& geometry);
 
-/// Counts the patches with edges of at most `size`, up to `most`.
-size_t count_patches(const Geometry& geometry, float size, size_t most);
+/// Counts the patches with edges of at most `size` times the side's scale, up to `most`.
+size_t count_patches(const Geometry& geometry, float size, size_t most, std::span<const float> scales = {});
 
-/// Returns the area of all sides, m².
-double total_area(const Geometry& geometry);
+/// Returns the area of all sides, m², each divided by the square of its scale.
+double total_area(const Geometry& geometry, std::span<const float> scales = {});
 
 /// Returns the length of the longest edge for which there are about `count` patches; it is infinite if there are that
 /// many sides.
-float patch_size_for(const Geometry& geometry, size_t count);
+float patch_size_for(const Geometry& geometry, size_t count, std::span<const float> scales = {});
+
+/// Returns the scale of a side (2 · triangle + back).
+inline float scale_of(std::span<const float> scales, size_t side) { return scales.empty() ? 1 : scales[side]; }
 
 }  // namespace eclat

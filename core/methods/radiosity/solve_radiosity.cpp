@@ -16,6 +16,7 @@
 #include "base/parallel.h"
 #include "base/kd_tree.h"
 #include "methods/radiosity/links.h"
+#include "methods/radiosity/patch_importance.h"
 #include "methods/radiosity/patch_surfaces.h"
 #include "methods/radiosity/radiosity_system.h"
 
@@ -55,8 +56,9 @@ class Solver {
         : world_(world),
           options_(options),
           progress_(progress),
-          face_size_(face_size(world.geometry, options)),
-          tree_(world.geometry, first_size(world.geometry, options), face_size_),
+          scales_(options.patch_size > 0 ? std::vector<float>{} : patch_scales(world.geometry, options.seed)),
+          face_size_(face_size(world.geometry, options, scales_)),
+          tree_(world.geometry, first_size(world.geometry, options, scales_), face_size_, scales_),
           links_(first_links(tree_)) {}
 
     SolvedRadiosity run() {
@@ -80,7 +82,7 @@ class Solver {
     }
 
   private:
-    static float first_size(const Geometry& geometry, const RadiosityOptions& o) {
+    static float first_size(const Geometry& geometry, const RadiosityOptions& o, std::span<const float> scales) {
         const size_t most = count_sides(geometry) + most_patches;
         if (o.patch_size > 0) {
             require(count_patches(geometry, o.patch_size, most) < most,
@@ -90,15 +92,16 @@ class Solver {
         require(o.patches <= most_patches, "radiosity: expected at most 5 million patches");
         // These patches are in addition to one for each side, because the large sides of a scene of many small ones
         // would otherwise not be divided.
-        return patch_size_for(geometry, count_sides(geometry) + (o.refinements > 0 ? o.patches / 2 : o.patches));
+        return patch_size_for(geometry, count_sides(geometry) + (o.refinements > 0 ? o.patches / 2 : o.patches),
+                              scales);
     }
 
     /// Returns about the size that patches would have if all surfaces were one piece.
-    static float face_size(const Geometry& geometry, const RadiosityOptions& o) {
+    static float face_size(const Geometry& geometry, const RadiosityOptions& o, std::span<const float> scales) {
         if (o.patch_size > 0) return o.patch_size;
         // The size is slightly more than the diameter of a disc with the area of a patch: 1.4 times the root of its
         // area.
-        return 1.4f * static_cast<float>(std::sqrt(total_area(geometry) / static_cast<double>(o.patches)));
+        return 1.4f * static_cast<float>(std::sqrt(total_area(geometry, scales) / static_cast<double>(o.patches)));
     }
 
     void measure(const std::vector<uint32_t>& patches) {
@@ -174,7 +177,10 @@ class Solver {
         std::vector<uint32_t> order(leaves.size());
         std::iota(order.begin(), order.end(), 0u);
         std::erase_if(order, [&](uint32_t l) { return !(contrast[l] > least_contrast); });
-        const auto matters = [&](uint32_t l) { return contrast[l] * tree_[leaves[l]].area; };
+        const auto matters = [&](uint32_t l) {
+            const PatchNode& patch = tree_[leaves[l]];
+            return contrast[l] * patch.area / sqr(scale_of(scales_, 2 * size_t(patch.triangle) + patch.back));
+        };
         std::sort(order.begin(), order.end(),
                   [&](uint32_t a, uint32_t b) { return matters(a) != matters(b) ? matters(a) > matters(b) : a < b; });
         if (order.size() > budget) order.resize(budget);
@@ -258,8 +264,9 @@ class Solver {
     const World& world_;
     const RadiosityOptions& options_;
     Progress& progress_;
-    float tolerance_ = 0;  // tolerance with which the current links were made
-    float face_size_;      // width of clusters at which links end
+    float tolerance_ = 0;        // in effect for the present links
+    std::vector<float> scales_;  // by how much the patches of each side may be longer
+    float face_size_;            // width of clusters at which links end
     PatchTree tree_;
     std::vector<PatchSurface> surfaces_;  // surface of each node
     std::vector<Link> links_;
