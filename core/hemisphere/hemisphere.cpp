@@ -34,7 +34,7 @@ namespace {
 
 constexpr float degree = pi / 180;
 
-/// Returns the difference of sin² between the two walls of a row.
+/// Returns the mean of sin² at the two walls of a row.
 float row_middle(Rows kind, int j, int rows) {
     if (kind == Rows::cosine) return (static_cast<float>(j) + 0.5f) / static_cast<float>(rows);
     return 0.5f * (sqr(row_wall(kind, j, rows).sin) + sqr(row_wall(kind, j + 1, rows).sin));

@@ -8,7 +8,7 @@
 // Symbol      name here        meaning                                                            unit
 //   p(t)                       a point of an edge, seen from x, p = a/near_a + t (b/near_b − a/near_a)   m
 //   c                          p(0) × p(1): at right angles to the plane through x and the edge   m²
-//   ΔL        jump             radiance on the side that c points to less that on the other       W m⁻² sr⁻¹
+//   ΔL        jump             radiance on the side that c points to, minus that on the other       W m⁻² sr⁻¹
 //
 // An edge that is fixed in space sweeps solid angle as x moves in the tangent plane (Reynolds' transport theorem), so
 //   ∇E = Σ ΔL c ∫ p_z / |p|⁴ dt ,   and once more   ∂²E/∂x_i∂x_j = 2 Σ ΔL ∫ p_z (c_i p_j + c_j p_i) / |p|⁶ dt ,

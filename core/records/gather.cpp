@@ -109,7 +109,7 @@ Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, in
     return out;
 }
 
-/// Estimates the irradiance from the radiance above `limit`, and the standard error of its luminance.
+/// The irradiance from the radiance above `limit`, and the standard error of its luminance.
 struct Excess {
     Color irradiance;
     float noise = 0;

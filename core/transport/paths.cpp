@@ -88,7 +88,7 @@ class Tracer {
         }
     }
 
-    /// Returns those of the `lobes` that scatter light from the side of `point`.
+    /// Adds what the cache knows of those `lobes` that scatter light from the side of `point`.
     void read_side(const PathState& path, Vertex& v, const SurfacePoint& point, LobeSet lobes) {
         auto irradiance = options_.cache(point, v.hit.t);
         if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(point, v.hit.t);

@@ -212,7 +212,7 @@ def _linear_colors(colors: FloatArray, where: str) -> NDArray[np.float32]:
 
 
 def _grouped(values: IntArray) -> list[IntArray]:
-    """For each distinct value, in the order of first appearance, the ascending indices at which it occurs."""
+    """Return the ascending indices at which each distinct value occurs, in the order of the first appearance."""
     order = np.argsort(values, kind="stable")
     pieces = np.split(order, np.flatnonzero(np.diff(values[order])) + 1)
     return sorted(pieces, key=lambda piece: int(piece[0]))

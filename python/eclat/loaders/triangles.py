@@ -174,8 +174,11 @@ of the time and of the memory."""
 
 
 def _edges_by_parts(positions: FloatArray, triangles: IntArray) -> Iterator[tuple[slice, NDArray[np.float64]]]:
-    """Rows of some triangles and their edges (3 edges from one corner to the next, 3 axes, rows), scaled such that the
-    longest of a triangle is about 1: no product of them overflows or vanishes."""
+    """Yield slices of the triangles, and the edges of these triangles as an array (3 edges, 3 axes, triangles).
+
+    The edges are scaled such that the longest edge of each triangle is about 1, so that their products neither overflow
+    nor vanish.
+    """
     for start in range(0, len(triangles), _PART):
         rows = slice(start, start + _PART)
         corners = np.asarray(positions[triangles[rows]], dtype=np.float64).transpose(1, 2, 0)

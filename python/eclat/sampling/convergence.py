@@ -4,8 +4,8 @@
 
 The error of a picture is estimated from two halves, the first and the last n/2 samples of each pixel. The even and the
 odd samples would not do: consecutive Sobol' points are stratified against each other, with one in each half of every
-dimension, so the even and odd means differ by up to three times their true error. The first and the last 2^k points are
-a net each, so the errors of their means are almost independent.
+dimension, so the even and odd means differ by up to three times their true error. The first 2^k points are stratified
+among themselves, and so are the last 2^k; the errors of their means are almost independent.
 
 A picture that may be denoised is instead taken in two halves with different seeds (`halves`). They also measure the
 error that remains after denoising, and passes continue until this error is small enough.

@@ -83,7 +83,7 @@ def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
             "-o",
             "e.npy",
         ),
-        ("bake", "cornell-box", "--texel-size", "0.002"),
+        ("bake", "cornell-box", "--texel-size", "0.01", "--max-error", "0.002"),
         ("compare", "cornell-box", "--reference-samples", "1000000", "--methods", "path"),
     ],
 )
