@@ -74,7 +74,7 @@ def test_a_bumpy_ground_under_an_even_sky(method: str) -> None:
 @pytest.mark.slow
 @pytest.mark.parametrize("method", ["irradiance-cache", "radiance-cache", "radiosity"])
 def test_a_bumpy_floor_of_a_room(method: str) -> None:
-    """Light from all sides but an even sky's: the lower half of the picture, the floor, was 4 % (radiosity: 9 %) too bright."""
+    """Light from all sides but an even sky's: the lower half of the picture, the floor, was 4 % too bright with caches."""
     scene = bumpy_room(0.6)
     truth = eclat.render(scene, eclat.Path(), samples=1024).pixels[12:].mean()
     assert eclat.render(scene, METHODS[method], samples=64).pixels[12:].mean() == pytest.approx(truth, rel=0.025)

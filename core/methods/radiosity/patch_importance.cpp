@@ -37,7 +37,8 @@ constexpr uint32_t steps = 8;
 constexpr uint32_t first_counted = 3;   // step after which walkers have mostly forgotten where they started
 constexpr float least_density = 0.25f;  // in units of the usual one, at which patches are of the usual size
 // If the sides that exchange hardly any light have less than so many times the area of the others, all keep their patches: lamps
-// may light them, as the walls of a house from outside and the yard around it.
+// may light them, as the walls of a house from outside and the yard around it. Set between a yard, which has a few times the area
+// of its house, and a ground to the horizon, which has ten thousand times; it is not tuned further.
 constexpr double much_area = 100;
 
 struct Walker {

@@ -6,8 +6,7 @@ As for pictures, the light of the texels is gathered in two halves with seeds of
 the halves judge each other (`sampling.denoised_halves`). Charts are islands: texels of no surface take the value of the
 nearest one that has a surface before the denoiser sees the map, so that each chart goes on beyond its border as it is there
 and meets its neighbour in the middle of the gutter. What the denoiser makes of these texels is not used. It sees each chart
-divided by the mean of its half there: what reaches a dark chart from a bright neighbour is then small beside its own light (in
-two rooms with a closed door between, 3 % of the light of the bright one reached walls of the dark one without this).
+divided by the mean of its half there, so that what reaches a dark chart from a bright neighbour is small beside its own light.
 """
 
 from __future__ import annotations
