@@ -50,9 +50,10 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
     chosen = chosen_by_clock(flags, metadata)
     if chosen:
         settings["settings"] = chosen
-    if flags["time"] is not None and not flags["cache"] and metadata.get("method") == "path" != flags["method"]:
-        # There was no time for records, so paths replaced the method.
-        settings["method"], settings["settings"] = "path", []
+    made_by = metadata.get("method", flags["method"])
+    if flags["time"] is not None and not flags["cache"] and made_by != flags["method"]:
+        # There was no time for what the method needs, so another took its place.
+        settings["method"], settings["settings"] = made_by, []
     taken = metadata.get("statistics", {}).get("samples")
     if taken is not None:
         settings["samples"], settings["time"] = int(taken), None
