@@ -107,4 +107,8 @@ def _film_size(node: Node) -> tuple[int, int]:
         )
     if any(film.get(name) is not None for name in ("crop_width", "crop_height", "crop_offset_x", "crop_offset_y")):
         warn(f"{film.where}: the crop window of the film is ignored")
+    for name in sorted(film.properties.keys() - film.asked):
+        # The film has many other properties, such as those of files, which do not change the picture.
+        if suggestion := did_you_mean(name, ("width", "height")):
+            warn(f"{film.where}: the property {name!r} is not known and is ignored{suggestion}")
     return width, height

@@ -248,3 +248,17 @@ def test_backgrounds_as_small_renderers_write_them(tmp_path: Path, xml: str) -> 
     (tmp_path / "scene.xml").write_text(f'<scene version="3.0.0">{xml}</scene>')
     environment = load_xml(tmp_path / "scene.xml").environment
     assert environment is not None and environment.image.tolist() == [[[0.5, 0.25, 1.0]]]
+
+
+@pytest.mark.parametrize(("key", "meant"), [("widht", "width"), ("heigth", "height"), ("Width", "width")])
+def test_a_misspelt_size_of_a_film_is_named(key: str, meant: str) -> None:
+    film = {"type": "hdrfilm", key: 300, "file_format": "openexr", "high_quality_edges": True, "crop_width": 300}
+    with pytest.warns(EclatWarning) as warned:
+        scene_of(sensor={"type": "perspective", "film": film})
+    suggestions = [str(w.message) for w in warned if "did you mean" in str(w.message)]
+    if key.lower() == meant:
+        assert not suggestions
+    else:
+        assert (
+            len(suggestions) == 1 and f"{key!r} is not known and is ignored; did you mean {meant!r}?" in suggestions[0]
+        )
