@@ -123,12 +123,25 @@ def read_image_file(path: Path, data: bytes) -> tuple[NDArray[Any], bool]:
 def _check_size(image: Image.Image, size: int) -> None:
     # A texel of a PNG takes at least one bit before compression. For other formats no such bound is known.
     check_size(*image.size, size, texels_per_byte=8 * _DEFLATE_LIMIT if image.format == "PNG" else MAX_PIXELS)
-    _spend(image.width * image.height * (1 if image.mode in ("1", "L") else 4), size)
+    _spend(image.width * image.height * _bytes_of_texel(image), size)
+
+
+def _raw_mode(image: Image.Image) -> str | None:
+    """Return how a PNG file stores its texels, which the mode of the image does not tell for 16-bit colours."""
+    return str(image.tile[0][3]) if isinstance(image, PngImageFile) and image.tile else None
+
+
+def _bytes_of_texel(image: Image.Image) -> int:
+    """Return the number of bytes that a texel takes in what `_pixels` returns."""
+    channels = {"RGB;16B": 3, "RGBA;16B": 4}.get(_raw_mode(image) or "")
+    if channels is not None:
+        return 4 * channels
+    return 1 if image.mode in ("1", "L") else 4
 
 
 def _pixels(image: Image.Image, data: bytes) -> NDArray[Any]:
     mode = image.mode
-    raw = image.tile[0][3] if isinstance(image, PngImageFile) and image.tile else None
+    raw = _raw_mode(image)
     if raw in ("RGB;16B", "RGBA;16B"):
         # Pillow keeps only the high bytes of 16-bit colours. If it reads them as little-endian, it keeps the low bytes.
         high = np.asarray(image, dtype=np.float32)

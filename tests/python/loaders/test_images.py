@@ -211,6 +211,23 @@ def test_images_of_one_scene_share_a_budget(monkeypatch: pytest.MonkeyPatch) -> 
     images.decode_image(data)
 
 
+@pytest.mark.parametrize(("channels", "bits", "taken"), [(1, 8, 1), (3, 8, 4), (1, 16, 4), (3, 16, 12), (4, 16, 16)])
+def test_the_budget_counts_the_bytes_that_texels_take(
+    channels: int, bits: int, taken: int, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    data = png(np.zeros((8, 8, channels), np.uint8 if bits == 8 else np.uint16))
+    monkeypatch.setattr(images, "_GROWTH", 0)
+    for allowance, fits in ((64 * taken, True), (64 * taken - 1, False)):
+        monkeypatch.setattr(images, "_ALLOWANCE", allowance)
+        with images.image_budget():
+            if fits:
+                pixels = images.decode_image(data)
+                assert pixels.nbytes <= 64 * taken
+            else:
+                with pytest.raises(EclatError, match="all images of the scene together"):
+                    images.decode_image(data)
+
+
 def test_small_files_of_linear_images_must_not_fill_gigabytes() -> None:
     rows = b"\2\2\x20\0" + (b"\xff\x60" * 64 + b"\xc0\x60") * 4
     data = b"#?RADIANCE\n\n-Y 16000 +X 8192\n" + rows * 4000
