@@ -46,16 +46,16 @@ def closing(descriptor: int) -> Callable[[], None]:
     return lambda: os.close(descriptor)
 
 
+def started(*command: str) -> subprocess.Popen[str]:
+    return subprocess.Popen(
+        command, env=os.environ | {"PYTHONPATH": PATHS}, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True
+    )
+
+
 @pytest.mark.parametrize(("number", "code"), [(signal.SIGTERM, 143), (signal.SIGHUP, 129), (signal.SIGXCPU, 152)])
 def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
     Path("cornell-box.png").write_bytes(b"old")
-    with subprocess.Popen(
-        [*ENDLESS, "--size", "64x64"],
-        env=os.environ | {"PYTHONPATH": PATHS},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    with started(*ENDLESS, "--size", "64x64") as process:
         assert process.stdout is not None
         for line in process.stdout:
             if json.loads(line).get("phase") == "render":
@@ -89,13 +89,7 @@ def test_signals_stop_as_ctrl_c_does(number: signal.Signals, code: int) -> None:
 )
 def test_each_command_stops_and_leaves_nothing(arguments: tuple[str, ...]) -> None:
     Path("points.csv").write_text("0 0.5 0 0 1 0\n" * 1000)
-    with subprocess.Popen(
-        [*COMMAND, *arguments, "--json"],
-        env=os.environ | {"PYTHONPATH": PATHS},
-        stdout=subprocess.PIPE,
-        stderr=subprocess.PIPE,
-        text=True,
-    ) as process:
+    with started(*COMMAND, *arguments, "--json") as process:
         assert process.stdout is not None
         for line in process.stdout:
             if json.loads(line)["event"] == "progress":
