@@ -175,10 +175,33 @@ Color EnvironmentImage::smooth_radiance(Vec3 w) const {
 float EnvironmentImage::pdf_solid_angle(Vec3 w) const { return lookup(w).pdf_solid_angle; }
 
 LightSample EnvironmentImage::sample(Vec2 u) const {
-    if (constant_) {
-        return {square_to_uniform_sphere(u), infinity, texel(0, 0), uniform_sphere_pdf_solid_angle(), false};
-    }
-    const PiecewiseConstant2D::Cell chosen = cells_.sample(u);
+    Search search = find_row(u);
+    narrow(search);
+    find_cell(search);
+    return finish(search);
+}
+
+EnvironmentImage::Search EnvironmentImage::find_row(Vec2 u) const {
+    if (constant_) return {u, {}, {}};
+    return {u, cells_.find_row(u), {}};
+}
+
+void EnvironmentImage::narrow(Search& search) const {
+    if (!constant_) cells_.narrow(search.among);
+}
+
+void EnvironmentImage::find_cell(Search& search) const {
+    if (constant_) return;
+    search.cell = cells_.find_cell(search.among);
+    const auto& [column, row, offset, pdf_discrete] = search.cell;
+    const uint32_t rows[] = {row > 0 ? row - 1 : 0, std::min(row, height_ - 1)};
+    for (const uint32_t y : rows) __builtin_prefetch(texels_.data() + (size_t(y) * width_ + column) * 3);
+}
+
+LightSample EnvironmentImage::finish(const Search& search) const {
+    if (constant_)
+        return {square_to_uniform_sphere(search.u), infinity, texel(0, 0), uniform_sphere_pdf_solid_angle(), false};
+    const PiecewiseConstant2D::Cell& chosen = search.cell;
     if (chosen.pdf_discrete == 0) return {};
     // Place in the patch: the row's profile first, then along the row.
     const uint32_t x0 = chosen.column, x1 = x0 + 1 < width_ ? x0 + 1 : 0;

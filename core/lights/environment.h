@@ -44,6 +44,18 @@ class EnvironmentImage {
     std::optional<EnvironmentImage> sharp_part() const;
 
     LightSample sample(Vec2 u) const;
+
+    /// `sample` in four steps. Each step prefetches what the next one reads, so that a caller who takes each step for
+    /// many samples in turn hardly waits for memory: tables and texels of large images lie outside of the caches.
+    struct Search {
+        Vec2 u;
+        PiecewiseConstant2D::Search among;
+        PiecewiseConstant2D::Cell cell;
+    };
+    Search find_row(Vec2 u) const;
+    void narrow(Search& search) const;
+    void find_cell(Search& search) const;
+    LightSample finish(const Search& search) const;
     /// A photon from a disc outside of the scene's sphere, in a direction chosen as `sample` does.
     PhotonSample emit(Vec3 center, float radius, Vec2 u_position, Vec2 u_direction) const;
 

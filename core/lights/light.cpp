@@ -12,6 +12,9 @@ namespace eclat {
 
 namespace {
 
+/// The number of samples that are taken together: as many as there are vertices in a part of a batch of paths.
+constexpr size_t group_size = 32;
+
 /// Emissions of equal key are the same function of uv.
 auto key_of(const Value& v) {
     return std::tuple(v.texture, v.constant.r, v.constant.g, v.constant.b, v.channel, v.invert, v.square,
@@ -104,16 +107,56 @@ std::vector<double> Lights::add_triangles(std::span<const EmitterTriangle> trian
 }
 
 LightSample Lights::sample(Vec3 position, float u_light, Vec2 u, LightSet set) const {
-    const LightSampler::Choice choice = sampler_.choose(set, u_light);
+    const LightQuery query{position, u_light, u};
+    LightSample out;
+    sample_group({&query, 1}, set, {&out, 1});
+    return out;
+}
+
+void Lights::sample(std::span<const LightQuery> queries, LightSet set, std::span<LightSample> out) const {
+    for (size_t begin = 0; begin < queries.size(); begin += group_size) {
+        const size_t count = std::min(group_size, queries.size() - begin);
+        sample_group(queries.subspan(begin, count), set, out.subspan(begin, count));
+    }
+}
+
+const EnvironmentImage* Lights::image_of(LightKind kind) const {
+    if (kind == LightKind::environment) return &*environment_;
+    if (kind == LightKind::sharp_environment) return &*sharp_environment_;
+    return nullptr;
+}
+
+/// Takes at most `group_size` samples, one step of all of them after the other.
+void Lights::sample_group(std::span<const LightQuery> queries, LightSet set, std::span<LightSample> out) const {
+    std::array<LightSampler::Choice, group_size> choices;
+    std::array<EnvironmentImage::Search, group_size> searches;
+    const size_t count = queries.size();
+    for (size_t i = 0; i < count; ++i) choices[i] = sampler_.choose(set, queries[i].u_light);
+    if (environment_) {
+        const auto for_each_image = [&](const auto& step) {
+            for (size_t i = 0; i < count; ++i)
+                if (choices[i].pdf_discrete > 0)
+                    if (const EnvironmentImage* image = image_of(choices[i].kind)) step(i, *image);
+        };
+        for_each_image([&](size_t i, const EnvironmentImage& image) { searches[i] = image.find_row(queries[i].u); });
+        for_each_image([&](size_t i, const EnvironmentImage& image) { image.narrow(searches[i]); });
+        for_each_image([&](size_t i, const EnvironmentImage& image) { image.find_cell(searches[i]); });
+    }
+    for (size_t i = 0; i < count; ++i) out[i] = finish(queries[i], set, choices[i], searches[i]);
+}
+
+LightSample Lights::finish(const LightQuery& query, LightSet set, const LightSampler::Choice& choice,
+                           const EnvironmentImage::Search& search) const {
     if (choice.pdf_discrete == 0) return {};
+    const auto& [position, u_light, u] = query;
     LightSample s;
     switch (choice.kind) {
         case LightKind::triangle: s = areas_[choice.index].sample(emissions_, position, u); break;
         case LightKind::point: s = points_[choice.index].sample(position); break;
         case LightKind::spot: s = spots_[choice.index].sample(position); break;
         case LightKind::directional: s = directionals_[choice.index].sample(u); break;
-        case LightKind::environment: s = environment_->sample(u); break;
-        case LightKind::sharp_environment: s = sharp_environment_->sample(u); break;
+        case LightKind::environment: s = environment_->finish(search); break;
+        case LightKind::sharp_environment: s = sharp_environment_->finish(search); break;
     }
     if (s.pdf_solid_angle == 0) return {};
     s.pdf_solid_angle *= choice.pdf_discrete;

@@ -3,6 +3,8 @@
 
 #include "transport/direct_light.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/precision.h"
@@ -43,11 +45,28 @@ Color DirectLight::from_surface(const PathState& path, const Vertex& vertex) con
     return path.throughput * radiance * weight;
 }
 
-void DirectLight::sample(const PathState& path, Sampler sampler, const Vertex& vertex, const LitLobes& lobes,
-                         bool direct, Shadows& shadows) const {
+void DirectLight::sample(std::span<const WantedLight> wanted, Shadows& shadows) const {
+    constexpr size_t most = 32;  // the number of vertices in a part of a batch; queries of so many stay in the cache
+    std::array<LightQuery, most> queries;
+    std::array<LightSample, most> lights;
+    for (; !wanted.empty(); wanted = wanted.subspan(std::min(most, wanted.size()))) {
+        const auto some = wanted.first(std::min(most, wanted.size()));
+        for (size_t i = 0; i < some.size(); ++i) {
+            Sampler sampler = some[i].sampler;
+            const float u = sampler.next_1d();
+            queries[i] = {some[i].vertex->point.position, u, sampler.next_2d()};
+        }
+        world_.lights.sample(std::span(queries).first(some.size()), set_, lights);
+        for (size_t i = 0; i < some.size(); ++i) reflect(some[i], lights[i], shadows);
+    }
+}
+
+/// Adds the shadow ray of a light sample, with what its vertex reflects of it.
+void DirectLight::reflect(const WantedLight& wanted, const LightSample& light, Shadows& shadows) const {
+    const Vertex& vertex = *wanted.vertex;
+    const PathState& path = *wanted.path;
+    const LitLobes& lobes = wanted.lobes;
     const SurfacePoint& point = vertex.point;
-    const float u = sampler.next_1d();
-    const LightSample light = world_.lights.sample(point.position, u, sampler.next_2d(), set_);
     if (!(light.pdf_solid_angle > 0) || is_black(light.radiance)) return;
     const Vec3 wi = point.frame.to_local(light.wi);
     if (wi.z * dot(light.wi, point.normal) <= 0) return;  // the shading and geometric normals disagree about the side
@@ -62,7 +81,7 @@ void DirectLight::sample(const PathState& path, Sampler sampler, const Vertex& v
     }
     if (is_black(f)) return;
     shadows.push(point.ray(light.wi, light.distance * shadow_shortening),
-                 path.throughput * f * light.radiance * (std::fabs(wi.z) / density), path.index, direct);
+                 path.throughput * f * light.radiance * (std::fabs(wi.z) / density), path.index, wanted.direct);
 }
 
 std::optional<ShadowRay> sample_irradiance(const World& world, const SurfacePoint& point, Vec3 n, LightSet set,

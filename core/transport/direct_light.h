@@ -56,6 +56,15 @@ struct LitLobes {
     int light_samples = 1;   // number of light samples of this vertex
 };
 
+/// A light sample that a vertex asks for. The path and the vertex are those of the caller, as they are when it is taken.
+struct WantedLight {
+    const PathState* path;
+    const Vertex* vertex;
+    Sampler sampler;
+    LitLobes lobes;
+    bool direct;  // whether the light arrives straight at the first vertex
+};
+
 /// The lights as paths find them. Only this class decides which lights are sampled.
 class DirectLight {
   public:
@@ -64,11 +73,12 @@ class DirectLight {
     /// Sets the light that arrives at the vertex straight from a light, without the share that light samples count.
     void arrive(const PathState& path, Vertex& vertex) const;
 
-    /// Takes a light sample at `vertex`, multiplies it by the path's throughput, and adds its shadow ray to `shadows`.
-    void sample(const PathState& path, Sampler sampler, const Vertex& vertex, const LitLobes& lobes, bool direct,
-                Shadows& shadows) const;
+    /// Takes light samples, multiplies them by the throughputs of their paths, and adds their shadow rays to `shadows`
+    /// in the same order.
+    void sample(std::span<const WantedLight> wanted, Shadows& shadows) const;
 
   private:
+    void reflect(const WantedLight& wanted, const LightSample& light, Shadows& shadows) const;
     Color from_behind_everything(const PathState& path, Vec3 w) const;
     Color from_surface(const PathState& path, const Vertex& vertex) const;
 

@@ -32,8 +32,8 @@ class Tracer {
     }
 
   private:
-    /// The processing of vertices in three passes: the light that arrives, the light that caches give for all vertices
-    /// of the batch together, and the continuation of the paths.
+    /// The processing of vertices in passes: the light that arrives, the light that caches give for all vertices of the
+    /// batch together, light samples, and the continuation of the paths.
     void at_vertices(std::span<PathState> paths, std::span<Vertex> vertices, Paths<PathState>& next) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             describe(world_, vertices[i], edges_ == 1, paths[i], out_[paths[i].index]);
@@ -43,14 +43,16 @@ class Tracer {
         if (options_.reflection) read_glossy(paths, vertices);
         for (size_t i = 0; i < vertices.size(); ++i) {
             deposit(vertices[i], edges_ - paths[i].panes, out_[paths[i].index]);
+            if (!vertices[i].missed() && goes_on(paths[i])) want_lights(paths[i], vertices[i]);
+        }
+        lights_.sample(wanted_, shadows_);
+        wanted_.clear();
+        for (size_t i = 0; i < vertices.size(); ++i) {
             if (vertices[i].missed()) continue;
-            if (!goes_on(paths[i])) {
+            if (goes_on(paths[i]))
+                continue_path(paths[i], vertices[i], next);
+            else
                 pass_straight(paths[i], vertices[i], next);
-                continue;
-            }
-            const int parts = paths_from(paths[i]);
-            sample_lights(paths[i], vertices[i], parts);
-            continue_path(paths[i], vertices[i], parts, next);
         }
     }
 
@@ -120,20 +122,22 @@ class Tracer {
 
     int light_samples() const { return edges_ == 1 ? options_.light_samples : 1; }
 
-    /// `parts` is the number of continued paths, which also find lights.
-    void sample_lights(PathState& path, const Vertex& v, int parts) {
+    /// Asks for the light samples of a vertex. The paths that continue from it also find lights.
+    void want_lights(PathState& path, const Vertex& v) {
         const int count = light_samples();
         const LitLobes lobes{
-            .alone = LobeSet::cached, .shared = LobeSet::uncached, .paths = parts, .light_samples = count};
+            .alone = LobeSet::cached, .shared = LobeSet::uncached, .paths = paths_from(path), .light_samples = count};
         if (v.point.bsdf.has_non_delta())
             for (int i = 0; i < count; ++i)
-                lights_.sample(path, path.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), v,
-                               lobes, edges_ - path.panes == 1, shadows_);
+                wanted_.push_back({&path, &v,
+                                   path.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), lobes,
+                                   edges_ - path.panes == 1});
         path.sampler.skip(light_sample_dimensions);
     }
 
     /// Continues a path in one direction or, from the first vertex, in several stratified directions.
-    void continue_path(PathState& path, const Vertex& v, int parts, Paths<PathState>& next) {
+    void continue_path(PathState& path, const Vertex& v, Paths<PathState>& next) {
+        const int parts = paths_from(path);
         const bool roulette = edges_ >= options_.roulette_depth;
         Ray ray;
         if (parts == 1) {
@@ -153,8 +157,9 @@ class Tracer {
     DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;           // number of edges of all paths that have not ended
-    Paths<PathState> split_;  // additional paths, which follow all others
+    int edges_ = 0;                    // number of edges of all paths that have not ended
+    Paths<PathState> split_;           // additional paths, which follow all others
+    std::vector<WantedLight> wanted_;  // light samples of the vertices that are being processed
     Shadows shadows_;
 };
 

@@ -89,10 +89,11 @@ class Gatherer {
             const Vertex& v = vertices[i];
             if (v.missed()) continue;
             lobes.has_shared = !paths[i].gathering;
-            if (v.point.bsdf.has_non_delta())
-                lights_.sample(paths[i], paths[i].sampler, v, lobes, edges_ == 1, shadows_);
+            if (v.point.bsdf.has_non_delta()) wanted_.push_back({&paths[i], &v, paths[i].sampler, lobes, edges_ == 1});
             paths[i].sampler.skip(light_sample_dimensions);
         }
+        lights_.sample(wanted_, shadows_);
+        wanted_.clear();
     }
 
     /// Adds the indirect light of the matte lobes that photons give at this vertex. If gather rays must find it, the
@@ -171,7 +172,8 @@ class Gatherer {
     DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;  // number of edges of all paths that have not ended
+    int edges_ = 0;                    // number of edges of all paths that have not ended
+    std::vector<WantedLight> wanted_;  // light samples of the vertices that are being processed
     Shadows shadows_;
     std::vector<std::optional<LobeSet>> gathers_;  // lobes of the gather rays at each vertex
 };

@@ -197,6 +197,25 @@ TEST_CASE("densities are those of sampling for each kind and set, with the choic
     CHECK(lights.environment(sun).g > lights.environment(sun, LightSet::without_smooth_environment).g);
 }
 
+TEST_CASE("samples that are taken together have the bits of samples that are taken one by one") {
+    const auto triangles = lamp();
+    for (const Lights& lights : {Lights(everything(triangles)), Lights({.triangles = triangles}), Lights()})
+        for (const LightSet set : {LightSet::all, LightSet::without_smooth_environment}) {
+            std::vector<LightQuery> queries;
+            Rng rng(23, 4);
+            for (int i = 0; i < 1001; ++i)  // no multiple of the number that is processed at once
+                queries.push_back({{rng.next(), rng.next(), rng.next()}, rng.next(), {rng.next(), rng.next()}});
+            std::vector<LightSample> samples(queries.size());
+            lights.sample(queries, set, samples);
+            for (size_t i = 0; i < queries.size(); ++i) {
+                const LightSample one = lights.sample(queries[i].position, queries[i].u_light, queries[i].u, set);
+                REQUIRE(same_bits(samples[i].wi, one.wi));
+                REQUIRE(same_bits(samples[i].pdf_solid_angle, one.pdf_solid_angle));
+                REQUIRE(same_bits(samples[i].radiance.g, one.radiance.g));
+            }
+        }
+}
+
 TEST_CASE("no light at all, and lights that are black") {
     const std::vector<EmitterTriangle> black = {
         {.p0 = {0, 0, 0}, .p1 = {1, 0, 0}, .p2 = {0, 1, 0}, .emission = Value{.constant = Color(0.0f)}}};

@@ -106,7 +106,8 @@ TEST_CASE("light samples and directions together count all light once, compared 
         Shadows shadows;
         for (uint32_t i = 0; i < count; ++i) {
             PathState path{.sampler = Sampler(3, 0, i)};
-            if (lights_sampled) lights.sample(path, path.sampler, vertex, lobes, true, shadows);
+            const WantedLight wanted{&path, &vertex, path.sampler, lobes, true};
+            if (lights_sampled) lights.sample({&wanted, 1}, shadows);
             path.sampler.skip(light_sample_dimensions);
             Ray ray;
             if (!lobes.has_shared || !go_on(vertex, LobeSet::all, false, path, ray)) continue;
