@@ -8,6 +8,7 @@
 #pragma once
 
 #include <algorithm>
+#include <cmath>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -34,6 +35,14 @@ struct Disc {
         return length_squared(d) + (flatness * flatness - 1) * sqr(dot(d, normal));
     }
     bool same_side(Vec3 n) const { return dot(n, normal) >= least_cosine; }
+    /// Returns whether a part of a surface with centre `p` and normal `n` may belong to the same sheet as the disc. A
+    /// sheet that turns by an angle rises by at most its sine times the distance, so a parallel part at another height,
+    /// such as the floor below a rug, is another sheet.
+    bool same_sheet(Vec3 p, Vec3 n) const {
+        constexpr float rounding = 2e-3f;  // slope that imprecise coordinates may cause
+        const Vec3 d = p - position;
+        return same_side(n) && std::fabs(dot(d, normal)) <= length(d) * (length(cross(n, normal)) + rounding);
+    }
 };
 
 struct Neighbor {

@@ -72,9 +72,10 @@ def test_a_bumpy_ground_under_an_even_sky(method: str) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("method", ["irradiance-cache", "radiance-cache", "radiosity"])
+@pytest.mark.parametrize("method", ["irradiance-cache", "radiance-cache", "radiosity", "patches"])
 def test_a_bumpy_floor_of_a_room(method: str) -> None:
-    """Light from all sides but an even sky's: the lower half of the picture, the floor, was 4 % too bright with caches."""
+    """Light from all sides but an even sky's: the lower half of the picture, the floor, was 4 % too bright with caches, and
+    43 % too dark straight from patches, which mixed in those of the dark floor a centimetre below."""
     scene = bumpy_room(0.6)
     truth = eclat.render(scene, eclat.Path(), samples=1024).pixels[12:].mean()
     assert eclat.render(scene, METHODS[method], samples=64).pixels[12:].mean() == pytest.approx(truth, rel=0.025)

@@ -87,8 +87,10 @@ std::optional<RadiosityField::Light> RadiosityField::smooth(const SurfacePoint& 
     if (node == no_node) return std::nullopt;
     thread_local std::vector<Neighbor> found;
     const Disc disc{point.position, point.normal_towards_shading(), farthest * tree_[node].radius};
-    const float radius =
-        centers_.nearest(disc, neighbors, found, [&](uint32_t i) { return disc.same_side(tree_[node_of_[i]].normal); });
+    const float radius = centers_.nearest(disc, neighbors, found, [&](uint32_t i) {
+        const PatchNode& patch = tree_[node_of_[i]];
+        return disc.same_sheet(patch.center, patch.normal);
+    });
     if (beside_[node]) drop_hidden(point, disc, found);
     const Light light = found.empty() ? light_[node] : fit(disc, found, radius);
     return light.scaled(point.even_share());

@@ -17,6 +17,7 @@
 #include "base/kd_tree.h"
 #include "methods/radiosity/links.h"
 #include "methods/radiosity/patch_importance.h"
+#include "methods/radiosity/patch_sizes.h"
 #include "methods/radiosity/patch_surfaces.h"
 #include "methods/radiosity/radiosity_system.h"
 
@@ -217,7 +218,7 @@ class Solver {
                 const Disc disc{patch.center, patch.normal, 4 * patch.radius};
                 near.nearest(disc, neighbors, found, [&](uint32_t i) {
                     const uint32_t other = leaves[near.order()[i]];
-                    return disc.same_side(tree_[other].normal) && !surfaces_[other].unknown();
+                    return !surfaces_[other].unknown() && disc.same_sheet(tree_[other].center, tree_[other].normal);
                 });
                 const float own = mean(light_.total[leaves[l]]);
                 for (const Neighbor& n : found) {

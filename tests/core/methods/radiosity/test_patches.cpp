@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "methods/radiosity/patch_sizes.h"
 #include "room.h"
 #include "sampling/rng.h"
 #include "sampling/warp.h"

@@ -69,6 +69,19 @@ TEST_CASE("a step is reconstructed without overshooting") {
     CHECK(field.smooth(at(room, 0.2f, 0))->total.g == doctest::Approx(3));
 }
 
+TEST_CASE("a rug shows none of the darkness of the floor a centimetre below it, and curved sheets stay whole") {
+    const Wall rug{{-1, 0.01f, -1}, {0, 0, 2}, {2, 0, 0}, 0.5f, 0};
+    const Room room = build_room({plate, rug});
+    const PatchTree tree(*room.geometry, 0.4f);
+    const RadiosityField field(*room.geometry, painted(tree, [](Vec3 p) { return p.y > 0 ? 3.0f : 0.0f; }), 1);
+    for (const float x : {-0.9f, -0.3f, 0.4f}) CHECK(field.smooth(at(room, x, 0.2f))->total.g == doctest::Approx(3));
+
+    const Disc disc{{0, 0, 0}, {0, 1, 0}, 1};
+    const float angle = 0.3f;  // of a curved sheet that turns by as much over a metre
+    CHECK(disc.same_sheet({1, -std::tan(angle / 2), 0}, {std::sin(angle), std::cos(angle), 0}));
+    CHECK_FALSE(disc.same_sheet({1, -0.01f, 0}, {0, 1, 0}));
+}
+
 TEST_CASE("patches of unknown light are not read, and patches of another scene are refused") {
     const Room room = build_room({plate});
     const PatchTree tree(*room.geometry, 0.2f);
