@@ -2,10 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """The race: Éclat's caches against renderers that people use, on the same scenes by the same measure.
 
-Mitsuba 3 (path tracing), the same with Open Image Denoise, Radiance (ambient cache), POV-Ray (radiosity) and LuxCore
-(PhotonGI) get the same triangles, colours, lights and camera, each in a process of its own, and draw at several levels
-of quality, in turn. A renderer that is missing, fails, or has no counterpart of what a scene holds is skipped, with the
-reason in the table. Draws docs/benchmarks/peers-SCENE.svg. Also needs: apt-get install povray libllvm19.
+Éclat's denoised cache and denoised paths, Mitsuba 3 (path tracing), the same with Open Image Denoise, Blender's Cycles
+denoised, with and without path guiding, Radiance (ambient cache), POV-Ray (radiosity) and LuxCore (PhotonGI) get the
+same triangles, colours, lights and camera, each in a process of its own, and draw at several levels of quality, in turn.
+A renderer that is missing, fails, or has no counterpart of what a scene holds is skipped, with the reason in the table.
+Draws docs/benchmarks/peers-SCENE.svg. Also needs: apt-get install povray libllvm19, and for Cycles Python 3.11 with
+pip install --no-deps bpy==5.0.1.
+
+living-room and classroom are judged by ECLAT_SCENES/targets/SCENE-640x360.npz at that size and its half (--size 320), at
+other sizes by long renders of Path(), which are made first. Cycles is judged by its own long render.
 
 On two cores --size 256 takes about an hour, most of it for the dearest levels of Radiance, POV-Ray and LuxCore. What was
 measured is stored after each scene; --resume goes on from there.
@@ -13,6 +18,7 @@ measured is stored after each scene; --resume goes on from there.
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -21,28 +27,36 @@ import numpy as np
 from eclat.images.image import Image
 from eclat.report.svg_plot import log_log_plot
 from eclat.verbs.compare import auto_exposure
-from harness import document
+from harness import document, standing
 from harness.benchmark import Benchmark, Settings, main
 from harness.machine import ROOT
-from harness.race import Course, Judge, Judged, race, start, time_to
-from harness.references import reference
+from harness.race import Course, Judge, Judged, Runner, race, start, time_to
+from harness.references import Reference, given, own, reference
 from harness.scenes import BenchmarkScene
 from harness.unavailable import UnavailableError
 from harness.worker import Worker
 
-ECLAT, GLOSSY = OURS = ("Éclat", "Éclat radiance-cache")
+ECLAT, GLOSSY, DENOISED = OURS = ("Éclat", "Éclat radiance-cache", "Éclat denoised")
+PATHS = "Éclat Path() denoised"
 ENTRANTS = {
     "eclat": (ECLAT, "harness.eclat_entrant:Entrant"),
     "glossy": (GLOSSY, "harness.eclat_entrant:Glossy"),
+    "cache": (DENOISED, "harness.eclat_entrant:DenoisedCache"),
+    "paths": (PATHS, "harness.eclat_entrant:DenoisedPaths"),
     "mitsuba": ("Mitsuba 3 path", "harness.mitsuba_peer:Entrant"),
     "denoised": ("Mitsuba 3 + OIDN", "harness.denoised_peer:Entrant"),
+    "cycles": ("Cycles denoised", "harness.cycles_peer:Entrant"),
+    "guided": ("Cycles guided, denoised", "harness.cycles_peer:Guided"),
     "radiance": ("Radiance", "harness.radiance_peer:Entrant"),
     "povray": ("POV-Ray", "harness.povray_peer:Entrant"),
     "luxcore": ("LuxCore PhotonGI", "harness.luxcore_peer:Entrant"),
 }
 """Name on the command line → name in tables, and where it is."""
 
-WANTED = (0.05, 0.02, 0.01, 0.005)
+WANTED = (0.1, 0.05, 0.03, 0.02, 0.01)
+SEEN_AT = 0.03
+"""The error at whose time the FLIP of all renderers is compared."""
+
 WANTED_FLIP = (0.05, 0.02, 0.01)
 QUICK_LEVELS = 1
 PAGE = ROOT / "docs" / "peers.md"
@@ -50,7 +64,9 @@ PAGE = ROOT / "docs" / "peers.md"
 
 def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     scene, size = place.load(), place.size_for(settings.quick, settings.side)
-    truth = reference(name, scene, size, place.c, settings.reference_samples)
+    found = place.given_reference(name, size)
+    made = partial(reference, name, scene, size, place.c, settings.reference_samples)
+    truth = made() if found is None else given(*found, scene, place.c)
     exposure = auto_exposure(Image(((truth.a + truth.b) / 2).astype(np.float32)))
     makers = {
         ENTRANTS[key][0]: partial(Worker, ENTRANTS[key][1], scene, size, settings.threads) for key in settings.peers
@@ -58,7 +74,9 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     runners, skipped = start(makers)
     try:
         judge = Judge(truth, exposure)
-        courses = race(runners, judge, settings.repeats, QUICK_LEVELS if settings.quick else None)
+        own_judges = _own_judges(name, runners, truth, settings.reference_samples)
+        levels = QUICK_LEVELS if settings.quick else None
+        courses = race(runners, judge, settings.repeats, levels, own_judges=own_judges)
     finally:
         for runner in runners.values():
             runner.close()
@@ -70,6 +88,18 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     }  # fmt: skip
 
 
+def _own_judges(name: str, runners: Mapping[str, Runner], truth: Reference, samples: int) -> dict[str, Judge]:
+    """Judges of the renderers that have references of their own. Renderers of one program share one."""
+    judges: dict[str, Judge] = {}
+    for peer, runner in runners.items():
+        if not runner.own_truth:
+            continue
+        program = runner.version.split()[0].lower()
+        found = own(f"{program}-{name}", lambda count, seed, r=runner: r.truth(count, seed).pixels, truth, samples)  # type: ignore[misc]
+        judges[peer] = Judge(found, auto_exposure(Image(((found.a + found.b) / 2).astype(np.float32))))
+    return judges
+
+
 def courses_of(scene: dict[str, Any]) -> dict[str, Course]:
     """Of one scene of a result."""
     return {name: Course.from_row(row) for name, row in scene["courses"].items()}
@@ -77,6 +107,8 @@ def courses_of(scene: dict[str, Any]) -> dict[str, Course]:
 
 def tables(result: dict[str, Any]) -> str:
     parts = [
+        "### Éclat's time over that of others", _ratios(result),
+        f"### FLIP when Éclat has reached {100 * SEEN_AT:g} %", _flips(result),
         "### Time to an error, all pixels", _times(result, WANTED, "error"),
         "### Time to an error, away from edges", _times(result, WANTED, "error_away"),
         "### Time to a FLIP", _times(result, WANTED_FLIP, "flip"),
@@ -88,6 +120,23 @@ def tables(result: dict[str, Any]) -> str:
         "### Versions", _versions(result),
     ]  # fmt: skip
     return "\n\n".join(parts)
+
+
+def _ratios(result: dict[str, Any]) -> str:
+    rows = [
+        row for name, scene in result["scenes"].items()
+        for row in standing.ratio_rows(name, courses_of(scene), OURS, PATHS, WANTED)
+    ]  # fmt: skip
+    header = ["scene", "error", "Éclat's cache", "best other program", "ratio", "Éclat's paths, denoised", "ratio"]
+    return document.table(header, rows)
+
+
+def _flips(result: dict[str, Any]) -> str:
+    rows = [
+        row for name, scene in result["scenes"].items()
+        for row in standing.flip_rows(name, courses_of(scene), OURS, SEEN_AT)
+    ]  # fmt: skip
+    return document.table(["scene", "time", "renderer", "FLIP"], rows) if rows else "Éclat reached it in no scene."
 
 
 def _times(result: dict[str, Any], wanted: tuple[float, ...], measure: str) -> str:
@@ -153,11 +202,16 @@ def _versions(result: dict[str, Any]) -> str:
     versions = {peer: row["version"] for scene in result["scenes"].values() for peer, row in scene["courses"].items()}
     named = [f"{peer}: {version}" for peer, version in versions.items()]
     shown = [
-        f"{name}: {scene['size'][0]} × {scene['size'][1]}, reference {scene['reference']['samples']} samples a half with "
+        f"{name}: {scene['size'][0]} × {scene['size'][1]}, reference {_samples(scene)} with "
         f"{document.percent(scene['reference']['noise'])} noise, FLIP at {scene['exposure']:+g} stops"
         for name, scene in result["scenes"].items()
     ]
     return "\n".join(f"- {line}" for line in [*named, *shown])
+
+
+def _samples(scene: dict[str, Any]) -> str:
+    samples = scene["reference"]["samples"]
+    return f"{samples} samples a half" if samples else "that came with the scene,"
 
 
 def plots(result: dict[str, Any]) -> dict[str, str]:

@@ -1,13 +1,14 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Éclat's irradiance cache in the race, and its radiance cache where there is gloss."""
+"""Éclat in the race: its irradiance cache, its radiance cache where there is gloss, and both it and paths denoised."""
 
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import ClassVar
+from typing import Any, ClassVar
 
 import eclat
+from eclat.images.denoiser import has_denoiser
 from eclat.scene import Scene
 from harness.entrant import Picture, timed
 from harness.unavailable import UnavailableError
@@ -48,3 +49,49 @@ class Glossy(Entrant):
         if all(mesh.material.kind == "diffuse" for mesh in scene.meshes):
             raise UnavailableError("all is diffuse: it would draw what irradiance-cache draws")
         super().__init__(scene, size, threads)
+
+
+PATHS = (4, 16, 64, 256)
+"""Samples a pixel of the levels of paths."""
+
+DENOISED_LEVELS = {0.16: 8, 0.08: 16, 0.04: 32, 0.02: 64}
+"""max_error → samples a pixel of the denoised cache: the denoiser takes noise, and leaves what records err by."""
+
+
+class _Denoised(Entrant):
+    """Times hold everything, the denoiser too. The error is not measured: the race does that."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int], threads: int) -> None:
+        if not has_denoiser():
+            raise UnavailableError("Open Image Denoise is not installed: pip install '.[denoise]'")
+        super().__init__(scene, size, threads)
+
+    def _draw(self, options: eclat.Method, samples: int) -> Picture:
+        scene = replace(self.scene)
+        given: dict[str, Any] = {"samples": samples, "denoise": True, "check": False}
+        return timed(
+            lambda: eclat.render(scene, options, seed=SEED, size=self.size, threads=self.threads, **given).pixels
+        )
+
+
+class DenoisedPaths(_Denoised):
+    """`Path()`, denoised."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int], threads: int) -> None:
+        super().__init__(scene, size, threads)
+        self.levels = tuple(f"{samples} samples" for samples in PATHS)
+
+    def render(self, level: int) -> Picture:
+        return self._draw(eclat.Path(), PATHS[level])
+
+
+class DenoisedCache(_Denoised):
+    """The irradiance cache, denoised."""
+
+    def __init__(self, scene: Scene, size: tuple[int, int], threads: int) -> None:
+        super().__init__(scene, size, threads)
+        self.levels = tuple(f"max_error {error:g}, {samples} samples" for error, samples in DENOISED_LEVELS.items())
+
+    def render(self, level: int) -> Picture:
+        error, samples = list(DENOISED_LEVELS.items())[level]
+        return self._draw(self.method(max_error=error), samples)

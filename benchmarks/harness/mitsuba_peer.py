@@ -8,7 +8,8 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from eclat.scene import DEFAULTS, Camera, DirectionalLight, Material, Mesh, Scene
+from eclat.scene import Camera, DirectionalLight, Mesh, Scene
+from harness import mitsuba_materials
 from harness.entrant import Picture, timed
 from harness.unavailable import UnavailableError
 
@@ -43,7 +44,7 @@ def start() -> Any:
 
 
 def convert(mitsuba: Any, scene: Scene, size: tuple[int, int]) -> Any:
-    """Their scene, of the same triangles. Raises UnavailableError for what is neither diffuse nor rough metal of one colour."""
+    """Their scene, of the same triangles. Raises UnavailableError for what has no counterpart (`mitsuba_materials`)."""
     camera = scene.cameras[0]
     described: dict[str, Any] = {"type": "scene", "sensor": _sensor(mitsuba, camera, size)}
     for i, mesh in enumerate(scene.meshes):
@@ -54,10 +55,7 @@ def convert(mitsuba: Any, scene: Scene, size: tuple[int, int]) -> Any:
         irradiance = {"type": "rgb", "value": list(light.irradiance)}
         described[f"light{i}"] = {"type": "directional", "direction": list(light.direction), "irradiance": irradiance}
     if scene.environment is not None:
-        if scene.environment.image.shape[:2] != (1, 1):
-            raise UnavailableError(f"{scene.name}: only a constant environment is given to Mitsuba")
-        radiance = {"type": "rgb", "value": [float(x) for x in scene.environment.image[0, 0]]}
-        described["environment"] = {"type": "constant", "radiance": radiance}
+        described["environment"] = mitsuba_materials.environment(mitsuba, scene.environment)
     return mitsuba.load_dict(described)
 
 
@@ -111,52 +109,22 @@ def _sensor(mitsuba: Any, camera: Camera, size: tuple[int, int]) -> dict[str, An
 
 def _mesh(mitsuba: Any, mesh: Mesh, index: int) -> Any:
     properties = mitsuba.Properties()
-    properties["bsdf"] = mitsuba.load_dict(_bsdf(mesh.material))
+    properties["bsdf"] = mitsuba.load_dict(mitsuba_materials.bsdf(mitsuba, mesh.material))
     properties["face_normals"] = mesh.normals is None
     if mesh.material.emission is not None:
         radiance = {"type": "rgb", "value": list(mesh.material.emission.constant)}
         properties["emitter"] = mitsuba.load_dict({"type": "area", "radiance": radiance})
     smooth = mesh.normals is not None
     out = mitsuba.Mesh(
-        f"mesh{index}", len(mesh.positions), len(mesh.triangles), has_vertex_normals=smooth, props=properties
-    )
+        f"mesh{index}", len(mesh.positions), len(mesh.triangles), has_vertex_normals=smooth,
+        has_vertex_texcoords=mesh.uvs is not None, props=properties,
+    )  # fmt: skip
     parameters = mitsuba.traverse(out)
     parameters["vertex_positions"] = np.asarray(mesh.positions, np.float32).ravel()
     parameters["faces"] = np.asarray(mesh.triangles, np.uint32).ravel()
     if smooth:
         parameters["vertex_normals"] = np.asarray(mesh.normals, np.float32).ravel()
+    if mesh.uvs is not None:
+        parameters["vertex_texcoords"] = np.asarray(mesh.uvs, np.float32)[:, :2].ravel()
     parameters.update()
     return out
-
-
-def _bsdf(material: Material) -> dict[str, Any]:
-    where = f"material {material.name!r}"
-    values = {name: material.parameters.get(name, DEFAULTS[name]) for name in _PARAMETERS.get(material.kind, ())}
-    textured = any(value.texture is not None for value in values.values()) or material.normal_map is not None
-    if not values or textured or material.opacity.constant[0] != 1 or material.opacity.texture is not None:
-        raise UnavailableError(f"{where}: only diffuse ones and rough metal of one colour are given to Mitsuba")
-    if material.kind == "diffuse":
-        inner = {"type": "diffuse", "reflectance": _rgb(values["reflectance"].constant)}
-    else:
-        alpha, eta, k = (values[name].constant for name in ("alpha_u", "eta", "k"))
-        if (
-            "alpha_v" in material.parameters
-            or material.distribution != "ggx"
-            or alpha[0] <= 0
-            or any(eta)
-            or k != (1, 1, 1)
-        ):
-            raise UnavailableError(f"{where}: only isotropic GGX metal that reflects everything is given to Mitsuba")
-        inner = {
-            "type": "roughconductor", "material": "none", "distribution": "ggx", "alpha": alpha[0],
-            "specular_reflectance": _rgb(values["specular_reflectance"].constant),
-        }  # fmt: skip
-    return {"type": "twosided", "bsdf": inner} if material.two_sided else inner
-
-
-_PARAMETERS = {"diffuse": ("reflectance",), "conductor": ("eta", "k", "specular_reflectance", "alpha_u")}
-"""What is read of the materials that have a counterpart."""
-
-
-def _rgb(color: tuple[float, float, float]) -> dict[str, Any]:
-    return {"type": "rgb", "value": list(color)}

@@ -38,8 +38,10 @@ class Runner(Protocol):
     levels: tuple[str, ...]
     version: str
     unbiased: bool
+    own_truth: bool
 
     def render(self, level: int) -> Picture: ...
+    def truth(self, samples: int, seed: int) -> Picture: ...
     def close(self) -> None: ...
 
 
@@ -121,9 +123,18 @@ def start(makers: Mapping[str, Callable[[], Runner]]) -> tuple[dict[str, Runner]
 
 
 def race(
-    runners: Mapping[str, Runner], judge: Judge, repeats: int, most: int | None = None, budget: float = BUDGET
+    runners: Mapping[str, Runner],
+    judge: Judge,
+    repeats: int,
+    most: int | None = None,
+    budget: float = BUDGET,
+    own_judges: Mapping[str, Judge] | None = None,
 ) -> dict[str, Course]:
-    """The first `most` levels of all. The first levels of all run in turn, then the second ones, and so on."""
+    """The first `most` levels of all. The first levels of all run in turn, then the second ones, and so on.
+
+    `own_judges` judge, in place of `judge`, the runners that have a reference of their own.
+    """
+    own_judges = own_judges or {}
     courses = {name: Course(runner.version, runner.unbiased) for name, runner in runners.items()}
     last = max((len(runner.levels) for runner in runners.values()), default=0)
     for level in range(last if most is None else min(most, last)):
@@ -144,7 +155,7 @@ def race(
                 break
         for name, pictures in drawn.items():
             if pictures:
-                _enter(courses[name], runners[name].levels[level], name, judge, pictures)
+                _enter(courses[name], runners[name].levels[level], name, own_judges.get(name, judge), pictures)
     return courses
 
 
@@ -162,6 +173,26 @@ def _enter(course: Course, label: str, name: str, judge: Judge, pictures: Sequen
         f"{100 * found.error_away:.2f} %, mean {found.mean_ratio:.4f}",
         flush=True,
     )
+
+
+def flip_at(course: Course, seconds: float) -> float | None:
+    """The least FLIP that is reached within a time, between levels by a power law.
+
+    None where no level is done by then, or FLIP was not measured. After the last level its FLIP stays.
+    """
+    levels = sorted((level for level in course.levels if level.flip is not None), key=lambda level: level.seconds)
+    reached: float | None = None
+    for before, level in zip([None, *levels], levels, strict=False):
+        assert level.flip is not None
+        if level.seconds <= seconds:
+            reached = level.flip if reached is None else min(reached, level.flip)
+        elif before is not None and before.flip and level.flip > 0:
+            share = math.log(seconds / before.seconds) / math.log(level.seconds / before.seconds)
+            between = before.flip * (level.flip / before.flip) ** share
+            return between if reached is None else min(reached, between)
+        else:
+            break
+    return reached
 
 
 def time_to(course: Course, wanted: float, measure: str = "error") -> tuple[Cost | None, bool]:

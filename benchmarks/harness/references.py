@@ -2,13 +2,15 @@
 # SPDX-License-Identifier: Apache-2.0
 """Path-traced references, two independent ones a scene, kept on disk and extended when more samples are wanted.
 
-They are in benchmarks/references, by scene, size and a hash of the scene. They do not notice that the path tracer
+Scenes may come with references of another renderer, which are used at their size (`given`). The others are in
+benchmarks/references, by scene, size and a hash of the scene. They do not notice that the path tracer
 changed: delete the folder then.
 """
 
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -72,6 +74,53 @@ def _root_of_mean(squares: np.ndarray) -> float:
     return math.sqrt(max(float(squares.mean()), 1.64 * standard_error))
 
 
+GUIDE_SAMPLES = 16
+"""Paths per pixel of the picture that tells where the edges of a given reference are."""
+
+
+def given(path: Path, factor: int, scene: Scene, c: float | None) -> Reference:
+    """Read halves A and B that another renderer made, (H, W, 3) each, at 1 / `factor` of their size.
+
+    With a box filter, the mean of the small pixels of a large one is what that one sees. The number of samples is not
+    known, and stands as 0.
+    """
+    halves = np.load(path)
+    a, b = (_shrunk(np.asarray(halves[name], np.float64), factor) for name in "AB")
+    size = (a.shape[1], a.shape[0])
+    layers = eclat.render(scene, eclat.Path(), samples=GUIDE_SAMPLES, size=size, seed=FIRST_SEEDS[0]).layers
+    return Reference(a, b, away_from_edges(layers["depth"], layers["normal"]), c, 0)
+
+
+def _shrunk(picture: np.ndarray, factor: int) -> np.ndarray:
+    height, width = (side // factor for side in picture.shape[:2])
+    return np.asarray(picture.reshape(height, factor, width, factor, -1).mean(axis=(1, 3)))
+
+
+def own(name: str, draw: Callable[[int, int], np.ndarray], like: Reference, samples: int) -> Reference:
+    """The reference of a renderer whose materials are not ours: at least `samples` paths per pixel of its own in each half.
+
+    `draw` makes a picture from a number of samples and a seed. Edges are those of `like`, a reference of ours.
+    """
+    path = FOLDER / f"{name}-{like.a.shape[1]}x{like.a.shape[0]}.npz"
+    stored = dict(np.load(path)) if path.is_file() else {}
+    for half, first_seed in zip("ab", FIRST_SEEDS, strict=True):
+        for chunk in range(int(stored.get(f"{half}_chunks", 0)), -(-samples // CHUNK)):
+            print(f"{name}: reference {half.upper()}, {chunk * CHUNK} of {samples} samples", flush=True)
+            total = stored.get(half, np.zeros(like.a.shape)) + draw(CHUNK, first_seed + chunk)
+            stored |= {half: total, f"{half}_chunks": np.array(chunk + 1)}
+            _store(path, stored)
+    a, b = (stored[half] / int(stored[f"{half}_chunks"]) for half in "ab")
+    return Reference(a, b, like.away, like.c, int(stored["a_chunks"]) * CHUNK)
+
+
+def _store(path: Path, arrays: dict[str, np.ndarray]) -> None:
+    """Write the file at once or not at all."""
+    FOLDER.mkdir(exist_ok=True)
+    part = path.with_suffix(".part.npz")
+    np.savez(part, **arrays)
+    part.replace(path)
+
+
 def reference(name: str, scene: Scene, size: tuple[int, int], c: float | None, samples: int) -> Reference:
     """At least `samples` paths per pixel in each half; renders what is missing, and says so."""
     from eclat.bridge.compiled import (
@@ -92,10 +141,7 @@ def reference(name: str, scene: Scene, size: tuple[int, int], c: float | None, s
             stored |= {half: total, f"{half}_chunks": np.array(chunks)}
             if "depth" not in stored:
                 stored |= {"depth": image.layers["depth"], "normal": image.layers["normal"]}
-            FOLDER.mkdir(exist_ok=True)
-            part = path.with_suffix(".part.npz")
-            np.savez(part, **stored)
-            part.replace(path)
+            _store(path, stored)
         halves.append(total / chunks)
     away = away_from_edges(stored["depth"], stored["normal"])
     return Reference(halves[0], halves[1], away, c, int(stored["a_chunks"]) * CHUNK)

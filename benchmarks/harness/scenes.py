@@ -47,6 +47,15 @@ class BenchmarkScene:
             scene = eclat.load(str(path))
         return eclat.override_materials(painted(scene) if self.paint else scene, self.materials)
 
+    def given_reference(self, name: str, size: tuple[int, int]) -> tuple[Path, int] | None:
+        """The file with two independent halves A and B that came with the scenes, and how many of its pixels make one of
+        ours along each side; None if there is none whose size is a multiple of ours.
+        """
+        path = FOLDER / "targets" / f"{name}-{self.size[0]}x{self.size[1]}.npz"
+        factor = self.size[0] // size[0]
+        whole = self.size == (factor * size[0], factor * size[1])
+        return (path, factor) if whole and path.is_file() else None
+
     def size_for(self, quick: bool, side: int | None = None) -> tuple[int, int]:
         """(width, height), with a longer side of `side` pixels where it is given, of `QUICK_SIDE` for smoke runs."""
         wanted = QUICK_SIDE if quick else side
@@ -71,4 +80,6 @@ SCENES: dict[str, BenchmarkScene] = {
     "sibenik": BenchmarkScene("sibenik/nave.xml", (512, 288)),
     "sibenik-painted": BenchmarkScene("sibenik/nave.xml", (512, 288), paint=True),
     "atrium": BenchmarkScene("atrium", (512, 288)),
+    "living-room": BenchmarkScene("living-room/scene.xml", (640, 360)),
+    "classroom": BenchmarkScene("classroom/sky-image.xml", (640, 360)),
 }

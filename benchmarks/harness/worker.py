@@ -36,11 +36,18 @@ class Worker:
         self._process.start()
         theirs.close()
         self.levels: tuple[str, ...]
-        self.levels, self.version, self.unbiased = self._answer()
+        self.levels, self.version, self.unbiased, self.own_truth = self._answer()
 
     def render(self, level: int) -> Picture:
         """The picture of a level. Raises WorkerError; the worker is closed then."""
-        self._connection.send(level)
+        return self._asked(level)
+
+    def truth(self, samples: int, seed: int) -> Picture:
+        """A part of its own reference, of an entrant that has one. Raises WorkerError; the worker is closed then."""
+        return self._asked((samples, seed))
+
+    def _asked(self, what: int | tuple[int, int]) -> Picture:
+        self._connection.send(what)
         answer = self._answer()
         assert isinstance(answer, Picture)
         return answer
@@ -74,7 +81,8 @@ class Worker:
 
 
 def _serve(connection: Connection, place: str, scene: Scene, size: tuple[int, int], threads: int) -> None:
-    """Make the entrant, say its levels, then answer levels with pictures until the other end closes."""
+    """Make the entrant, say its levels, then answer levels, and (samples, seed) of its own reference, with pictures until
+    the other end closes."""
     with contextlib.suppress(OSError):
         os.setsid()  # so that `close` reaches the programs that it runs
     if hasattr(os, "sched_setaffinity"):
@@ -82,9 +90,11 @@ def _serve(connection: Connection, place: str, scene: Scene, size: tuple[int, in
     try:
         module, name = place.split(":")
         entrant = getattr(importlib.import_module(module), name)(scene, size, threads)
-        connection.send(("done", (entrant.levels, entrant.version, entrant.unbiased)))
+        own_truth = hasattr(entrant, "truth")
+        connection.send(("done", (entrant.levels, entrant.version, entrant.unbiased, own_truth)))
         while True:
-            connection.send(("done", entrant.render(connection.recv())))
+            asked = connection.recv()
+            connection.send(("done", entrant.truth(*asked) if isinstance(asked, tuple) else entrant.render(asked)))
     except EOFError:
         return
     except UnavailableError as reason:

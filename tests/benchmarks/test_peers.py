@@ -16,12 +16,13 @@ import eclat
 import peers
 from eclat.images.image import Image
 from eclat.scene import Material, Mesh, Scene, Texture, Value
-from harness import benchmark, povray_peer, radiance_peer
+from harness import benchmark, povray_peer, radiance_peer, references, scenes, standing
 from harness.entrant import Picture
 from harness.lamps import lamps
 from harness.luxcore_peer import scene_properties
+from harness.mitsuba_materials import texels
 from harness.painted import mean_colour, painted
-from harness.race import Course, Judge, Judged, race, time_to
+from harness.race import Course, Judge, Judged, flip_at, race, time_to
 from harness.references import Reference
 from harness.unavailable import UnavailableError
 from harness.worker import Worker, WorkerError
@@ -33,6 +34,7 @@ class Scripted:
     """An entrant whose pictures are the truth times a factor; a level of None fails."""
 
     version = "scripted 1"
+    own_truth = False
 
     def __init__(self, log: list[str], name: str, factors: list[float | None], unbiased: bool = False) -> None:
         self.log, self.name, self.factors, self.unbiased = log, name, factors, unbiased
@@ -44,6 +46,9 @@ class Scripted:
         if factor is None:
             raise WorkerError("broken")
         return Picture(np.full((16, 16, 3), 0.5 * factor, np.float32), 2.0**level)
+
+    def truth(self, samples: int, seed: int) -> Picture:
+        raise AssertionError("it has none")
 
     def close(self) -> None:
         raise AssertionError("the race does not own its runners")
@@ -88,6 +93,15 @@ def test_noise_widens_the_tolerance_for_an_unbiased_mean(judge: Judge) -> None:
     assert judge.mismatch(np.full((16, 16, 3), 0.52)) != ""
 
 
+def test_a_renderer_with_a_reference_of_its_own_is_judged_by_it(judge: Judge) -> None:
+    darker = np.full((16, 16, 3), 0.45)
+    own_judge = Judge(Reference(darker, darker, np.ones((16, 16), bool), 0.0, 64), 0.0)
+    runners = {"a": Scripted([], "a", [0.9]), "b": Scripted([], "b", [0.9])}
+    courses = race(runners, judge, 1, own_judges={"b": own_judge})
+    assert courses["a"].levels[0].error == pytest.approx(0.1, rel=1e-5)
+    assert courses["b"].levels[0].error == pytest.approx(0, abs=1e-6)
+
+
 def course(*points: tuple[float, float]) -> Course:
     levels = [Judged(f"{s} s", s, (s,), e, e / 2, None, 1.0) for s, e in points]
     return Course("1", False, levels)
@@ -102,6 +116,40 @@ def test_times_are_interpolated_between_levels_and_not_extrapolated() -> None:
     away, _ = time_to(measured, 0.01, "error_away")
     assert away is not None and away.value == pytest.approx(16)
     assert time_to(measured, 0.01, "flip") == (None, False)
+
+
+def flips(*points: tuple[float, float]) -> Course:
+    return Course("1", False, [Judged(f"{s} s", s, (s,), 0.1 / s, 0.1 / s, flip, 1.0) for s, flip in points])
+
+
+def test_flip_at_a_time_is_between_levels_and_never_before_the_first() -> None:
+    measured = flips((1, 0.08), (4, 0.04), (16, 0.05))
+    assert flip_at(measured, 0.5) is None
+    assert flip_at(measured, 2) == pytest.approx(0.08 * 0.5**0.5)
+    assert flip_at(measured, 4) == pytest.approx(0.04) and flip_at(measured, 100) == pytest.approx(0.04)
+    assert flip_at(course((1, 0.1)), 2) is None
+
+
+def test_ratios_are_of_the_fastest_and_bounds_where_a_first_level_is_better() -> None:
+    courses = {
+        "Éclat": course((2, 0.08), (8, 0.04)), "Éclat paths": course((1, 0.16), (16, 0.04)),
+        "slow": course((64, 0.02)), "fast": course((4, 0.05), (32, 0.04)),
+    }  # fmt: skip
+    ((scene, error, ours, other, ratio, paths, over_paths),) = standing.ratio_rows(
+        "room", courses, ["Éclat"], "Éclat paths", [0.04]
+    )
+    assert (scene, error) == ("room", "4.00 %")
+    assert (ours, other, ratio) == ("8 s (Éclat)", "32 s (fast)", "0.25 ×")
+    assert (paths, over_paths) == ("16 s (Éclat paths)", "0.50 ×")
+    (row,) = standing.ratio_rows("room", courses, ["Éclat"], "Éclat paths", [0.02])
+    assert row[2:5] == ["not reached", "≤ 64 s (slow)", ""]
+    (row,) = standing.ratio_rows("room", courses, ["Éclat"], "Éclat paths", [0.1])
+    assert row[2:5] == ["≤ 2 s (Éclat)", "≤ 4 s (fast)", "about 0.50 ×"]
+    assert standing.ratio_rows("room", courses, ["Éclat"], "Éclat paths", [0.001]) == []
+    shown = standing.flip_rows(
+        "room", {"Éclat": flips((1, 0.08), (4, 0.04)), "late": flips((9, 0.01))}, ["Éclat"], 0.05
+    )
+    assert shown == [["room", "2 s", "Éclat", "0.0566"], ["room", "2 s", "late", "no picture yet"]]
 
 
 @pytest.fixture
@@ -120,7 +168,7 @@ def result() -> dict[str, Any]:
 
 def test_tables_show_unreached_errors_and_missing_renderers(result: dict[str, Any]) -> None:
     text = peers.tables(result)
-    assert "| cornell-box | Radiance | ≤ 3 s | 30 s | not reached | not reached |" in text
+    assert "| cornell-box | Radiance | ≤ 3 s | ≤ 3 s | 7.8 s | 30 s | not reached |" in text
     assert "| cornell-box | POV-Ray | not installed |" in text
     assert "| cornell-box | Mitsuba 3 + OIDN | 64 samples: broken |" in text
     assert "not measured" in text  # FLIP
@@ -128,7 +176,11 @@ def test_tables_show_unreached_errors_and_missing_renderers(result: dict[str, An
 
 def test_warnings_about_losses_depend_on_the_data(result: dict[str, Any]) -> None:
     said = peers.losses(result)
-    assert said == "- cornell-box, 5 %: Mitsuba 3 + OIDN takes 0.5 s, Éclat takes 1 s."
+    assert said.splitlines() == [
+        "- cornell-box, 10 %: Mitsuba 3 + OIDN takes 0.5 s, Éclat takes 1 s.",
+        "- cornell-box, 5 %: Mitsuba 3 + OIDN takes 0.5 s, Éclat takes 1 s.",
+        "- cornell-box, 3 %: Mitsuba 3 + OIDN takes 0.5 s, Éclat takes 1.28 s.",
+    ]
     assert set(peers.plots(result)) == {"peers-cornell-box"}
 
 
@@ -176,6 +228,47 @@ def test_lamps_of_a_quad_a_box_and_a_disc() -> None:
     assert np.linalg.norm(disc.across) == pytest.approx(2 * np.sqrt(disc.area / np.pi))
     with pytest.raises(UnavailableError, match="neither"):
         lamps(Mesh(np.array([(0, 0, 0), (1, 0, 0), (0, 1, 0)], float), np.array([(0, 1, 2)]), Material()))
+
+
+def test_texels_hold_factor_channel_and_decoding() -> None:
+    image = np.array([[(0, 255, 128, 51), (255, 0, 0, 255)]], np.uint8)
+    colours = texels(Value((0.5, 1.0, 1.0), Texture(image, srgb=True)))
+    assert colours[0] == pytest.approx(np.array([(0, 1, 0.2158605), (0.5, 0, 0)]), abs=1e-5)
+    alpha = texels(Value((1.0, 1.0, 1.0), Texture(image, srgb=True), channel=3, invert=True))
+    assert alpha[0, :, 0] == pytest.approx([0.8, 0])
+
+
+def test_a_given_reference_is_averaged_over_the_pixels_that_ours_hold(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rng = np.random.default_rng(5)
+    a, b = rng.uniform(0, 1, (2, 12, 12, 3)).astype(np.float32)
+    (tmp_path / "targets").mkdir()
+    np.savez(tmp_path / "targets" / "box-12x12.npz", A=a, B=b)
+    monkeypatch.setattr(scenes, "FOLDER", tmp_path)
+    place = scenes.BenchmarkScene("cornell-box", (12, 12))
+    assert place.given_reference("box", (5, 5)) is None and place.given_reference("other", (4, 4)) is None
+    found = place.given_reference("box", (4, 4))
+    assert found is not None
+    truth = references.given(*found, eclat.load("cornell-box"), None)
+    assert truth.a[1, 2] == pytest.approx(a[3:6, 6:9].mean(axis=(0, 1)), rel=1e-6)
+    assert truth.b.shape == (4, 4, 3) and truth.away.shape == (4, 4)
+
+
+def test_an_own_reference_grows_by_parts_and_is_kept(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(references, "FOLDER", tmp_path)
+    like = Reference(np.zeros((2, 3, 3)), np.zeros((2, 3, 3)), np.ones((2, 3), bool), 0.0, 64)
+    seeds: list[int] = []
+
+    def draw(samples: int, seed: int) -> np.ndarray:
+        seeds.append(seed)
+        return np.full((2, 3, 3), float(len(seeds)), np.float32)
+
+    first = references.own("theirs", draw, like, references.CHUNK)
+    assert len(set(seeds)) == 2 and first.a.max() == 1 and first.b.max() == 2
+    second = references.own("theirs", draw, like, 2 * references.CHUNK)
+    assert len(set(seeds)) == 4 and second.samples == 2 * references.CHUNK
+    assert second.a.max() == pytest.approx((1 + 3) / 2) and second.b.max() == pytest.approx((2 + 4) / 2)
 
 
 def test_paint_is_the_mean_of_the_texels_in_linear_light() -> None:
@@ -245,6 +338,14 @@ def test_mitsuba_draws_our_scene(name: str) -> None:
     theirs, ours = drawn("harness.mitsuba_peer:Entrant", name, level=2), reference_of(name)
     truth = Reference(ours, ours, np.ones(ours.shape[:2], bool), None, 256)
     assert Judge(truth, 0.0).mismatch(theirs) == ""
+
+
+@pytest.mark.slow
+def test_cycles_draws_our_box_and_tells_where_it_is_missing() -> None:
+    """Diffuse surfaces of one colour are the same in Blender."""
+    ours = reference_of("cornell-box")
+    theirs = drawn("harness.cycles_peer:Entrant", "cornell-box", level=2)
+    assert ratio_beside_the_lamp(theirs, ours) == pytest.approx(1, abs=0.03)
 
 
 @pytest.mark.slow
