@@ -73,8 +73,9 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     }
     runners, skipped = start(makers)
     try:
-        judge = Judge(truth, exposure)
-        own_judges = _own_judges(name, runners, truth, settings.reference_samples)
+        processors = settings.threads if settings.busy else None
+        judge = Judge(truth, exposure, processors)
+        own_judges = _own_judges(name, runners, truth, settings.reference_samples, processors)
         levels = QUICK_LEVELS if settings.quick else None
         courses = race(runners, judge, settings.repeats, levels, own_judges=own_judges)
     finally:
@@ -88,7 +89,9 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _own_judges(name: str, runners: Mapping[str, Runner], truth: Reference, samples: int) -> dict[str, Judge]:
+def _own_judges(
+    name: str, runners: Mapping[str, Runner], truth: Reference, samples: int, processors: int | None
+) -> dict[str, Judge]:
     """Judges of the renderers that have references of their own. Renderers of one program share one."""
     judges: dict[str, Judge] = {}
     for peer, runner in runners.items():
@@ -96,7 +99,7 @@ def _own_judges(name: str, runners: Mapping[str, Runner], truth: Reference, samp
             continue
         program = runner.version.split()[0].lower()
         found = own(f"{program}-{name}", lambda count, seed, r=runner: r.truth(count, seed).pixels, truth, samples)  # type: ignore[misc]
-        judges[peer] = Judge(found, auto_exposure(Image(((found.a + found.b) / 2).astype(np.float32))))
+        judges[peer] = Judge(found, auto_exposure(Image(((found.a + found.b) / 2).astype(np.float32))), processors)
     return judges
 
 
@@ -199,6 +202,9 @@ def _missing(result: dict[str, Any]) -> str:
 
 
 def _versions(result: dict[str, Any]) -> str:
+    busy = (
+        ["Times are processor time over threads: the machine did other work."] if result["settings"].get("busy") else []
+    )
     versions = {peer: row["version"] for scene in result["scenes"].values() for peer, row in scene["courses"].items()}
     named = [f"{peer}: {version}" for peer, version in versions.items()]
     shown = [
@@ -206,7 +212,7 @@ def _versions(result: dict[str, Any]) -> str:
         f"{document.percent(scene['reference']['noise'])} noise, FLIP at {scene['exposure']:+g} stops"
         for name, scene in result["scenes"].items()
     ]
-    return "\n".join(f"- {line}" for line in [*named, *shown])
+    return "\n".join(f"- {line}" for line in [*named, *shown, *busy])
 
 
 def _samples(scene: dict[str, Any]) -> str:

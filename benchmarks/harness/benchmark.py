@@ -39,6 +39,8 @@ class Settings:
     """Longer side of the pictures in pixels; None = each scene's own."""
     peers: tuple[str, ...] = ()
     """Who takes part, of those that the benchmark names."""
+    busy: bool = False
+    """Whether a time is the processor time over the number of threads, because the machine does other work."""
 
 
 @dataclass(frozen=True)
@@ -139,6 +141,9 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
         add("--peers", nargs="+", choices=benchmark.peers, default=benchmark.peers, metavar="NAME",
             help=f"who takes part; default: {' '.join(benchmark.peers)}")  # fmt: skip
         add("--size", type=int, default=512, metavar="PIXELS", help="longer side of the pictures (default %(default)s)")
+        add(
+            "--busy", action="store_true", help="measure processor time over threads, on a machine that does other work"
+        )
         add("--resume", action="store_true", help="leave out scenes that the stored result of this commit holds")
     add("--write-docs", action="store_true", help=f"put tables and plots into docs/{benchmark.page.name}")
     given = parser.parse_args()
@@ -156,5 +161,7 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
     samples = 64 if given.quick else getattr(given, "reference_samples", 0)
     repeats = 1 if given.quick else given.repeats
     peers = tuple(getattr(given, "peers", ()))
-    settings = Settings(given.quick, tuple(given.scenes), repeats, given.threads, samples, side, peers)
+    settings = Settings(
+        given.quick, tuple(given.scenes), repeats, given.threads, samples, side, peers, getattr(given, "busy", False)
+    )
     return settings, given.write_docs, getattr(given, "resume", False)

@@ -24,6 +24,8 @@ class Picture:
 
     pixels: Pixels
     seconds: float
+    processor: float | None = None
+    """Seconds of all processors together that the process of the renderer took; None where it was not measured."""
 
 
 class Entrant(Protocol):

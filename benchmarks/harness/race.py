@@ -82,17 +82,23 @@ class Course:
 class Judge:
     """The measures of one scene. FLIP is of the picture as shown at `exposure` stops; None without its package."""
 
-    def __init__(self, truth: Reference, exposure: float) -> None:
-        self.truth, self.exposure = truth, exposure
+    def __init__(self, truth: Reference, exposure: float, processors: int | None = None) -> None:
+        """With `processors`, a time is that of all processors over their number, for a machine that does other work."""
+        self.truth, self.exposure, self.processors = truth, exposure, processors
         self.mean = (truth.a + truth.b) / 2
 
     def __call__(self, label: str, pictures: Sequence[Picture]) -> Judged:
-        rounds = tuple(picture.seconds for picture in pictures)
+        rounds = tuple(self._seconds(picture) for picture in pictures)
         pixels = pictures[-1].pixels
         everywhere, away = self.truth.error(Image(pixels))
         seen = flip(pixels, self.mean, self.exposure)[1] if has_flip() else None
         ratio = float(pixels.mean(dtype=np.float64) / self.mean.mean())
         return Judged(label, statistics.median(rounds), rounds, everywhere, away, seen, ratio)
+
+    def _seconds(self, picture: Picture) -> float:
+        if self.processors is None or picture.processor is None:
+            return picture.seconds
+        return picture.processor / self.processors
 
     def mismatch(self, pixels: np.ndarray) -> str:
         """Why an unbiased picture cannot be one of this scene; empty where it can."""

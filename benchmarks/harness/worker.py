@@ -10,6 +10,7 @@ import multiprocessing
 import os
 import signal
 import traceback
+from dataclasses import replace
 from multiprocessing.connection import Connection
 from typing import Any
 
@@ -80,6 +81,12 @@ class Worker:
         raise (UnavailableError if kind == "unavailable" else WorkerError)(value)
 
 
+def _processor_seconds() -> float:
+    """Of this process and of those that it started and that have ended."""
+    times = os.times()
+    return times.user + times.system + times.children_user + times.children_system
+
+
 def _serve(connection: Connection, place: str, scene: Scene, size: tuple[int, int], threads: int) -> None:
     """Make the entrant, say its levels, then answer levels, and (samples, seed) of its own reference, with pictures until
     the other end closes."""
@@ -94,7 +101,9 @@ def _serve(connection: Connection, place: str, scene: Scene, size: tuple[int, in
         connection.send(("done", (entrant.levels, entrant.version, entrant.unbiased, own_truth)))
         while True:
             asked = connection.recv()
-            connection.send(("done", entrant.truth(*asked) if isinstance(asked, tuple) else entrant.render(asked)))
+            before = _processor_seconds()
+            picture = entrant.truth(*asked) if isinstance(asked, tuple) else entrant.render(asked)
+            connection.send(("done", replace(picture, processor=_processor_seconds() - before)))
     except EOFError:
         return
     except UnavailableError as reason:

@@ -93,6 +93,12 @@ def test_noise_widens_the_tolerance_for_an_unbiased_mean(judge: Judge) -> None:
     assert judge.mismatch(np.full((16, 16, 3), 0.52)) != ""
 
 
+def test_on_a_busy_machine_the_processor_s_time_counts(judge: Judge) -> None:
+    picture = Picture(np.full((16, 16, 3), 0.5, np.float32), 9.0, 6.0)
+    assert judge("level", [picture]).seconds == 9
+    assert Judge(judge.truth, 0.0, processors=2)("level", [picture]).seconds == 3
+
+
 def test_a_renderer_with_a_reference_of_its_own_is_judged_by_it(judge: Judge) -> None:
     darker = np.full((16, 16, 3), 0.45)
     own_judge = Judge(Reference(darker, darker, np.ones((16, 16), bool), 0.0, 64), 0.0)
@@ -163,7 +169,7 @@ def result() -> dict[str, Any]:
         "courses": courses, "skipped": {"POV-Ray": "not installed\nat all"}, "exposure": 1.5,
         "reference": {"samples": 64, "noise": 0.01}, "size": [64, 64],
     }  # fmt: skip
-    return {"scenes": {"cornell-box": json.loads(json.dumps(scene))}}
+    return {"scenes": {"cornell-box": json.loads(json.dumps(scene))}, "settings": {"busy": True}}
 
 
 def test_tables_show_unreached_errors_and_missing_renderers(result: dict[str, Any]) -> None:
@@ -201,6 +207,7 @@ def test_a_worker_answers_fails_and_dies_alone() -> None:
     assert worker.levels == ("draw", "raise", "die") and not worker.unbiased
     picture = worker.render(0)
     assert picture.pixels.shape == (2, 4, 3) and picture.seconds == 0.5
+    assert picture.processor is not None and picture.processor >= 0
     with pytest.raises(WorkerError, match="ended with code 7"):
         worker.render(2)
     with pytest.raises(UnavailableError, match="no meshes"):
