@@ -234,7 +234,7 @@ def plots(result: dict[str, Any]) -> dict[str, str]:
 
 BENCHMARK = Benchmark(
     "peers", __doc__, ("cornell-box", "glossy-box", "sponza", "door-ajar", "sibenik-painted"), run, tables, plots,
-    reference_samples=1024, page=PAGE, peers=tuple(ENTRANTS),
+    reference_samples=1024, page=PAGE, peers=tuple(ENTRANTS), side=512,
 )  # fmt: skip
 
 if __name__ == "__main__":

@@ -8,7 +8,7 @@ import argparse
 import json
 import sys
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -63,7 +63,11 @@ class Benchmark:
     page: Path = document.DOCUMENT
     """Where its tables go."""
     peers: tuple[str, ...] = ()
-    """Names that --peers may choose from; a benchmark with such names has --size and --resume too."""
+    """Names that --peers may choose from; a benchmark with such names has --busy and --resume too."""
+    side: int | None = None
+    """Longer side of its pictures in pixels, if --size may choose another."""
+    known: Mapping[str, BenchmarkScene] = field(default_factory=lambda: SCENES)
+    """The scenes that the command line may name."""
 
     def markdown(self, result: dict[str, Any]) -> str:
         """Tables and where they were measured."""
@@ -98,7 +102,7 @@ def main(benchmark: Benchmark) -> None:
             continue
         try:
             print(f"{benchmark.name}: {name}", flush=True)
-            measured[name] = benchmark.run(name, SCENES[name], settings)
+            measured[name] = benchmark.run(name, benchmark.known[name], settings)
         except UnavailableError as reason:
             skipped[name] = str(reason)
             print(f"{name}: skipped: {reason}", file=sys.stderr)
@@ -135,12 +139,14 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
     if benchmark.reference_samples is not None:
         add("--reference-samples", type=int, default=benchmark.reference_samples, metavar="N",
             help="paths per pixel of each of two references, which are kept (default %(default)s)")  # fmt: skip
+    if benchmark.side is not None:
+        add("--size", type=int, default=benchmark.side, metavar="PIXELS",
+            help="longer side of the pictures (default %(default)s)")  # fmt: skip
     if benchmark.peers:
         # Beside --peers, which takes all names that follow it.
         add("--scenes", nargs="+", dest="chosen", metavar="SCENE", help="the same as naming them first")
         add("--peers", nargs="+", choices=benchmark.peers, default=benchmark.peers, metavar="NAME",
             help=f"who takes part; default: {' '.join(benchmark.peers)}")  # fmt: skip
-        add("--size", type=int, default=512, metavar="PIXELS", help="longer side of the pictures (default %(default)s)")
         add(
             "--busy", action="store_true", help="measure processor time over threads, on a machine that does other work"
         )
@@ -151,8 +157,8 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
     if given.quick and benchmark.peers and given.scenes == benchmark.scenes:
         given.scenes = benchmark.scenes[:1]
     for name in given.scenes:
-        if name not in SCENES:
-            parser.error(f"unknown scene {name!r}, expected some of {', '.join(SCENES)}")
+        if name not in benchmark.known:
+            parser.error(f"unknown scene {name!r}, expected some of {', '.join(benchmark.known)}")
     side = getattr(given, "size", None)
     if given.repeats < 1 or given.threads < 1 or (side is not None and side < 16):
         parser.error("--repeats and --threads must be at least 1, --size at least 16")

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 import warnings
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -25,7 +25,7 @@ QUICK_SIDE = 64
 @dataclass(frozen=True)
 class BenchmarkScene:
     """`source` is a built-in name with `parameters`, or a file in `FOLDER`; `paint` gives every surface one diffuse colour,
-    `materials` are others by name (`eclat.override_materials`)."""
+    `materials` are others by name (`eclat.override_materials`), and `change` is applied last."""
 
     source: str
     size: tuple[int, int]
@@ -33,11 +33,13 @@ class BenchmarkScene:
     paint: bool = False
     parameters: Mapping[str, float] = field(default_factory=dict)
     materials: Mapping[str, Mapping[str, Any]] = field(default_factory=dict)
+    change: Callable[[Scene], Scene] = lambda scene: scene
 
     def load(self) -> Scene:
         """The scene. Raises UnavailableError where its file is absent."""
         if "/" not in self.source:
-            return eclat.override_materials(eclat.load(self.source, **self.parameters), self.materials)
+            scene = eclat.load(self.source, **self.parameters)
+            return self.change(eclat.override_materials(scene, self.materials))
         path = FOLDER / self.source
         if not path.is_file():
             how = "set ECLAT_SCENES to the folder of real scenes (README, 'Real scenes')"
@@ -45,7 +47,7 @@ class BenchmarkScene:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the file's own dirt calls for, named by `eclat info`
             scene = eclat.load(str(path))
-        return eclat.override_materials(painted(scene) if self.paint else scene, self.materials)
+        return self.change(eclat.override_materials(painted(scene) if self.paint else scene, self.materials))
 
     def given_reference(self, name: str, size: tuple[int, int]) -> tuple[Path, int] | None:
         """The file with two independent halves A and B that came with the scenes, and how many of its pixels make one of
