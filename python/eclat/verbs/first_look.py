@@ -49,6 +49,11 @@ def first_look(scene: Scene, source: Source, view: View, work: Work) -> Image:
     return Image(_enlarged(picture, view.size), {}, metadata)
 
 
+def is_reduced(view: View) -> bool:
+    """Return whether the first look of a view has fewer pixels than the view."""
+    return _small(view.size) != view.size
+
+
 def _small(size: tuple[int, int]) -> tuple[int, int]:
     """Return the size with the same proportions and at most `PIXELS` pixels."""
     scale = min(1.0, math.sqrt(PIXELS / (size[0] * size[1])))

@@ -29,7 +29,7 @@ from eclat.errors import EclatError, did_you_mean, warn
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
-from eclat.methods import IrradianceCache, Method, Source, as_method
+from eclat.methods import IrradianceCache, Method, Path, Source, as_method
 from eclat.methods.work import Care, View, Work
 from eclat.sampling.adaptive_sampling import AdaptiveSamples
 from eclat.sampling.convergence import Goal, Sampling
@@ -38,7 +38,7 @@ from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
-from eclat.verbs.first_look import first_look
+from eclat.verbs.first_look import first_look, is_reduced
 from eclat.verbs.picture import Picture, SampleTaker
 from eclat.verbs.solve import require_check
 
@@ -48,6 +48,10 @@ SHARE_OF_PROBES = 0.15
 """The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
 as 0.15 of the samples.
 """
+
+SECOND_LOOK_SAMPLES = 2
+"""Paths per pixel of the second picture that is shown, one for each half. With the denoiser they take some 12 s of two
+processors at 1280 × 720 in a furnished room, where the records take a minute or more."""
 
 PREVIEW_SECONDS = 4.0
 """The least number of seconds between two previews. The picture is then updated often enough for a viewer, and rarely
@@ -142,7 +146,9 @@ def render(
         `max_error`.
     progress : a function that is called with the progress of the work, or None.
     preview : a function that is called with unfinished pictures, or None. It is first called with a rough picture of
-        fewer pixels, before anything is solved, and then between passes, at most once in `PREVIEW_SECONDS`. The
+        fewer pixels, before anything is solved, then, if the picture is large and denoised and its method has
+        something to solve, with one of all pixels from few paths, and then between passes, at most once in
+        `PREVIEW_SECONDS`. The
         metadata of all these pictures hold `unfinished`, and all except the first also hold `samples_done`.
     tile_order : the order in which tiles are rendered, as a permutation of their indices. The order does not change
         the picture; tests use this argument to check that.
@@ -192,6 +198,8 @@ def render(
         begun.require_match(scene, chosen, source.options.name, samples)
     elif preview is not None:
         preview(first_look(scene, source, view, work))
+        if denoise and isinstance(source, Method) and source.solved is not None and is_reduced(view):
+            preview(_second_look(scene, view, work, started))
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
     # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
@@ -296,6 +304,20 @@ def _sampling(
     if preview is not None:
         sampling.after_pass = _previewing(picture, sampling, preview)
     return sampling
+
+
+def _second_look(scene: Scene, view: View, work: Work, started: float) -> Image:
+    """Render a picture of all pixels from few paths, denoised and with its measured error, to show while records are
+    solved, which takes a minute or more for the pictures that need it.
+    """
+    region = (0, 0, *view.size)
+    prepared = Path().prepare(scene, view, work)
+    picture = Picture(scene, prepared, view, region, work, False, True, _core.Filter.box, None, started)
+    sampling = _sampling(picture, Halves.each, [], False, None)
+    sampling.run(Goal(SECOND_LOOK_SAMPLES, 1.0, None, denoised=True))
+    image = picture.finished(sampling)
+    image.metadata.update(unfinished=True, samples_done=sampling.taken)
+    return image
 
 
 def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image], None]) -> Callable[[], None]:

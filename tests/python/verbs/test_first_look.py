@@ -37,6 +37,28 @@ def test_a_first_look_is_small_and_like_the_picture(cornell: eclat.Scene, monkey
     assert np.median(np.abs(blocks[0] - blocks[1]) / blocks[1]) < 0.35
 
 
+def test_a_second_look_of_all_pixels_is_denoised_and_states_its_error(
+    cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    pytest.importorskip("pyoidn")
+    monkeypatch.setattr(looking, "PIXELS", 600)
+    monkeypatch.setattr(rendering, "PREVIEW_SECONDS", 1e9)
+    seen: list[eclat.Image] = []
+    method, size = eclat.IrradianceCache(max_error=0.3), (64, 48)
+    image = eclat.render(cornell, method, max_error=0.3, size=size, preview=seen.append)
+    second = seen[1]
+    assert second.metadata["unfinished"] and second.metadata["denoised"] and second.metadata["samples_done"] == 2
+    error = float(np.sqrt((((second.pixels - image.pixels) / (0.1 * image.pixels.max() + image.pixels)) ** 2).mean()))
+    assert 0 < second.metadata["statistics"]["estimated_error"] < 1 and error < 0.5
+    np.testing.assert_array_equal(image.pixels, eclat.render(cornell, method, max_error=0.3, size=size).pixels)
+    # Small pictures, methods that need no solve and solutions that are there already go on at once.
+    for what, pixels in ((method, 1 << 20), (eclat.Path(), 600), (eclat.solve(cornell, method, size=size), 600)):
+        monkeypatch.setattr(looking, "PIXELS", pixels)
+        seen.clear()
+        eclat.render(cornell, what, max_error=0.3, size=size, preview=seen.append)
+        assert [shown.metadata["method"] for shown in seen[1:2]] != ["path"] or isinstance(what, eclat.Path)
+
+
 def test_previews_get_better_and_change_nothing(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(rendering, "PREVIEW_SECONDS", 0.0)
     seen: list[eclat.Image] = []
