@@ -37,6 +37,8 @@ class Compiled:
 
     core: _core.Scene
     center: FloatArray
+    name: str
+    """The name of the scene, for messages."""
 
     def to_core(self, points: FloatArray) -> np.ndarray:
         """Convert world positions (N, 3) to the coordinates of the core, float32. Raises EclatError if one is too far
@@ -57,7 +59,7 @@ class Compiled:
         columns = matrix[:3, :3] / np.linalg.norm(matrix[:3, :3], axis=0)
         half_width, half_height = camera.half_extent(width / height)
         axes = tuple(tuple(map(float, columns[:, i])) for i in range(3))
-        what = f"camera {camera.name!r}"
+        what = f"{self.name}: camera" + (f" {camera.name!r}" if camera.name else "")
         position = tuple(map(float, self._shifted(matrix[:3, 3], what, "position")))
         check_length(camera.aperture_radius, what, "aperture_radius")
         check_length(camera.focus_distance, what, "focus_distance")
@@ -118,7 +120,7 @@ class _Compiler:
         if environment is not None:
             to_world = tuple(float(x) for x in np.asarray(environment.to_world, np.float64).ravel())
             self.builder.set_environment(np.ascontiguousarray(environment.image, np.float32), to_world)
-        return Compiled(self.builder.build(), center)
+        return Compiled(self.builder.build(), center, self.scene.name or "scene")
 
     def light(self, light: PointLight | SpotLight | DirectionalLight, center: FloatArray) -> None:
         if isinstance(light, DirectionalLight):

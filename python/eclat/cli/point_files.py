@@ -5,12 +5,15 @@
 from __future__ import annotations
 
 import io
+import os
+import stat
 import sys
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.bridge.reach import FARTHEST
 from eclat.errors import EclatError
 from eclat.files.arrays import array_from, is_array_file
 from eclat.loaders.text_files import utf8
@@ -29,8 +32,8 @@ def read_points(name: str) -> tuple[Float64, Float64]:
 
     Raises
     ------
-    EclatError : the file cannot be read or holds no points, a line does not hold six finite numbers, or a normal is
-        zero.
+    EclatError : the file cannot be read or holds no points, a line does not hold six finite numbers, a normal is zero,
+        or a position is too far away.
     """
     data = _read(name)
     label = "standard input" if name == "-" else name
@@ -51,6 +54,13 @@ def read_points(name: str) -> tuple[Float64, Float64]:
         raise EclatError(
             f"{label}, {places} {lines[row]}: expected a finite position and a normal that is not zero, got {got}"
         )
+    far = np.abs(table[:, :3]).max(axis=1) > FARTHEST
+    if far.any():
+        row = int(np.argmax(far))
+        got = " ".join(f"{value:g}" for value in table[row, :3])
+        raise EclatError(
+            f"{label}, {places} {lines[row]}: expected a position within ±{FARTHEST:g} m along each axis, got {got}"
+        )
     return table[:, :3], table[:, 3:]
 
 
@@ -68,12 +78,25 @@ def _read(name: str) -> bytes:
     if name == "-" and sys.stdin is None:
         raise EclatError("standard input: expected points, but standard input is closed")
     try:
+        if name != "-" and _is_endless(name):
+            raise EclatError(f"{name}: expected a file of points, or - for standard input, got a pipe or a device")
         return sys.stdin.buffer.read() if name == "-" else Path(name).read_bytes()
+    except EclatError:
+        raise
     except FileNotFoundError:
         raise EclatError(f"{name}: file not found") from None
     except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
         raise EclatError(f"{name}: cannot be read: {reason}") from None
+
+
+def _is_endless(name: str) -> bool:
+    """Return whether `name` is a named pipe, whose reading can wait for ever, or a device, which may never end.
+
+    The pipe of a shell's `<(command)` has no name of its own in the file system, and it is read like a file.
+    """
+    mode = os.stat(name).st_mode
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode)) and os.path.exists(os.path.realpath(name))
 
 
 def _from_npy(data: bytes, label: str) -> Float64:

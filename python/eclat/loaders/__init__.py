@@ -163,8 +163,9 @@ def _is_folder(file: Path) -> bool:
 
 def _collecting_warnings(make: Callable[[], Scene]) -> Scene:
     """Call `make` and return its scene, with the text of every `EclatWarning` that was issued meanwhile."""
+    from eclat.loaders.budget import geometry_budget
     from eclat.loaders.images import image_budget
 
-    with heard_warnings() as messages, image_budget():
+    with heard_warnings() as messages, image_budget(), geometry_budget():
         scene = make()
     return replace(scene, warnings=tuple(dict.fromkeys([*scene.warnings, *messages])))

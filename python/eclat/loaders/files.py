@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError, warn
 from eclat.files.arrays import read_file
 from eclat.files.confinement import check_confined, is_outside
+from eclat.loaders.budget import count_file
 from eclat.loaders.images import decode_image, read_image_file
 from eclat.scene import Texture
 
@@ -73,7 +74,9 @@ def read_bytes(path: Path, *, where: str, limit: int = 1 << 32) -> bytes:
 
     Raises EclatError if it does not exist, cannot be read, is larger, or is no regular file (a folder, a pipe).
     """
-    return read_file(path, where=where, limit=limit)
+    data = read_file(path, where=where, limit=limit)
+    count_file(path, len(data))
+    return data
 
 
 def read_texture(

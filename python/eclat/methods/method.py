@@ -22,8 +22,9 @@ import numpy as np
 from eclat import _core
 from eclat.bridge.compiled import fingerprint
 from eclat.errors import EclatError, did_you_mean, shown, warn
-from eclat.files.archive import read_archive, write_archive
+from eclat.files.archive import write_archive
 from eclat.measure.error_estimate import ErrorEstimate, error_text
+from eclat.methods.saved import Common, read_saved
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
@@ -222,17 +223,6 @@ class Solved(Prepared):
 
 
 @dataclass(frozen=True)
-class Common:
-    """The fields that all solutions have, as read from a file."""
-
-    options: Any
-    fingerprint: str
-    max_depth: int
-    complete: bool
-    statistics: dict[str, float]
-
-
-@dataclass(frozen=True)
 class Method(ABC):
     """A way to compute light, with its options. Every field has a default that suits most scenes."""
 
@@ -376,38 +366,7 @@ def merge(first: S, second: S) -> S:
 
 
 def _load(path: str | os.PathLike[str], scene: Scene | None) -> Solved:
-    name = os.fspath(path)
-    header, arrays = read_archive(path)
-    known = METHODS.get(str(header.get("method")))
-    cls = known.solved if known is not None else None
-    if known is None or cls is None:
-        raise EclatError(
-            f"{name}: expected a solution of this version of Éclat, got another file: solve the scene again"
-        )
-    if header.get("format") != cls.format:
-        raise EclatError(
-            f"{name}: expected a {cls.called} of this version of Éclat, got one of another version: solve the scene again"
-        )
-    try:
-        common = _common(known(**header["options"]), header)
-        solved = cls.from_parts(common, header, arrays)
-    except DamagedArrayError as error:
-        raise EclatError(f"{name}: the array {str(error)!r} is damaged: solve the scene again") from error
-    except (KeyError, TypeError, ValueError, OverflowError, AttributeError) as error:
-        raise EclatError(f"{name}: the header is damaged ({error}): solve the scene again") from error
+    solved: Solved = read_saved(path, METHODS)
     if scene is not None:
         solved.require_match(staged(scene), solved.max_depth)
     return solved
-
-
-def _common(options: Method, header: Mapping[str, Any]) -> Common:
-    """Read the fields that all solutions have. Raises KeyError or ValueError if one is missing or has a wrong type."""
-    for name, kind in (("fingerprint", str), ("max_depth", int), ("complete", bool), ("statistics", dict)):
-        if type(header[name]) is not kind:
-            raise ValueError(f"{name} is {header[name]!r:.60}")
-    statistics = {str(name): float(value) for name, value in header["statistics"].items()}
-    return Common(options, header["fingerprint"], header["max_depth"], header["complete"], statistics)
-
-
-class DamagedArrayError(ValueError):
-    """An array of a file is missing or malformed; the argument is the name of the array."""

@@ -16,8 +16,9 @@ from eclat.bridge.arguments import points_with_normals
 from eclat.bridge.compiled import compiled, fingerprint
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, warn
-from eclat.methods.method import Common, DamagedArrayError, Method, PassEstimator, Prepared, Solved
+from eclat.methods.method import Method, PassEstimator, Prepared, Solved
 from eclat.methods.ranges import check_names, check_range, check_types, core_enum
+from eclat.methods.saved import Common, DamagedArrayError
 from eclat.methods.work import Care, Purpose, View, Work
 from eclat.scene import FloatArray, Material, Scene
 

@@ -16,8 +16,9 @@ from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
 from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
-from eclat.methods.method import Common, DamagedArrayError, Method, Solved
+from eclat.methods.method import Method, Solved
 from eclat.methods.ranges import check_names, check_range, check_types, core_enum
+from eclat.methods.saved import Common, DamagedArrayError
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Material, Scene, triangle_areas
 

@@ -31,7 +31,7 @@ from eclat.scene import (
 )
 from eclat.scenes.geometry import icosphere
 from eclat.stage.framing import framed_camera, free_distances, sky_above, sphere_directions
-from eclat.stage.surface import is_part, surface
+from eclat.stage.surface import emits, is_part, surface
 
 Point = tuple[float, float, float]
 
@@ -105,13 +105,7 @@ def wants_exposure(
 
 def has_light(scene: Scene) -> bool:
     """Return whether the scene has a light, an environment or a material that emits."""
-    return bool(scene.lights) or scene.environment is not None or any(_emits(m.material) for m in scene.meshes)
-
-
-def _emits(material: Material) -> bool:
-    parts = [*material.children, *([] if material.back is None else [material.back])]
-    own = material.emission is not None and max(material.emission.constant) > 0
-    return own or any(_emits(part) for part in parts)
+    return bool(scene.lights) or scene.environment is not None or any(emits(m.material) for m in scene.meshes)
 
 
 def _with_camera(

@@ -15,13 +15,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.daylight.sky import upright_frame
-from eclat.scene import Camera, FloatArray, Scene, look_at
-from eclat.stage.surface import surface
+from eclat.scene import Camera, DirectionalLight, FloatArray, Mesh, Scene, look_at
+from eclat.stage.surface import emits, surface
 
 CELLS = 96
 """Number of cells of the grid along the longest side of the scene."""
 ROOM_FOV, OBJECT_FOV = 65.0, 40.0
 """Field of view of the default camera inside a room and outside of an object, in degrees."""
+_LAMPS = 16
+"""The largest number of lamps from which rays are sent to find whether surfaces enclose them."""
 THREE_QUARTER = np.array([0.55, 0.38, 0.74])
 """Direction from the middle of an object to the camera: to the right, above and in front (+z) of the object."""
 
@@ -96,7 +98,7 @@ def framed_camera(scene: Scene) -> tuple[Camera, str]:
     low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
     grid = _grid(corners, low, high)
     if grid is not None:
-        eyes = _eyes(grid)
+        eyes = _eyes(grid, any_side=_is_lit_within(scene, grid, upright))
         side = _open_side(grid) if len(eyes) else None
         if side is not None:
             return Camera(_placed(upright, *_stage_view(low, high, side)), fov=OBJECT_FOV, fov_axis="smaller"), "stage"
@@ -236,9 +238,40 @@ def _room_view(grid: Grid, eyes: FloatArray) -> tuple[FloatArray, FloatArray] | 
     return grid.low + grid.cell * eye, grid.low + grid.cell * target
 
 
-def _eyes(grid: Grid) -> FloatArray:
-    """Find positions at eye height inside a room: there is a floor below, and most rays hit a surface from its
-    front."""
+def _is_lit_within(scene: Scene, grid: Grid, upright: FloatArray) -> bool:
+    """Return whether all light comes from lamps that surfaces enclose, and these surfaces reflect on both sides.
+
+    Such a scene is a room even if the normals of its walls point outwards, because the picture from outside is black.
+    """
+    if scene.environment is not None or any(isinstance(light, DirectionalLight) for light in scene.lights):
+        return False
+    if not any(mesh.material.two_sided for mesh in scene.meshes if not emits(mesh.material)):
+        return False
+    lamps = [(np.array([light.position]), np.zeros((1, 3))) for light in scene.lights if hasattr(light, "position")]
+    lamps += [_some_triangles(mesh) for mesh in scene.meshes if emits(mesh.material) and len(mesh.triangles)]
+    if not lamps:
+        return False
+    places, axes = (np.concatenate(parts) for parts in zip(*lamps[:_LAMPS], strict=True))
+    origins = np.repeat((places @ upright - grid.low) / grid.cell, 48, axis=0)
+    directions = np.tile(sphere_directions(48), (len(places), 1))
+    # A lamp on a wall lights only the side of its normal.
+    lit = np.einsum("ij,ij->i", np.repeat(axes @ upright, 48, axis=0), directions) >= 0
+    distance, _ = grid.march(origins[lit], directions[lit])
+    # A smaller share of rays may have passed through cracks between cells.
+    return bool(np.isfinite(distance).mean() > 0.98)
+
+
+def _some_triangles(mesh: Mesh) -> tuple[FloatArray, FloatArray]:
+    """Return the middles (N, 3) of some triangles of a lamp, and its normals (N, 3), which are 0 if both sides emit."""
+    chosen = mesh.triangles[:: max(1, len(mesh.triangles) // 8)]
+    a, b, c = np.moveaxis(np.asarray(mesh.positions, dtype=np.float64)[chosen], 1, 0)
+    normals = np.zeros_like(a) if mesh.material.emission_two_sided else np.cross(b - a, c - a)
+    return (a + b + c) / 3, normals
+
+
+def _eyes(grid: Grid, any_side: bool) -> FloatArray:
+    """Find positions at eye height inside a room: there is a floor below, and most rays hit a surface from its front,
+    or from any side with `any_side`."""
     shape = np.array(grid.occupied.shape)
     if shape.min() < 6:
         return np.zeros((0, 3))
@@ -252,7 +285,8 @@ def _eyes(grid: Grid) -> FloatArray:
     stands = np.isfinite(down)
     places, down, up = places[stands], down[stands], up[stands]
     # A room has a level floor, unlike the inside of a pot, which is round.
-    if len(places) == 0 or (level[stands] > 0.97).mean() < 0.5:
+    level = np.abs(level[stands]) if any_side else level[stands]
+    if len(places) == 0 or (level > 0.97).mean() < 0.5:
         return np.zeros((0, 3))
     height = np.minimum(0.4 * (down + up), 0.12 * math.hypot(float(shape[0]), float(shape[2])))
     eyes = places + np.stack([0 * height, np.maximum(height, 2.0) - down, 0 * height], axis=1)
@@ -261,7 +295,7 @@ def _eyes(grid: Grid) -> FloatArray:
     distance, facing = grid.march(np.repeat(eyes, 48, axis=0), np.tile(directions, (len(eyes), 1)))
     hits = np.isfinite(distance).reshape(-1, 48)
     front = (hits & (facing.reshape(-1, 48) > 0)).sum(axis=1) / np.maximum(hits.sum(axis=1), 1)
-    inside = (hits.mean(axis=1) >= 0.7) & (front >= 0.6)
+    inside = (hits.mean(axis=1) >= 0.7) & ((front >= 0.6) | any_side)
     # Any object may have a few such positions, for example between the legs of a chair; in a room most positions are
     # such.
     return eyes[inside] if len(eyes) and inside.mean() >= 0.35 else np.zeros((0, 3))

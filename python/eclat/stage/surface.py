@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.scene import FloatArray, Mesh, Scene
+from eclat.scene import FloatArray, Material, Mesh, Scene
 
 MANY = 400_000
 """The number of triangles above which only a part of about this number is used. A room has about 50,000 occupied cells,
@@ -37,6 +37,13 @@ def surface(scene: Scene) -> FloatArray:
     if known is None or [ref() for ref in known[0]] != meshes:
         known = _surfaces[meshes[0]] = [weakref.ref(mesh) for mesh in meshes], _corners(meshes, _chosen(meshes))
     return known[1]
+
+
+def emits(material: Material) -> bool:
+    """Return whether a material, one of the materials that it mixes, or that of its back emits light."""
+    parts = [*material.children, *([] if material.back is None else [material.back])]
+    own = material.emission is not None and max(material.emission.constant) > 0
+    return own or any(emits(part) for part in parts)
 
 
 def is_part(scene: Scene) -> bool:

@@ -25,7 +25,7 @@ from eclat.bridge.arguments import (
     thread_count,
 )
 from eclat.bridge.running import ProgressReport
-from eclat.errors import EclatError, did_you_mean, warn
+from eclat.errors import EclatError, did_you_mean, shown, warn
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
@@ -43,6 +43,9 @@ from eclat.verbs.picture import Picture, SampleTaker
 from eclat.verbs.solve import require_check
 
 FILTERS = ("box", "tent")
+
+TILE = 32
+"""The side of a tile in pixels, `tile_size` of `core/render/render.cpp`."""
 
 SHARE_OF_PROBES = 0.15
 """The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
@@ -192,6 +195,7 @@ def render(
     chosen = chosen_camera(scene, camera)
     view = View(chosen, picture_size(chosen, size))
     region = checked_crop(crop, *view.size)
+    order, pixel_filter = _checked_order(tile_order, region), _checked_filter(filter)
     work = Work(checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), progress)
     source = _source(what, max_error, refine)
     if begun is not None:
@@ -204,9 +208,8 @@ def render(
     # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
-    pixel_filter = _checked_filter(filter)
     picture = Picture(scene, prepared, view, region, work, adaptive, denoise, pixel_filter, estimate, started)
-    sampling = _sampling(picture, 1 + halves, tile_order or [], keep_partial, preview)
+    sampling = _sampling(picture, 1 + halves, order, keep_partial, preview)
     if begun is not None:
         begun.restore(sampling)
     image = _rendered(picture, sampling, _goal_of_samples(goal, estimate, halves and check), check)
@@ -275,6 +278,19 @@ def _checked_halves(halves: bool | None, denoise: bool) -> bool:
             "render: expected halves=True with denoise, because the halves measure the remaining error, got False"
         )
     return True
+
+
+def _checked_order(order: list[int] | None, region: tuple[int, int, int, int]) -> list[int]:
+    """Return the order of the tiles, or an empty list for the usual order. Raises EclatError if it is no permutation."""
+    if order is None:
+        return []
+    x0, y0, x1, y1 = region
+    count = (-(-x1 // TILE) - x0 // TILE) * (-(-y1 // TILE) - y0 // TILE)
+    if sorted(order) != list(range(count)):
+        raise EclatError(
+            f"tile_order: expected a permutation of the {count} indices 0 to {count - 1}, got {shown(order)}"
+        )
+    return [int(index) for index in order]
 
 
 def _sampling(

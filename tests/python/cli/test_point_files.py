@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import io
+import os
 import sys
 from pathlib import Path
 
@@ -50,6 +51,10 @@ def test_ways_to_write_the_same(tmp_path: Path, text: str | bytes) -> None:
         (
             "# a\n1 2 nan 0 0 1\n",
             ", line 2: expected a finite position and a normal that is not zero, got 1 2 nan 0 0 1",
+        ),
+        (
+            "1 2 3 0 0 1\n0 1e19 0 0 0 1\n",
+            ", line 2: expected a position within ±1e+18 m along each axis, got 0 1e+19 0",
         ),
         ("1 2 3 0 0 0\n", ", line 1: expected a finite position and a normal that is not zero, got 1 2 3 0 0 0"),
     ],
@@ -98,3 +103,14 @@ def test_csv_keeps_every_bit_of_float32() -> None:
     assert lines[0] == HEADING
     again = np.array([[float(value) for value in line.split(",")] for line in lines[1:]], dtype=np.float32)
     np.testing.assert_array_equal(again, table)
+
+
+def test_the_pipe_of_a_shell_is_read_like_a_file() -> None:
+    reading, writing = os.pipe()
+    with os.fdopen(writing, "wb") as pipe:
+        pipe.write(b"1 2 3 0 0 1\n")
+    try:
+        points, normals = read_points(f"/dev/fd/{reading}")
+    finally:
+        os.close(reading)
+    assert points.tolist() == [[1, 2, 3]] and normals.tolist() == [[0, 0, 1]]

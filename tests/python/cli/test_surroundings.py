@@ -158,11 +158,25 @@ def test_closed_streams(descriptor: int) -> None:
         ("render", "cornell-box", "--environment", "pipe.exr"),
         ("render", "cornell-box", "--replay-settings", "pipe.exr"),
         ("render", "pipe.obj"),
+        ("irradiance", "cornell-box", "--points", "pipe"),
+        ("irradiance", "cornell-box", "--points", "/dev/zero"),
+        ("irradiance", "cornell-box", "--points", "."),
+        ("irradiance", "cornell-box", "--points", "pipe", "--cache", "pipe"),
+        ("render", "cornell-box", "--cache", "."),
+        ("render", "cornell-box", "--environment", "."),
+        ("render", "cornell-box", "--replay-settings", "."),
+        ("render", "cornell-box", "--continue", "pipe.exr"),
+        ("compare", "cornell-box", "--reference", "pipe.exr"),
+        ("denoise", "pipe.exr", "-o", "a.exr"),
+        ("denoise", "n" * 300 + ".exr", "-o", "a.exr"),
+        ("render", "cornell-box", "-o", "."),
+        ("bake", "cornell-box", "-o", "folder.glb"),
     ],
 )
 def test_long_names_and_pipes_are_one_line(arguments: tuple[str, ...], capsys: pytest.CaptureFixture[str]) -> None:
     for name in ("pipe", "pipe.exr", "pipe.obj"):
         os.mkfifo(name)
+    os.mkdir("folder.glb")
     assert main(arguments) == 2
     (line,) = capsys.readouterr().err.splitlines()
     assert line.startswith("eclat: ") and len(line) < 1500

@@ -18,7 +18,8 @@ from eclat import _core
 from eclat.bridge.compiled import fingerprint
 from eclat.cli import main
 from eclat.methods.estimators import irradiance_from, radiance_from
-from eclat.methods.method import METHODS, Common, DamagedArrayError, Method, Solved, register
+from eclat.methods.method import METHODS, Method, Solved, register
+from eclat.methods.saved import Common, DamagedArrayError
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scenes import build
 from eclat.verbs.compare import Effort, compare

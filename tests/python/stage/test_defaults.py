@@ -318,3 +318,34 @@ def test_strange_scenes_get_a_finite_camera(scene: Scene) -> None:
     got = quietly(scene)
     assert np.isfinite(got.cameras[0].to_world).all()
     assert has_light(got)
+
+
+@pytest.mark.parametrize("lamp", ["on the wall", "point"])
+def test_a_lit_room_whose_normals_point_outwards_is_seen_from_within(lamp: str) -> None:
+    outwards = Mesh(*_arrays(box((-2, 0, -1.5), (2, 2.5, 1.5))), PAINT)
+    if lamp == "point":
+        scene = Scene(meshes=(outwards,), lights=(PointLight((0, 2, 0), (1, 1, 1)),))
+    else:
+        corners = np.array([[-0.5, 1, -1.49], [0.5, 1, -1.49], [0.5, 2, -1.49], [-0.5, 2, -1.49]])
+        glow = replace(PAINT, emission=grey(10.0))
+        scene = Scene(meshes=(outwards, Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]), glow)))
+    with pytest.warns(EclatWarning, match="it looks like a room, so a camera is placed inside"):
+        camera = complete(scene).cameras[0]
+    assert (np.abs(np.asarray(camera.to_world)[:3, 3] - (0, 1.25, 0)) < (2, 1.25, 1.5)).all()
+
+
+@pytest.mark.parametrize("light", ["outside", "sky", "one-sided walls", "none"])
+def test_a_closed_box_that_is_not_lit_within_is_seen_from_outside(light: str) -> None:
+    paint = replace(PAINT, two_sided=light != "one-sided walls")
+    place = (0.0, 2.0, 5.0 if light == "outside" else 0.0)
+    scene = Scene(
+        meshes=(Mesh(*_arrays(box((-2, 0, -1.5), (2, 2.5, 1.5))), paint),),
+        lights=() if light in ("sky", "none") else (PointLight(place, (1, 1, 1)),),
+        environment=Environment(np.ones((1, 1, 3), np.float32)) if light == "sky" else None,
+    )
+    with pytest.warns(EclatWarning, match="a camera is placed outside of it"):
+        complete(scene)
+
+
+def _arrays(solid: Solid) -> tuple[np.ndarray, np.ndarray]:
+    return solid.positions, solid.triangles

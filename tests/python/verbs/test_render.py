@@ -134,6 +134,9 @@ def test_a_replay_repeats_the_sample_that_was_not_finite(cornell: eclat.Scene) -
         ({"crop": (0, 0, 49, 1)}, r"inside the picture of 48x48 pixels, got"),
         ({"camera": 3}, "below 1, the number of cameras of cornell-box, got 3"),
         ({"seed": -1}, "seed must be between 0 and"),
+        ({"tile_order": [0, 1, 2]}, r"tile_order: expected a permutation of the 4 indices 0 to 3, got \[0, 1, 2\]"),
+        ({"tile_order": [0, 0, 1, 2]}, "tile_order: expected a permutation"),
+        ({"tile_order": [-1, 0, 1, 2]}, "tile_order: expected a permutation"),
         ({"threads": 0}, "threads must be between 1 and 1024, got 0"),
     ],
 )

@@ -14,6 +14,7 @@ from pathlib import Path
 import numpy as np
 
 from eclat.errors import EclatError, warn
+from eclat.loaders.budget import OBJECT, spend
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.cameras import read_camera
 from eclat.loaders.gltf.container import Document
@@ -28,15 +29,8 @@ from eclat.loaders.gltf.primitives import (
     split_solids_and_sheets,
     transform_primitive,
 )
-from eclat.loaders.parts import LimitError, Parts
+from eclat.loaders.parts import Parts
 from eclat.scene import Camera, Material, Mesh, Scene
-
-MAX_VERTICES = 1 << 26
-"""The largest number of vertices of all instances together, which take 6 GB. Without a limit, a small file with many
-instances could fill the memory."""
-
-MESH_COST = 256
-"""The smallest number of vertices that an instance counts for. It covers the memory of its Python objects."""
 
 
 def load_gltf(path: str | Path) -> Scene:
@@ -71,13 +65,12 @@ class _Builder:
         self._document = document
         self._accessors = Accessors(document)
         self._materials = Materials(document)
-        self._primitives: dict[tuple[str, tuple[float, ...]], tuple[Primitive, Material] | None] = {}
+        self._primitives: dict[tuple[str, tuple[float, ...]], list[tuple[Primitive, Material]]] = {}
         extension = document.root.extension("KHR_lights_punctual")
         self._known_lights = [] if extension is None else extension.children("lights")
         self._meshes: list[Mesh] = []
         self._lights: list[Light] = []
         self._cameras: list[Camera] = []
-        self._vertices = 0
         self._parts = Parts()
 
     def build(self, name: str) -> Scene:
@@ -138,12 +131,9 @@ class _Builder:
         key = (element.where, weights)
         if key not in self._primitives:
             self._primitives[key] = self._read(element, weights)
-        found = self._primitives[key]
-        if found is None:
-            return
-        primitive, material = found
-        parts = split_solids_and_sheets(primitive, material)
-        self._spend(max(len(primitive.positions), MESH_COST) * len(places), element)
+        parts = self._primitives[key]
+        for part, _ in parts:
+            spend(_transformed_size(part) * len(places), element.where)
         for matrix in places:
             if np.linalg.matrix_rank(matrix[:3, :3]) < 2:
                 warn(
@@ -153,16 +143,14 @@ class _Builder:
                 continue
             self._meshes += [transform_primitive(part, matrix, surface, name) for part, surface in parts]
 
-    def _read(self, element: Element, weights: tuple[float, ...]) -> tuple[Primitive, Material] | None:
+    def _read(self, element: Element, weights: tuple[float, ...]) -> list[tuple[Primitive, Material]]:
+        """Read a primitive as parts that have one material each. There are none if it has no triangles."""
         note = element.eclat_extras()
         if note is not None and note.flag("back_side"):
-            return None  # The primitive that holds the front side gets a two-sided material instead.
-        attributes = element.child("attributes")
-        positions = self._accessors.floats(attributes, "POSITION", ("VEC3",)) if attributes is not None else None
-        self._spend(0 if positions is None else len(positions), element)
+            return []  # The primitive that holds the front side gets a two-sided material instead.
         primitive = read_primitive(element, self._accessors, weights, self._document.second_uv_set)
         if primitive is None:
-            return None
+            return []
         material = self._materials.of(element, primitive.colors is not None)
         for uv_set in sorted(used_uv_sets(material)):
             if (primitive.uvs, primitive.uvs2)[uv_set] is None:
@@ -172,15 +160,7 @@ class _Builder:
                 )
         if primitive.colors is not None and self._materials.ignores_alpha(element):
             primitive.colors[:, 3] = 1
-        return primitive, material
-
-    def _spend(self, vertices: int, element: Element) -> None:
-        self._vertices += vertices
-        if self._vertices > MAX_VERTICES:
-            raise LimitError(
-                f"{element.where}: expected at most {MAX_VERTICES} vertices in the scene, including instances, "
-                "got more with this primitive"
-            )
+        return split_solids_and_sheets(primitive, material)
 
     def _add_light(self, reference: Element, to_world: Matrix) -> None:
         index = reference.index("light", len(self._known_lights), "lights")
@@ -193,6 +173,14 @@ class _Builder:
         if camera is not None:
             name = node.text("name") or camera.text("name") or camera.where.partition(", ")[2]
             self._cameras.append(read_camera(camera, to_world, name))
+
+
+def _transformed_size(primitive: Primitive) -> int:
+    """Return the number of bytes that an instance of a primitive takes. It shares triangles, unless it is mirrored,
+    texture coordinates and colours with the other instances.
+    """
+    arrays = (primitive.positions, primitive.triangles, primitive.normals, primitive.tangents)
+    return OBJECT + sum(array.nbytes for array in arrays if array is not None)
 
 
 def _weights(node: Element, mesh: Element) -> tuple[float, ...]:

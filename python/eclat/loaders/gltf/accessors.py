@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
+from eclat.loaders.budget import spend
 from eclat.loaders.gltf.container import Document
 from eclat.loaders.gltf.element import Element
 
@@ -27,13 +28,14 @@ COMPONENT_TYPES: dict[int, np.dtype] = {
 WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
 """The number of components of each type of element."""
 
-MAX_ZEROS = 1 << 22
-"""The largest number of elements in an accessor without a buffer view, which consists of zeros. Without a limit, a small
-file could fill the memory."""
+MAX_ZEROS = 1 << 20
+"""The largest number of elements in an accessor without a buffer view, which consists of zeros. The zeros take no memory,
+but what is computed from them does."""
 
 
 class Accessors:
-    """The accessors of a document. Each is read once. The arrays are shared, so they must not be modified."""
+    """The accessors of a document. Each is read once. The arrays are shared with each other and with the buffers, so they
+    must not be modified."""
 
     def __init__(self, document: Document) -> None:
         self._document = document
@@ -115,7 +117,7 @@ def _read_accessor(document: Document, accessor: Element) -> Numbers:
             f"{accessor.where}: expected a bufferView, or at most {MAX_ZEROS} elements without one, got {count} elements"
         )
     else:
-        values = np.zeros((count, width), dtype)
+        values = np.broadcast_to(np.zeros(1, dtype), (count, width))
     sparse = accessor.child("sparse")
     return values if sparse is None else _substitute(document, sparse, values)
 
@@ -128,7 +130,7 @@ def _component_type(owner: Element) -> np.dtype:
 
 
 def _elements(view: tuple[memoryview, int | None], owner: Element, dtype: np.dtype, width: int, count: int) -> Numbers:
-    """Read `count` elements of a buffer view as a packed array (count, width)."""
+    """Return `count` elements of a buffer view as an array (count, width) that shares the memory of the buffer."""
     data, stride = view
     size = dtype.itemsize * width
     stride = stride or size
@@ -142,8 +144,7 @@ def _elements(view: tuple[memoryview, int | None], owner: Element, dtype: np.dty
         raise EclatError(
             f"{owner.where}: expected a bufferView of at least {end} bytes for {count} elements, got {len(data)} bytes"
         )
-    strided = np.ndarray((count, width), dtype, data, start, (stride, dtype.itemsize))
-    return np.ascontiguousarray(strided)
+    return np.ndarray((count, width), dtype, data, start, (stride, dtype.itemsize))
 
 
 def _substitute(document: Document, sparse: Element, values: Numbers) -> Numbers:
@@ -160,6 +161,7 @@ def _substitute(document: Document, sparse: Element, values: Numbers) -> Numbers
         raise EclatError(
             f"{where.where}: expected unsigned integers below {len(values)}, the count of the accessor, got others"
         )
+    spend(values.nbytes, sparse.where)
     result = values.copy()
     result[indices] = _elements(value_view, new, values.dtype, values.shape[1], count)
     return result

@@ -10,12 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
+from eclat.loaders.budget import check
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.container import Document
 from eclat.loaders.gltf.element import Element
 
 Matrix = NDArray[np.float64]
 _INSTANCING = "EXT_mesh_gpu_instancing"
+_INSTANCE_SIZE = 512
+"""The number of bytes that a transform takes while it is computed: four 4×4 matrices of float64."""
 
 
 def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
@@ -92,6 +95,7 @@ def instances(node: Element, accessors: Accessors) -> Matrix:
     if len(counts) != 1:
         raise EclatError(f"{attributes.where}: expected attributes with equal counts, got {sorted(counts)}")
     count = counts.pop()
+    check(_INSTANCE_SIZE * count, attributes.where)
     if count == 0:
         raise EclatError(f"{attributes.where}: expected at least one instance, got none")
 

@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
+from eclat.loaders.budget import check, spend
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.element import Element
 from eclat.loaders.gltf.topology import read_triangles
@@ -20,6 +21,10 @@ from eclat.scene import Material, Mesh
 Floats = NDArray[np.float32]
 _ROUNDING = 1e-3
 """The amount by which vertex colours may exceed 1 without a warning, since rounding may explain it."""
+_VERTEX_SIZE = 36
+"""The number of bytes that a position takes while a primitive is read, as float32 and float64."""
+_CORNER_SIZE = 24
+"""The number of bytes that an index takes while triangles are read, as int32 several times."""
 _DRACO = "KHR_draco_mesh_compression"
 
 
@@ -67,11 +72,13 @@ def read_primitive(
         return None
     _refuse_draco(element, attributes, accessors)
     reader = _Attributes(element, attributes, accessors, weights)
+    corners = accessors.count(element, "indices") if "indices" in element.data else reader.count
+    check(_VERTEX_SIZE * reader.count + _CORNER_SIZE * corners, element.where)
     triangles = read_triangles(element, accessors, reader.count)
     if triangles is None:
         return None
     normals = reader.read("NORMAL", ("VEC3",))
-    return _compact(
+    primitive = _compact(
         Primitive(
             where=element.where,
             positions=reader.positions,
@@ -84,6 +91,10 @@ def read_primitive(
             colors=reader.colors(),
         )
     )
+    arrays = (primitive.positions, primitive.triangles, primitive.normals, primitive.tangents)
+    others = (primitive.uvs, primitive.uvs2, primitive.colors)
+    spend(sum(array.nbytes for array in (*arrays, *others) if array is not None), element.where)
+    return primitive
 
 
 def split_solids_and_sheets(primitive: Primitive, material: Material) -> list[tuple[Primitive, Material]]:

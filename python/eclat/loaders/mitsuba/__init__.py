@@ -13,6 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from eclat.errors import EclatError, did_you_mean, shown
+from eclat.loaders.budget import count_file
 from eclat.loaders.mitsuba.assemble import assemble
 from eclat.loaders.mitsuba.dicts import parse_bsdf, parse_dict
 from eclat.loaders.mitsuba.materials import Materials, known_kinds
@@ -20,6 +21,10 @@ from eclat.loaders.mitsuba.parse import parse_xml
 from eclat.scene import Material, Scene
 
 __all__ = ["load_dict", "load_material", "load_xml"]
+
+_DICT_SIZE = 232
+"""The number of bytes that a dict of a few entries takes in the caller's memory. It counts as the size of a file does for the
+memory that the scene may take."""
 
 
 def load_xml(path: Path, parameters: dict[str, str] | None = None) -> Scene:
@@ -60,7 +65,22 @@ def load_dict(d: Mapping[str, Any], base_folder: Path | None = None) -> Scene:
     >>> len(scene.meshes)
     1
     """
-    return assemble(parse_dict(d, Path(base_folder) if base_folder is not None else Path()), "dict")
+    folder = Path(base_folder) if base_folder is not None else Path()
+    tree = parse_dict(d, folder)
+    count_file(folder, _DICT_SIZE * _count_dicts(d))
+    return assemble(tree, "dict")
+
+
+def _count_dicts(tree: Mapping[str, Any]) -> int:
+    """Return how many different dicts there are in `tree`. A dict that occurs several times counts once."""
+    seen: set[int] = set()
+    stack: list[Mapping[str, Any]] = [tree]
+    while stack:
+        found = stack.pop()
+        if id(found) not in seen:
+            seen.add(id(found))
+            stack.extend(value for value in found.values() if isinstance(value, Mapping))
+    return len(seen)
 
 
 def load_material(bsdf: Mapping[str, Any], base_folder: Path | None = None) -> Material:

@@ -111,6 +111,10 @@ def _color(given: Mapping[str, Any], where: str, folder: Path) -> Color | None:
     if value is None and kind == "spectrum" and "filename" in given:
         holder = Node("spectrum", "", where, (folder,), properties={"filename": given["filename"]})
         return read_spd(holder.file("filename"), where)
+    if value is None:
+        others = [key for key in given if key != "type"]
+        near = "".join(did_you_mean(str(key), ["value"]) for key in others[:1])
+        raise EclatError(f"{where}: expected the entry 'value' in a dict of type {kind!r}, got {shown(others)}{near}")
     if isinstance(value, str):
         return parse_rgb(value, where) if kind != "spectrum" else parse_spectrum(value, where)
     array = _array(value, where)

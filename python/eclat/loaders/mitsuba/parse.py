@@ -14,6 +14,7 @@ from typing import Any
 import numpy as np
 
 from eclat.errors import EclatError, did_you_mean, warn
+from eclat.loaders.budget import spend
 from eclat.loaders.mitsuba.elements import Element, read_elements
 from eclat.loaders.mitsuba.node import MAX_DEPTH, Node, parse_boolean, parse_number, parse_vector, snake_case
 from eclat.loaders.mitsuba.references import Identifiers, resolve_references
@@ -38,6 +39,10 @@ _MAX_INCLUDES = 1000
 _MAX_EXPANDED = 1 << 14
 """The largest number of characters in an attribute after the substitution of parameters. Without a limit, parameters
 that contain each other twice could fill the memory."""
+
+_NODE_SIZE = 1 << 11
+"""The number of bytes that an object of the scene takes, with its properties. Files that are included many times would
+otherwise fill the memory."""
 
 
 def parse_xml(path: Path, parameters: dict[str, str]) -> Node:
@@ -127,6 +132,7 @@ class _Parser:
 
     def object(self, element: Element, parent: Node, stack: tuple[Path, ...], depth: int) -> None:
         attributes = element.attributes
+        spend(_NODE_SIZE, element.where)
         node = Node(OBJECT_TAGS[element.tag], _needed(element, "type"), element.where, self.folders)
         node.id, node.legacy = attributes.get("id", ""), self.legacy
         for child in element.children:

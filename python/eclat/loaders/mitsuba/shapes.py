@@ -9,6 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from eclat.errors import EclatError, did_you_mean, warn
+from eclat.loaders.budget import size_of, spend
 from eclat.loaders.mitsuba import primitives
 from eclat.loaders.mitsuba.kinds import PLUGINS
 from eclat.loaders.mitsuba.materials import Materials, default_material
@@ -18,12 +19,7 @@ from eclat.loaders.mitsuba.placement import transform_mesh
 from eclat.loaders.mitsuba.primitives import SEGMENTS
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.mitsuba.transforms import Matrix, is_singular, normalize
-from eclat.loaders.parts import LimitError
 from eclat.scene import Material, Mesh, grey
-
-_MAX_TRIANGLES = 10**8
-"""The largest number of triangles in a scene. Instances are copied, so that without a limit a small file could fill the
-memory."""
 
 _MAX_COORDINATE = 1e18
 """The largest absolute value of a coordinate. The square of a distance must not overflow float32."""
@@ -31,15 +27,13 @@ _MAX_COORDINATE = 1e18
 
 @dataclass
 class Shapes:
-    """The converter of the shapes of a scene. It keeps converted materials and groups, and counts the triangles."""
+    """The converter of the shapes of a scene. It keeps converted materials and groups."""
 
     materials: Materials = field(default_factory=Materials)
     groups: dict[int, list[Mesh]] = field(default_factory=dict)
     lit: dict[tuple[int, int], tuple[Material, Material]] = field(default_factory=dict)
     """The emissive copies of materials, by the `id` of the material and of the emitter. The second material is the
     original one. It is kept alive here, so that no other object gets its `id`."""
-    triangles: int = 0
-    """The number of triangles so far."""
     tessellation: Tessellation | None = None
     """The number of segments of each round shape. If it is None, all have the default number."""
 
@@ -49,7 +43,7 @@ class Shapes:
         Raises
         ------
         EclatError : a file or a value is invalid.
-        LimitError : the scene has too many triangles.
+        LimitError : the scene has too much geometry for the size of its files.
         """
         if node.type == "shapegroup":
             return []  # only its instances are visible
@@ -65,7 +59,8 @@ class Shapes:
             near = "" if node.type in PLUGINS["shape"] else did_you_mean(node.type, PLUGINS["shape"])
             warn(f"{node.where}: the shape type {node.type!r} is not supported{near}; the shape is left out")
             return []
-        self._check(meshes, node)
+        _check_coordinates(meshes, node)
+        spend(sum(size_of(mesh) for mesh in meshes), node.where)
         return [replace(mesh, material=self._lit(mesh.material, node)) for mesh in meshes]
 
     def _instance(self, node: Node) -> list[Mesh]:
@@ -77,22 +72,10 @@ class Shapes:
             self.groups[id(group)] = [mesh for _, child in group.of_tag("shape") for mesh in self.of(child)]
         meshes = self.groups[id(group)]
         matrix = self._to_world(node)
+        spend(sum(size_of(mesh) for mesh in meshes), node.where)
         copies = [transform_mesh(mesh, matrix) for mesh in meshes]
-        self._check(copies, node)
+        _check_coordinates(copies, node)
         return copies
-
-    def _check(self, meshes: list[Mesh], node: Node) -> None:
-        """Count the triangles. Raises EclatError if there are too many or if a coordinate is too large."""
-        for mesh in meshes:
-            if np.abs(mesh.positions).max(initial=0.0) > _MAX_COORDINATE:
-                raise EclatError(
-                    f"{node.where}: expected coordinates whose absolute value is at most {_MAX_COORDINATE:g}, got larger ones"
-                )
-        self.triangles += sum(len(mesh.triangles) for mesh in meshes)
-        if self.triangles > _MAX_TRIANGLES:
-            raise LimitError(
-                f"{node.where}: expected at most {_MAX_TRIANGLES:.0e} triangles in the scene, including instances, got more"
-            )
 
     def _primitive(self, node: Node) -> list[Mesh]:
         segments = SEGMENTS if self.tessellation is None else self.tessellation.segments(node)
@@ -162,6 +145,15 @@ class Shapes:
                 material = replace(material, opacity=grey(1.0), two_sided=False)
             self.lit[key] = replace(material, emission=radiance), original
         return self.lit[key][0]
+
+
+def _check_coordinates(meshes: list[Mesh], node: Node) -> None:
+    """Raise EclatError if a coordinate is too large."""
+    for mesh in meshes:
+        if np.abs(mesh.positions).max(initial=0.0) > _MAX_COORDINATE:
+            raise EclatError(
+                f"{node.where}: expected coordinates whose absolute value is at most {_MAX_COORDINATE:g}, got larger ones"
+            )
 
 
 def _sphere(node: Node, segments: int) -> tuple[primitives.Surface, Matrix] | None:

@@ -13,10 +13,11 @@ import numpy as np
 from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
 from eclat.measure.error_estimate import ErrorEstimate, without_light_by_chance
-from eclat.methods.method import Common, DamagedArrayError, Solved
+from eclat.methods.method import Solved
 from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
+from eclat.methods.saved import Common, DamagedArrayError
 from eclat.methods.traced import ROULETTE_DEPTH
 from eclat.methods.work import Work
 from eclat.scene import FloatArray, Scene

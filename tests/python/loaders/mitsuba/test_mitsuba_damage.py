@@ -67,6 +67,10 @@ def test_entities_and_deep_nesting_are_refused_before_they_hurt(tmp_path: Path) 
             {"type": "scene", "a": {"type": "cube", "to_world": np.eye(5)}},
             r"4×4 matrix, got an array of shape \(5, 5\)",
         ),
+        (
+            {"type": "scene", "a": {"type": "diffuse", "reflectance": {"type": "rgb", "valeu": 0.5}}},
+            r"expected the entry 'value' in a dict of type 'rgb', got \['valeu'\]; did you mean 'value'\?",
+        ),
         ({"type": "scene", "a": {"type": "cube", "to_world": np.full((4, 4), np.nan)}}, "finite"),
         (
             {"type": "scene", "a": {"type": "cube", "b": {"type": "ref", "id": "none"}}},

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
+import eclat
 from eclat.errors import EclatError, EclatWarning
 from eclat.loaders.mitsuba import load_dict
 from eclat.loaders.mitsuba.primitives import SEGMENTS
@@ -248,10 +249,10 @@ def test_a_million_copies_are_refused_before_they_fill_the_memory() -> None:
     copies = {f"copy_{i}": copy for i in range(20)}
     with (
         pytest.MonkeyPatch.context() as patch,
-        pytest.raises(EclatError, match=r"copy_\d+.*at most 1e\+05 triangles"),
+        pytest.raises(EclatError, match=r"copy_\d+.*at most 4 MiB of geometry"),
     ):
-        patch.setattr("eclat.loaders.mitsuba.shapes._MAX_TRIANGLES", 10**5)
-        load_dict({"type": "scene", "group": group, **copies})
+        patch.setattr("eclat.loaders.budget.ALLOWANCE", 1 << 22)
+        eclat.load_dict({"type": "scene", "group": group, **copies})
 
 
 def test_gltf_is_a_shape_with_its_own_materials(tmp_path) -> None:
