@@ -97,11 +97,12 @@ export class EclatLightmap {
   }
 
   async fullRange(index) {
-    const uri = this.parser.json.asset?.extras?.eclat?.lightmap;
+    const { lightmap: uri, lightmap_set: mark } = this.parser.json.asset?.extras?.eclat ?? {};
     if (uri === undefined) return null;
     try {
       this.sidecar ??= this.readSidecar(uri);
-      const { pages, path } = await this.sidecar;
+      const { pages, path, set } = await this.sidecar;
+      if (set !== mark) throw new Error(`${uri} is of another bake than the scene`);
       const page = pages.find((candidate) => candidate.gltf_texture === index);
       if (page === undefined) throw new Error(`${uri} has no page for texture ${index}`);
       return await this.readPage(LoaderUtils.resolveURL(encodeURIComponent(page.exr), path));
@@ -111,15 +112,15 @@ export class EclatLightmap {
     }
   }
 
-  /** The JSON side-car's pages, and the folder in which their files lie. */
+  /** The JSON side-car's pages, the mark of its bake, and the folder in which their files lie. */
   async readSidecar(uri) {
     const url = LoaderUtils.resolveURL(uri, this.parser.options.path);
     const text = await this.fetch(url, 'text');
-    const { version, pages } = parseJson(text, url);
+    const { version, pages, set } = parseJson(text, url);
     if (version !== SIDECAR_VERSION || !Array.isArray(pages)) {
       throw new Error(`${url}: expected a side-car of version ${SIDECAR_VERSION}, got version ${version}`);
     }
-    return { pages, path: LoaderUtils.extractUrlBase(url) };
+    return { pages, set, path: LoaderUtils.extractUrlBase(url) };
   }
 
   /**

@@ -51,9 +51,11 @@ def save_lit_quad(
     file.append("scenes", {"nodes": list(range(materials + 1))})
     file.json["scene"] = 0
     file.json["extensionsUsed"] = ["MOZ_lightmap", "KHR_materials_specular"]
-    file.json["asset"]["extras"] = {"eclat": {"lightmap": quote(f"{stem}.lightmap.json")}}
+    file.json["asset"]["extras"] = {"eclat": {"lightmap": quote(f"{stem}.lightmap.json"), "lightmap_set": "one bake"}}
     pages = [{"exr": f"{stem}.lightmap.exr", "gltf_texture": light_map, "intensity": intensity}]
-    (folder / f"{stem}.lightmap.json").write_text(json.dumps({"version": 1, "pages": pages}), encoding="utf-8")
+    (folder / f"{stem}.lightmap.json").write_text(
+        json.dumps({"version": 1, "set": "one bake", "pages": pages}), encoding="utf-8"
+    )
     (folder / f"{stem}.lightmap.exr").write_bytes(encode_exr(irradiance.astype(np.float32), {}, {}, {}))
     return file.save(folder, f"{stem}.glb")
 

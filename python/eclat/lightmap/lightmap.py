@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
 import os
@@ -91,7 +92,9 @@ class Lightmap:
         """Write the files `room_lit.glb`, `room_lit.lightmap.exr` and `room_lit.lightmap.json`, and return their paths.
 
         The .glb holds the scene and its light map as MOZ_lightmap with 8 bits per channel; the .exr holds the same map
-        in single precision; the .json describes both. Either all three files are written or none.
+        in single precision; the .json describes both. Either all three files are written or none. If
+        the process is killed between two renames, the .glb is the previous one, and its `lightmap_set` differs from
+        `set` in the .json.
 
         Raises
         ------
@@ -104,13 +107,17 @@ class Lightmap:
         glb, exr, side_car = names
         intensity, generator = self.intensity(), f"eclat {eclat.__version__}"
         note = quote(side_car.name)
+        picture = encode_exr(self.irradiance, {}, {"unit": self.unit, "component": self.component}, {})
+        # A crash between two renames can leave files of two bakes. The scene, whose own map is complete, is renamed last,
+        # and readers ignore a description that does not have the scene's mark.
+        mark = hashlib.sha256(picture).hexdigest()[:32]
         data = encode_glb(
             self.scene,
             self.parts,
             lightmap=LightmapTexture(self.png(intensity), intensity, {"eclat": {"lightmap": note}}),
             lights=self.component == "indirect",
             generator=generator,
-            notes={"lightmap": note},
+            notes={"lightmap": note, "lightmap_set": mark},
         )
         page = {
             "exr": exr.name,
@@ -123,6 +130,7 @@ class Lightmap:
             "version": VERSION,
             "generator": generator,
             "glb": glb.name,
+            "set": mark,
             "method": self.method,
             "component": self.component,
             "unit": self.unit,
@@ -133,9 +141,8 @@ class Lightmap:
             "statistics": self.statistics | {"clipped_share": self.clipped_share()},
             "settings": self.settings,
         }
-        picture = encode_exr(self.irradiance, {}, {"unit": self.unit, "component": self.component}, {})
         text = json.dumps(description, ensure_ascii=False, indent=2).encode() + b"\n"
-        write_files({exr: picture, side_car: text, glb: data})
+        write_files({side_car: text, exr: picture, glb: data})
         return list(names)
 
     @typed

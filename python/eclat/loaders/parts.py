@@ -46,7 +46,9 @@ class Parts:
         except LimitError:
             raise
         except EclatError as error:
-            self._errors.append(error)
+            # The traceback would keep the arrays of the part alive.
+            error.__cause__ = error.__context__ = None
+            self._errors.append(error.with_traceback(None))
         else:
             self._good += 1
 

@@ -4,9 +4,14 @@
 
 from __future__ import annotations
 
+import hashlib
 import io
 import json
+import pickle
+import signal
 import struct
+import subprocess
+import sys
 from dataclasses import replace
 from pathlib import Path
 
@@ -38,6 +43,7 @@ def test_files(baked: eclat.Lightmap, tmp_path: Path) -> None:
     root, binary = chunks(glb)
     said = json.loads(side_car.read_text(encoding="utf-8"))
     assert root["asset"]["extras"]["eclat"]["lightmap"] == "a%20room.lightmap.json"
+    assert root["asset"]["extras"]["eclat"]["lightmap_set"] == said["set"]
     (page,) = said["pages"]
     assert (said["version"], said["unit"], said["component"], said["method"]) == (
         1,
@@ -58,6 +64,39 @@ def test_files(baked: eclat.Lightmap, tmp_path: Path) -> None:
     low, high = (srgb_decode((pixels + step) / 255) * page["intensity"] for step in (-0.501, 0.501))
     inside = baked.irradiance <= page["intensity"]
     assert ((low <= baked.irradiance) & (baked.irradiance <= high))[inside].all()
+
+
+KILLED = """
+import os, pickle, signal, sys
+with open("map.pickle", "rb") as file:
+    lightmap = pickle.load(file)
+real, left = os.replace, [int(sys.argv[1])]
+def replace(source, target):
+    if left[0] == 0:
+        os.kill(os.getpid(), signal.SIGKILL)
+    left[0] -= 1
+    real(source, target)
+os.replace = replace
+lightmap.save("room.glb")
+"""
+
+
+@pytest.mark.parametrize("renames", [0, 1, 2, 3])
+def test_a_kill_between_the_renames_leaves_a_scene_that_knows_its_files(
+    baked: eclat.Lightmap, tmp_path: Path, renames: int
+) -> None:
+    glb, exr, side_car = baked.save(tmp_path / "room.glb")
+    before = glb.read_bytes()
+    with open(tmp_path / "map.pickle", "wb") as file:
+        pickle.dump(replace(baked, irradiance=2 * baked.irradiance), file)
+    run = subprocess.run([sys.executable, "-c", KILLED, str(renames)], cwd=tmp_path)
+    assert run.returncode == (0 if renames == 3 else -signal.SIGKILL)
+    assert (glb.read_bytes() == before) == (renames < 3)
+    mark = chunks(glb)[0]["asset"]["extras"]["eclat"]["lightmap_set"]
+    same = json.loads(side_car.read_bytes())["set"] == mark
+    assert same == (renames in (0, 3))
+    if same:
+        assert hashlib.sha256(exr.read_bytes()).hexdigest().startswith(mark)
 
 
 def test_a_solution_describes_itself_in_one_line(baked: eclat.Lightmap) -> None:

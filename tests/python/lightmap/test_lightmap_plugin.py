@@ -60,6 +60,10 @@ BROKEN: dict[str, tuple[Callable[[Path, str], None], str]] = {
     "bad-json": (_page("json"), "bad-json.lightmap.json is not JSON"),
     "bad-exr": (_page("exr"), "bad-exr.lightmap.exr is not an EXR file that three.js can read"),
     "later-version": (_sidecar(lambda content: content.update(version=2)), "version 1, got version 2"),
+    "other-bake": (
+        _sidecar(lambda content: content.update(set="another bake")),
+        "other-bake.lightmap.json is of another bake than the scene",
+    ),
     "no-page": (_sidecar(lambda content: content.update(pages=[])), "no-page.lightmap.json has no page for texture 0"),
 }
 

@@ -87,15 +87,25 @@ def accessors_without_data(folder: Path) -> Path:
     return file.save(folder)
 
 
+def invalid_primitives(folder: Path) -> Path:
+    """20 primitives have a million positions each, and tangents of a wrong type."""
+    file = GltfFile()
+    file.mesh_node()
+    position = file.append("accessors", {"componentType": 5126, "type": "VEC3", "count": 1 << 20})
+    attributes = {"POSITION": position, "NORMAL": position, "TANGENT": position}
+    file.json["meshes"][0]["primitives"] = [{"attributes": attributes}] * 20
+    return file.save(folder)
+
+
 def strided_accessors(folder: Path) -> Path:
-    """3,000 accessors read the same interleaved buffer view."""
+    """2,000 accessors read the same interleaved buffer view."""
     file = GltfFile()
     file.mesh_node()
     view = file.json["accessors"][file.accessor(np.zeros((60000, 3)))]["bufferView"]
     file.json["bufferViews"][view]["byteStride"] = 16
     accessor = {"bufferView": view, "componentType": 5126, "type": "VEC3", "count": 44000}
     file.json["meshes"][0]["primitives"] = [
-        {"attributes": {"POSITION": file.append("accessors", dict(accessor))}} for _ in range(3000)
+        {"attributes": {"POSITION": file.append("accessors", dict(accessor))}} for _ in range(2000)
     ]
     return file.save(folder)
 
@@ -173,6 +183,7 @@ def large_gif(folder: Path) -> Path:
         (many_primitives, "refused scene.glb, meshes[0].primitives"),
         (many_indices, "refused scene.glb, meshes[0].primitives"),
         (accessors_without_data, "refused scene.glb, meshes[0].primitives"),
+        (invalid_primitives, "refused scene.glb, accessors[1]: expected VEC4"),
         (strided_accessors, "refused scene.glb, meshes[0].primitives"),
         (many_nodes, "refused scene.glb, meshes[0].primitives"),
         (spheres, "loaded"),

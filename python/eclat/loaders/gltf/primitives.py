@@ -78,19 +78,14 @@ def read_primitive(
     if triangles is None:
         return None
     normals = reader.read("NORMAL", ("VEC3",))
-    primitive = _compact(
-        Primitive(
-            where=element.where,
-            positions=reader.positions,
-            triangles=triangles,
-            normals=None if normals is None else _unit_normals(normals, reader.positions, triangles, element.where),
-            # The specification requires that tangents are ignored if there are no normals.
-            tangents=None if normals is None else reader.tangents(),
-            uvs=reader.read("TEXCOORD_0", ("VEC2",)),
-            uvs2=reader.read(f"TEXCOORD_{second_uv_set}", ("VEC2",)),
-            colors=reader.colors(),
-        )
-    )
+    # The specification requires that tangents are ignored if there are no normals.
+    tangents = None if normals is None else reader.tangents()
+    uvs, uvs2 = (reader.read(f"TEXCOORD_{number}", ("VEC2",)) for number in (0, second_uv_set))
+    colors = reader.colors()
+    if normals is not None:
+        # This is the last step, because it takes long, and an invalid attribute above makes it useless.
+        normals = _unit_normals(normals, reader.positions, triangles, element.where)
+    primitive = _compact(Primitive(element.where, reader.positions, triangles, normals, tangents, uvs, uvs2, colors))
     arrays = (primitive.positions, primitive.triangles, primitive.normals, primitive.tangents)
     others = (primitive.uvs, primitive.uvs2, primitive.colors)
     spend(sum(array.nbytes for array in (*arrays, *others) if array is not None), element.where)
