@@ -247,7 +247,11 @@ def _is_lit_within(scene: Scene, grid: Grid, upright: FloatArray) -> bool:
         return False
     if not any(mesh.material.two_sided for mesh in scene.meshes if not emits(mesh.material)):
         return False
-    lamps = [(np.array([light.position]), np.zeros((1, 3))) for light in scene.lights if hasattr(light, "position")]
+    lamps: list[tuple[FloatArray, FloatArray]] = [
+        (np.array([light.position]), np.zeros((1, 3)))
+        for light in scene.lights
+        if not isinstance(light, DirectionalLight)
+    ]
     lamps += [_some_triangles(mesh) for mesh in scene.meshes if emits(mesh.material) and len(mesh.triangles)]
     if not lamps:
         return False
