@@ -201,9 +201,7 @@ def render(
     if begun is not None:
         begun.require_match(scene, chosen, source.options.name, samples)
     elif preview is not None:
-        preview(first_look(scene, source, view, work))
-        if denoise and isinstance(source, Method) and source.solved is not None and is_reduced(view):
-            preview(_second_look(scene, view, work, started))
+        _show_looks(scene, source, view, work, denoise, preview)
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
     # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
@@ -320,6 +318,16 @@ def _sampling(
     if preview is not None:
         sampling.after_pass = _previewing(picture, sampling, preview)
     return sampling
+
+
+def _show_looks(
+    scene: Scene, source: Source, view: View, work: Work, denoise: bool, preview: Callable[[Image], None]
+) -> None:
+    """Show what there is before anything is solved."""
+    started = clock.perf_counter()
+    preview(first_look(scene, source, view, work))
+    if denoise and isinstance(source, Method) and source.solved is not None and is_reduced(view):
+        preview(_second_look(scene, view, work, started))
 
 
 def _second_look(scene: Scene, view: View, work: Work, started: float) -> Image:
