@@ -78,7 +78,7 @@ def read_header(data: bytes, where: str) -> Header:
         place = f"{where}, line {number}"
         match words:
             case ["comment" | "obj_info", word, _, *_] if word.lower().rstrip(":") == "texturefile":
-                textures.append(decoded(line).split(None, 2)[2].strip())
+                textures.append(_unquoted(decoded(line).split(None, 2)[2].strip()))
             case [] | ["comment" | "obj_info", *_]:
                 continue
             case ["format", name, *_]:
@@ -109,6 +109,11 @@ def _data_start(data: bytes, end: re.Match[bytes]) -> int:
     if end[1] == b"\r\n" and not re.match(rb"ply[ \t]*\r\n", data) and re.match(rb"ply[ \t]*\r", data):
         return end.start(1) + 1
     return end.end()
+
+
+def _unquoted(name: str) -> str:
+    """Remove the quotation marks that some programs write around the name of a file."""
+    return name[1:-1] if len(name) > 2 and name[0] == name[-1] and name[0] in "\"'" else name
 
 
 def _count(word: str, place: str) -> int:

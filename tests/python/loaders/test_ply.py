@@ -280,6 +280,18 @@ def test_a_texture_named_in_a_comment(tmp_path: Path, encoding: str, names: tupl
     np.testing.assert_allclose(mesh.uvs, [(u, 1 - v) for u, v in UVS])
 
 
+def test_the_name_of_a_texture_may_be_quoted(tmp_path: Path) -> None:
+    PillowImage.fromarray(np.full((2, 2, 3), 100, np.uint8)).save(tmp_path / "a b.png")
+    rows = [(*p, *uv) for p, uv in zip(VERTICES, UVS, strict=True)]
+    vertex = [*XYZ, "float s", "float t"]
+    data = ply("ascii", ("vertex", vertex, rows), ("face", FACE, [((0, 1, 2, 3),)]))
+    path = tmp_path / "test.ply"
+    path.write_bytes(data.replace(b"comment made by a test", b'comment TextureFile "a b.png"'))
+    (mesh,) = load_ply_scene(path).meshes
+    value = mesh.material.parameters["reflectance"]
+    assert value.texture is not None and value.texture.image[0, 0].tolist() == [100, 100, 100]
+
+
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_textures_by_face_and_their_corners(tmp_path: Path, encoding: str) -> None:
     face = ["list uchar int vertex_indices", "list uchar float texcoord", "int texnumber"]

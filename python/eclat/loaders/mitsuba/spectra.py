@@ -24,6 +24,7 @@ from eclat.loaders.mitsuba.node import (
     parse_number,
     parse_numbers,
 )
+from eclat.loaders.text_files import utf8
 from eclat.measure.spectrum import blackbody_to_rgb, emission_to_rgb, reflectance_to_rgb, srgb_to_linear
 
 Role = Literal["reflectance", "emission"]
@@ -135,7 +136,7 @@ def read_spd(path: Path, where: str) -> Curve:
 
     The character # starts a comment. Raises EclatError with the file and the line.
     """
-    text = read_bytes(path, where=where, limit=_MAX_SPD_BYTES).decode("utf-8", "replace")
+    text = utf8(read_bytes(path, where=where, limit=_MAX_SPD_BYTES), path.name).decode("utf-8", "replace")
     pairs = []
     for number, line in enumerate(text.splitlines(), start=1):
         words = re.split(r"[\s,;:]+", line.partition("#")[0].strip())

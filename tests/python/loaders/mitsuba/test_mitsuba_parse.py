@@ -179,6 +179,7 @@ def test_old_tags_are_understood(tmp_path: Path) -> None:
         ('<spectrum name="reflectance" value=".65 .65 .47"/>', (0.65, 0.65, 0.47)),
         ('<spectrum name="reflectance" value="300:.2 , 900 : 0.2,"/>', (0.2, 0.2, 0.2)),
         ('<spectrum name="reflectance" filename="flat.spd"/>', (0.3, 0.3, 0.3)),
+        ('<spectrum name="reflectance" filename="utf16.spd"/>', (0.3, 0.3, 0.3)),
         ('<spectrum name="reflectance" type="uniform"><float name="value" value="0.3"/></spectrum>', (0.3, 0.3, 0.3)),
         ('<float name="reflectance" value="0.25"/>', (0.25, 0.25, 0.25)),
         ('<texture name="reflectance" type="scale"><float name="scale" value="0.5"/><rgb name="value" value="1 .5 0"/>'
@@ -187,6 +188,7 @@ def test_old_tags_are_understood(tmp_path: Path) -> None:
 )  # fmt: skip
 def test_colours_however_they_are_written(tmp_path: Path, color: str, expected: tuple[float, ...]) -> None:
     (tmp_path / "flat.spd").write_text("# a grey\n300 0.3\n\n 900\t0.3 # end\n")
+    (tmp_path / "utf16.spd").write_text("300 0.3\n900 0.3\n", encoding="utf-16")
     scene = load(tmp_path, f'<shape type="rectangle"><bsdf type="diffuse">{color}</bsdf></shape>')
     assert scene.meshes[0].material.parameters["reflectance"].constant == pytest.approx(expected, abs=1e-4)
 
