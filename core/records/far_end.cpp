@@ -41,6 +41,19 @@ CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progres
     };
 }
 
+namespace {
+
+/// Reads cells where `first` knows nothing.
+CachedIrradiance or_cells(CachedIrradiance first, const FarCells& cells) {
+    return [first = std::move(first), &cells](const SurfacePoint& point, float distance) -> std::optional<Color> {
+        if (first)
+            if (const auto E = first(point, distance)) return E;
+        return cells.irradiance(point.position, point.frame.n, distance);
+    };
+}
+
+}  // namespace
+
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables, Reading reading) {
     return [&cache, &tables, reading](SurfacePoint& point, Vec3 wo) -> Color {
         ReflectedFactors factors;
@@ -55,13 +68,18 @@ CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables&
 }
 
 FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
-               Progress& progress, const RadianceTables* tables) {
+               Progress& progress, const RadianceTables* tables, const FarCells* cells) {
     FarEnd out;
     if (options.max_depth >= 0) return out;
-    if (options.far_photons)
+    if (options.far_photons) {
         out.irradiance = read_far(world, *options.far_photons, progress);
-    else if (!caches.far.records().empty())
-        out.irradiance = read_far(caches.far);
+    } else {
+        if (!caches.far.records().empty()) out.irradiance = read_far(caches.far);
+        if (cells) {
+            out.irradiance = or_cells(std::move(out.irradiance), *cells);
+            out.wants_samples = true;
+        }
+    }
     if (tables && !caches.radiance.records().empty())
         out.reflection = read_radiance(caches.radiance, *tables, Reading::nearest);
     return out;

@@ -5,6 +5,7 @@
 
 #pragma once
 
+#include "records/far_cells.h"
 #include "records/solved_caches.h"
 #include "transport/paths.h"
 
@@ -14,6 +15,7 @@ namespace eclat {
 struct FarEnd {
     CachedIrradiance irradiance;
     CachedReflection reflection;
+    bool wants_samples = false;  // whether gathers keep what paths find where nothing was read
 };
 
 /// Makes the reader by which gather rays read far records where they end. It returns nothing for rays that are shorter
@@ -22,10 +24,10 @@ CachedIrradiance read_far(const RecordCache& far);
 /// Makes the reader by which paths read records of radiance.
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
                                Reading reading = Reading::smooth);
-/// Makes the far end from the current state of the caches: photons or far records and, with `tables`, records of
-/// radiance. It is empty if the number of edges of paths is limited, because records contain light of all path lengths.
+/// Makes the far end from the current state of the caches: photons, or far records and, where none serves, `cells`; and,
+/// with `tables`, records of radiance. It is empty if the number of edges of paths is limited, because records contain light of all path lengths.
 FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
-               Progress& progress, const RadianceTables* tables = nullptr);
+               Progress& progress, const RadianceTables* tables = nullptr, const FarCells* cells = nullptr);
 
 /// Makes the far end from photons. All arguments must outlive it.
 CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progress& progress);

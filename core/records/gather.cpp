@@ -42,10 +42,12 @@ PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& option
     PathOptions paths;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
     paths.roulette_depth = roulette_after::gather_edges;
+    paths.roulette_beside_cache = true;
     paths.light_set = LightSet::without_smooth_environment;
     paths.emission_at_first_hit = false;
     paths.cache = far.irradiance;
     paths.reflection = far.reflection;
+    paths.estimate_irradiance = far.wants_samples;
     return paths;
 }
 
@@ -53,6 +55,7 @@ PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& option
 struct Sampled {
     HemisphereSamples samples;  // radiance and distance in each cell
     bool enclosed = false;      // whether most rays hit backs of one-sided surfaces
+    std::vector<CellSample> found;
 };
 
 /// Returns how many rays of a gather hit the back of a one-sided surface, or would hit it if backs were not culled.
@@ -104,6 +107,9 @@ Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, in
         samples.direction.push_back(samples.frame.to_local(rays[i].ray.direction));
         samples.hit_normal.push_back(samples.frame.to_local(results[i].normal));
         samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
+        if (results[i].irradiance)
+            out.found.push_back({rays[i].ray.origin + rays[i].ray.direction * results[i].distance, results[i].normal,
+                                 results[i].distance, *results[i].irradiance});
     }
     out.enclosed = 2 * count_backs(world, rays, results, progress) > count;
     return out;
@@ -196,7 +202,8 @@ Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Ro
     const IrradianceCacheOptions& options = task.options;
     Gathered out;
     IrradianceRecord& record = out.record;
-    auto [samples, enclosed] = sample_hemisphere(task, candidate, rows, kind);
+    auto [samples, enclosed, found] = sample_hemisphere(task, candidate, rows, kind);
+    out.samples = std::move(found);
     // A point that a camera sees is not inside a solid, even if a one-sided panel close to it fills its hemisphere.
     record.enclosed = enclosed && !candidate.seen;
     Excess excess;

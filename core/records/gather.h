@@ -17,6 +17,7 @@ struct Gathered {
     IrradianceRecord record;          // without its length and radius, which `space` sets
     float obstacle = infinity;        // distance of obstacles, which bounds the record's radius, m
     std::vector<Sighting> sightings;  // hits that were too bright for single rays
+    std::vector<CellSample> samples;  // irradiance that paths found at hits where no cache was read
     float reach = 0;                  // distance that the point sees, m; infinite if no ray hits a surface
     float footprint = 0;              // width of a pixel there, m; without a camera, `pixel_share` times the reach
 };

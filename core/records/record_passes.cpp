@@ -86,11 +86,16 @@ std::vector<IrradianceRecord> records_of(std::span<const Gathered> gathered) {
     return out;
 }
 
-/// Collects the records of a pass, and the sightings that the next pass uses.
-std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, BrightPlaces& bright) {
+/// Collects the records of a pass, and what the next pass uses: sightings, and irradiance at hits.
+std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, RecordSolve& solve, int threads) {
     std::vector<Sighting> sightings;
-    for (const Gathered& g : gathered) sightings.insert(sightings.end(), g.sightings.begin(), g.sightings.end());
-    bright.add(sightings);
+    std::vector<CellSample> samples;
+    for (const Gathered& g : gathered) {
+        sightings.insert(sightings.end(), g.sightings.begin(), g.sightings.end());
+        samples.insert(samples.end(), g.samples.begin(), g.samples.end());
+    }
+    solve.bright.add(sightings);
+    solve.cells.add(samples, threads);
     return records_of(gathered);
 }
 
@@ -173,7 +178,7 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     const auto gathered = gather_each(
         {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
         [&](const Candidate&) { return options.far_rows; }, 0, usual);
-    const auto records = remembered(gathered, solve.bright);
+    const auto records = remembered(gathered, solve, options.threads);
     // Far records are only used in averages over whole hemispheres, so they may be coarse. Unless a finer spacing is
     // requested, their radii are at least about a hundredth of the distance from which they are seen, which is taken to
     // be the distance that they see.
@@ -233,12 +238,12 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto missed = unserved(caches.near, candidates, options.threads);
     const auto wanted = solve.direct.worth_records(candidates, missed);
     caches.left_to_paths = solve.direct.left_to_paths();
-    const FarEnd far = far_end(world, caches, options, progress, solve.tables);
+    const FarEnd far = far_end(world, caches, options, progress, solve.tables, &solve.cells);
     const auto records = remembered(gather_each(
                                         {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
                                         [&](const Candidate& c) { return rows_for(c, caches.near, options, share); },
                                         caches.near.mean_luminance(), solve.usual_footprint),
-                                    solve.bright);
+                                    solve, options.threads);
     caches.near.insert(records, options.spacing, options.threads);
     if (options.disagreement < infinity)
         caches.near.shrink_where_records_disagree(options.disagreement, options.spacing, options.threads);

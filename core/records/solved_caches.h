@@ -7,6 +7,7 @@
 
 #include "records/bright_places.h"
 #include "records/direct_regions.h"
+#include "records/far_cells.h"
 #include "records/radiance_record_cache.h"
 #include "records/record_cache.h"
 #include "records/record_options.h"
@@ -30,6 +31,7 @@ struct RecordSolve {
     SolvedCaches& caches;                     // caches that the solve fills
     const RadianceTables* tables = nullptr;   // tables of lobes, for radiance caching
     BrightPlaces bright{};                    // places at which gathers aim rays
+    FarCells cells{};                         // what paths of gathers found where no far record serves
     DirectRegions direct{}, glossy_direct{};  // regions without records
     float usual_footprint = 0;                // of the first pass of near records, m, or 0 before it
 };

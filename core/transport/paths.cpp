@@ -21,6 +21,7 @@ class Tracer {
         for (uint32_t i = 0; i < rays.size(); ++i)
             paths.push({.sampler = rays[i].sampler, .index = i, .arrival = arrival, .from = rays[i].ray.origin},
                        rays[i].ray);
+        if (options_.estimate_irradiance) continued_.resize(rays.size());
         follow_paths(
             world_, std::move(paths), options_.coherence,
             options_.cache || options_.reflection ? Span::batch : Span::part, progress_,
@@ -29,6 +30,11 @@ class Tracer {
                 at_vertices(states, vertices, next);
             },
             [&](Paths<PathState>& next) { after_edge(next); });
+        for (size_t i = 0; i < continued_.size(); ++i) {
+            const Continued& from = continued_[i];
+            out_[i].radiance += from.weight * from.radiance;
+            if (from.matte) out_[i].irradiance = (from.radiance - from.sampled) * from.cosine_over_density;
+        }
     }
 
   private:
@@ -42,7 +48,10 @@ class Tracer {
         if (options_.cache) read_matte(paths, vertices);
         if (options_.reflection) read_glossy(paths, vertices);
         for (size_t i = 0; i < vertices.size(); ++i) {
-            deposit(vertices[i], edges_ - paths[i].panes, out_[paths[i].index]);
+            if (keeps_apart())
+                deposit_apart(paths[i], vertices[i]);
+            else
+                deposit(vertices[i], edges_ - paths[i].panes, out_[paths[i].index]);
             if (!vertices[i].missed() && goes_on(paths[i])) want_lights(paths[i], vertices[i]);
         }
         lights_.sample(wanted_, shadows_);
@@ -54,6 +63,39 @@ class Tracer {
             else
                 pass_straight(paths[i], vertices[i], next);
         }
+    }
+
+    /// What the ray that continued from the first vertex brings, kept apart from the light that is known at that vertex.
+    struct Continued {
+        Color weight;                   // of its radiance in the result
+        float cosine_over_density = 0;  // of its direction, or 0 where it brings no irradiance
+        bool matte = false;             // whether the first vertex has a matte lobe that no cache serves
+        Color radiance;                 // W m⁻² sr⁻¹
+        Color sampled;                  // the part that light samples at the first vertex would find as well
+    };
+
+    /// Returns whether light at the current vertices was brought by rays that continued from the first vertex and whose
+    /// throughput is counted from there.
+    bool keeps_apart() const { return !continued_.empty() && edges_ > 1; }
+
+    void deposit_apart(const PathState& path, const Vertex& v) {
+        Continued& to = continued_[path.index];
+        to.radiance += v.arriving;
+        if (!v.missed()) to.radiance += v.read_matte + v.read_glossy;
+        if (edges_ - path.panes > 2) return;
+        to.sampled += v.arriving;
+        if (v.missed()) to.sampled = to.sampled - path.throughput * world_.lights.left_out(-v.wo, options_.light_set);
+    }
+
+    /// Begins to count the throughput of a path at its first vertex, which it leaves along `ray`.
+    void set_apart(const Vertex& v, const Ray& ray, PathState& path) {
+        Continued& from = continued_[path.index];
+        from.weight = path.throughput;
+        // Roulette goes on to judge by the whole throughput.
+        path.eta2 *= max_component(path.throughput);
+        path.throughput = Color(1);
+        if (path.arrival == Arrival::weighted)
+            from.cosine_over_density = std::max(0.0f, dot(ray.direction, v.point.frame.n)) / path.pdf;
     }
 
     bool goes_on(const PathState& path) const {
@@ -74,6 +116,10 @@ class Tracer {
         next.append(split_);
         split_.clear();
         shadows_.resolve(world_, progress_, [&](uint32_t index, Color radiance, bool direct) {
+            if (keeps_apart()) {
+                continued_[index].radiance += radiance;
+                return;
+            }
             out_[index].radiance += radiance;
             if (direct) out_[index].direct += radiance;
         });
@@ -138,10 +184,15 @@ class Tracer {
     /// Continues a path in one direction or, from the first vertex, in several stratified directions.
     void continue_path(PathState& path, const Vertex& v, Paths<PathState>& next) {
         const int parts = paths_from(path);
-        const bool roulette = edges_ >= options_.roulette_depth;
+        const bool roulette =
+            edges_ >= options_.roulette_depth || (options_.roulette_beside_cache && !is_black(v.read_matte));
         Ray ray;
         if (parts == 1) {
-            if (go_on(v, LobeSet::uncached, roulette, path, ray, 1, light_samples())) next.push(path, ray);
+            const bool apart = !continued_.empty() && edges_ == 1;
+            if (apart) continued_[path.index].matte = v.point.bsdf.has_uncached_diffuse();
+            if (!go_on(v, LobeSet::uncached, roulette, path, ray, 1, light_samples())) return;
+            if (apart) set_apart(v, ray, path);
+            next.push(path, ray);
             return;
         }
         for (int part = 0; part < parts; ++part) {
@@ -157,9 +208,10 @@ class Tracer {
     DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;                    // number of edges of all paths that have not ended
-    Paths<PathState> split_;           // additional paths, which follow all others
-    std::vector<WantedLight> wanted_;  // light samples of the vertices that are being processed
+    int edges_ = 0;                     // number of edges of all paths that have not ended
+    Paths<PathState> split_;            // additional paths, which follow all others
+    std::vector<WantedLight> wanted_;   // light samples of the vertices that are being processed
+    std::vector<Continued> continued_;  // of each ray, if irradiance is estimated
     Shadows shadows_;
 };
 

@@ -46,6 +46,8 @@ using CachedReflection = std::function<Color(SurfacePoint& point, Vec3 wo)>;
 struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
     int roulette_depth = roulette_after::picture_edges;
+    bool roulette_beside_cache =
+        false;              // whether it may also end the other lobes of a vertex whose matte ones are cached
     int light_samples = 1;  // number of light samples at the first vertex
     int miss_paths = 1;     // number of paths that continue from a first vertex that the cache does not serve
     LightSet light_set = LightSet::all;  // if it excludes the environment, rays that escape count it fully
@@ -53,7 +55,8 @@ struct PathOptions {
     Coherence coherence = Coherence::none;
     CachedIrradiance cache;  // read at every matte vertex: near records in pictures, far records in gathers
     CachedReflection reflection;
-    CachedIrradiance far_cache;  // read beyond the first vertex, at points that `cache` does not serve
+    CachedIrradiance far_cache;        // read beyond the first vertex, at points that `cache` does not serve
+    bool estimate_irradiance = false;  // whether results hold the irradiance that one path finds at the first vertex
 };
 
 struct PathRay {
@@ -77,6 +80,10 @@ struct PathResult {
     bool cache_missed = false;  // whether the cache did not serve a matte vertex, so that the path continued
     bool gloss_cached = false;  // whether a cache served a lobe of the first vertex that is not diffuse
     bool gloss_traced = false;  // whether such a lobe was traced
+    /// If it was requested and no cache served the matte lobes of the first vertex: an unbiased estimate of the indirect
+    /// irradiance there, on the side of the ray, from the path that continued. As in caches, light that light samples
+    /// find is excluded.
+    std::optional<Color> irradiance;
 };
 
 /// Traces paths; `out` gets one result for each ray. Counts rays in `progress`.

@@ -92,4 +92,5 @@ def test_noise_of_gathers_does_not_drive_placement() -> None:
         )
         for rows, far in ((8, 0), (40, 2000))
     ]
-    assert counts[0] == pytest.approx(counts[1], rel=0.2)
+    # With more rays, more of the obstacles near a record are found.
+    assert counts[0] == pytest.approx(counts[1], rel=0.25)
