@@ -18,7 +18,6 @@ measured is stored after each scene; --resume goes on from there.
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from functools import partial
 from typing import Any
 
@@ -34,7 +33,7 @@ from harness.race import Course, Judge, Judged, Runner, race, start, time_to
 from harness.references import Reference, given, own, reference
 from harness.scenes import BenchmarkScene
 from harness.unavailable import UnavailableError
-from harness.worker import Worker
+from harness.worker import Worker, WorkerError
 
 ECLAT, GLOSSY, DENOISED = OURS = ("Éclat", "Éclat radiance-cache", "Éclat denoised")
 PATHS = "Éclat Path() denoised"
@@ -75,7 +74,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     try:
         processors = settings.threads if settings.busy else None
         judge = Judge(truth, exposure, processors)
-        own_judges = _own_judges(name, runners, truth, settings.reference_samples, processors)
+        own_judges = _own_judges(name, runners, skipped, truth, settings.reference_samples, processors)
         levels = QUICK_LEVELS if settings.quick else None
         courses = race(runners, judge, settings.repeats, levels, own_judges=own_judges)
     finally:
@@ -86,20 +85,40 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     rows = {peer: course.as_row() for peer, course in courses.items()}
     return {
         "courses": rows, "skipped": skipped, "exposure": exposure, "reference": truth.described(), "size": size,
+        "busy": settings.busy,
     }  # fmt: skip
 
 
 def _own_judges(
-    name: str, runners: Mapping[str, Runner], truth: Reference, samples: int, processors: int | None
+    name: str,
+    runners: dict[str, Runner],
+    skipped: dict[str, str],
+    truth: Reference,
+    samples: int,
+    processors: int | None,
 ) -> dict[str, Judge]:
-    """Judges of the renderers that have references of their own. Renderers of one program share one."""
+    """Judges of the renderers that have references of their own. Renderers of one program share one.
+
+    One whose reference is not finished goes from `runners` to `skipped`.
+    """
     judges: dict[str, Judge] = {}
-    for peer, runner in runners.items():
+    for peer, runner in list(runners.items()):
         if not runner.own_truth:
             continue
         program = runner.version.split()[0].lower()
-        found = own(f"{program}-{name}", lambda count, seed, r=runner: r.truth(count, seed).pixels, truth, samples)  # type: ignore[misc]
-        judges[peer] = Judge(found, auto_exposure(Image(((found.a + found.b) / 2).astype(np.float32))), processors)
+
+        def draw(count: int, seed: int, runner: Runner = runner) -> Any:
+            return runner.truth(count, seed).pixels
+
+        try:
+            found = own(f"{program}-{name}", draw, truth, samples)
+        except WorkerError as reason:
+            skipped[peer] = f"its own reference: {reason}"
+            del runners[peer]
+            print(f"  {peer}: skipped: {skipped[peer]}", flush=True)
+            continue
+        exposure = auto_exposure(Image(((found.a + found.b) / 2).astype(np.float32)))
+        judges[peer] = Judge(found, exposure, processors)
     return judges
 
 
@@ -202,9 +221,11 @@ def _missing(result: dict[str, Any]) -> str:
 
 
 def _versions(result: dict[str, Any]) -> str:
-    busy = (
-        ["Times are processor time over threads: the machine did other work."] if result["settings"].get("busy") else []
-    )
+    busy = [
+        f"{name}: times are processor time over threads, because the machine did other work"
+        for name, scene in result["scenes"].items()
+        if scene.get("busy")
+    ]
     versions = {peer: row["version"] for scene in result["scenes"].values() for peer, row in scene["courses"].items()}
     named = [f"{peer}: {version}" for peer, version in versions.items()]
     shown = [

@@ -24,11 +24,12 @@ def ratio_rows(
         cache = best({name: courses[name] for name in ours if name in courses}, error)
         others = {name: course for name, course in courses.items() if name not in ours and not name.startswith("Éclat")}
         other = best(others, error)
-        path = best({name: course for name, course in courses.items() if name == paths}, error)
+        path = best({paths: courses[paths]}, error) if paths in courses else None
         if cache is None and other is None and path is None:
             continue
         rows.append([
-            scene, percent(error), _named(cache), _named(other), _ratio(cache, other), _named(path), _ratio(cache, path),
+            scene, percent(error), _named(cache), _named(other), _ratio(cache, other),
+            _named(path) if paths in courses else "not measured", _ratio(cache, path),
         ])  # fmt: skip
     return rows
 

@@ -108,6 +108,22 @@ def test_a_renderer_with_a_reference_of_its_own_is_judged_by_it(judge: Judge) ->
     assert courses["b"].levels[0].error == pytest.approx(0, abs=1e-6)
 
 
+def test_a_renderer_whose_own_reference_fails_is_skipped(
+    judge: Judge, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    class Slow(Scripted):
+        own_truth = True
+
+        def truth(self, samples: int, seed: int) -> Picture:
+            raise WorkerError("no answer")
+
+    monkeypatch.setattr(references, "FOLDER", tmp_path)
+    runners: dict[str, Any] = {"a": Scripted([], "a", [1.0]), "b": Slow([], "b", [1.0])}
+    skipped: dict[str, str] = {}
+    assert peers._own_judges("room", runners, skipped, judge.truth, 64, None) == {}
+    assert list(runners) == ["a"] and skipped == {"b": "its own reference: no answer"}
+
+
 def course(*points: tuple[float, float]) -> Course:
     levels = [Judged(f"{s} s", s, (s,), e, e / 2, None, 1.0) for s, e in points]
     return Course("1", False, levels)
@@ -169,7 +185,7 @@ def result() -> dict[str, Any]:
         "courses": courses, "skipped": {"POV-Ray": "not installed\nat all"}, "exposure": 1.5,
         "reference": {"samples": 64, "noise": 0.01}, "size": [64, 64],
     }  # fmt: skip
-    return {"scenes": {"cornell-box": json.loads(json.dumps(scene))}, "settings": {"busy": True}}
+    return {"scenes": {"cornell-box": json.loads(json.dumps(scene))}}
 
 
 def test_tables_show_unreached_errors_and_missing_renderers(result: dict[str, Any]) -> None:
