@@ -73,10 +73,15 @@ class DirectSampler {
     Color sum_of_light_samples(uint32_t index, int first, int end, Progress& progress) {
         rays_.clear();
         contributions_.clear();
+        queries_.clear();
         for (int s = first; s < end; ++s) {
             Sampler sampler(seed_, index, static_cast<uint32_t>(s));
             const float u = sampler.next_1d();
-            const LightSample light = world_.lights.sample(point_.position, u, sampler.next_2d(), set_);
+            queries_.push_back({point_.position, u, sampler.next_2d()});
+        }
+        lights_.resize(queries_.size());
+        world_.lights.sample(queries_, set_, lights_);
+        for (const LightSample& light : lights_) {
             const float cosine = dot(light.wi, point_.normal);
             if (!(light.pdf_solid_angle > 0) || cosine <= 0) continue;
             const float weight =
@@ -147,6 +152,8 @@ class DirectSampler {
     LightSet set_;
     uint32_t seed_;
     float directions_;  // number of directions per light sample
+    std::vector<LightQuery> queries_;
+    std::vector<LightSample> lights_;
     std::vector<Ray> rays_;
     std::vector<Color> contributions_;
 };
