@@ -191,7 +191,7 @@ def large_gif(folder: Path) -> Path:
         (one_mesh_file_many_times, 'refused scene.xml:1 <shape type="ply">'),
         (included_many_times, "refused part.xml:1 <shape"),
         (images_of_one_bit, "loaded"),
-        (large_gif, "refused environment: sky.gif"),
+        (large_gif, "refused environment: "),
     ],
 )
 def test_small_files_take_little_memory(make: Callable[[Path], Path], fate: str, tmp_path: Path) -> None:
