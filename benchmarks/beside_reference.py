@@ -70,7 +70,9 @@ def main() -> None:
               f"the reference {counts[2]} and {counts[3]}, in their mean {counts[4]}", flush=True)  # fmt: skip
         stops = auto_exposure(Image(mean))
         rows.append(np.concatenate([to_display(image.pixels, stops), to_display(mean, stops)], axis=1))
-        PillowImage.fromarray(np.concatenate(rows)).save(FILE, quality=88)  # after each scene, as the next takes minutes
+        PillowImage.fromarray(np.concatenate(rows)).save(
+            FILE, quality=88
+        )  # after each scene, as the next takes minutes
     print(FILE)
 
 
