@@ -10,7 +10,6 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "base/precision.h"
 #include "transport/path_loop.h"
 
 namespace eclat {
@@ -72,7 +71,7 @@ class Tracer {
             if (photon.triangle != no_triangle) {
                 state.lamp_area = lamp_areas_[photon.triangle];
                 const Vec3 n = world_.geometry.geometric_normal(photon.triangle);
-                const float offset = coordinate_resolution * (world_.geometry.longest_edge() + length(origin));
+                const float offset = world_.geometry.ray_offset(photon.triangle);
                 origin = origin + n * (dot(n, photon.direction) >= 0 ? offset : -offset);
             } else {
                 state.solid_angle = behind_everything(photon.direction);

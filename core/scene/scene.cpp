@@ -78,7 +78,7 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
             for (int k = 0; k < 3; ++k) {
                 low_ = min(low_, m.positions[t.v[k]]);
                 high_ = max(high_, m.positions[t.v[k]]);
-                longest_edge_ = std::max(longest_edge_, length(m.positions[t.v[k]] - m.positions[t.v[(k + 1) % 3]]));
+                largest_coordinate_ = std::max(largest_coordinate_, magnitude(m.positions[t.v[k]]));
             }
         }
         m.positions = {};
@@ -186,6 +186,30 @@ Vec3 Geometry::mapped_normal(const Material& material, const Hit& hit, const Sur
     return normalize(normal - gradient + normal * dot(gradient, normal));
 }
 
+float Geometry::ray_offset(uint32_t triangle) const {
+    float largest = 0;
+    for (int k = 0; k < 3; ++k) largest = std::max(largest, magnitude(vertex(triangle, k)));
+    return coordinate_resolution * largest;
+}
+
+float Geometry::ray_offset(Vec3 position, Vec3 normal) const {
+    const Hit hit = triangle_at(position, normal);
+    return std::max(coordinate_resolution * magnitude(position), hit.missed() ? 0 : ray_offset(hit.triangle));
+}
+
+Hit Geometry::triangle_at(Vec3 position, Vec3 normal) const {
+    // Rounding displaces a point by its triangle's coordinates, which are larger than its own only in large triangles,
+    // so the search widens from its own coordinates to the scene's.
+    constexpr float wider = 4, least = 0x1p-20f;
+    const float most = coordinate_resolution * largest_coordinate_;
+    Hit hit;
+    for (float reach = std::max(coordinate_resolution * magnitude(position), least * most);; reach *= wider) {
+        const Ray across{position + normal * reach, 0, -normal, 2 * reach};
+        rays().intersect({&across, 1}, {&hit, 1});
+        if (!hit.missed() || !(reach < most)) return hit;
+    }
+}
+
 SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
     const uint32_t triangle = hit.triangle;
     const Vec3 p0 = vertex(triangle, 0), p1 = vertex(triangle, 1), p2 = vertex(triangle, 2);
@@ -216,7 +240,7 @@ SurfacePoint Geometry::surface_point(const Hit& hit, Vec3 wo) const {
             .normal = normal,
             .frame = frame,
             .uv = material.emission.uv_set == 0 ? at.uv : at.uv2,
-            .offset = coordinate_resolution * std::max(magnitude(p0), std::max(magnitude(p1), magnitude(p2))),
+            .offset = ray_offset(triangle),
             .triangle = triangle,
             .bsdf = make_bsdf(materials_, mesh.material, at, from_behind)};
 }

@@ -39,9 +39,14 @@ class Geometry {
     /// Returns half the diagonal of the bounds, for computations that must cover the whole scene, such as emitting
     /// photons from a sun. A stray part makes it very large, so methods must not derive lengths from it.
     float radius() const { return 0.5f * length(high_ - low_); }
-    /// Returns the length of the longest edge of any triangle. The corners of the triangle that contains a point x are
-    /// at most |x| plus this length away from the origin, which bounds the rounding error of hits.
-    float longest_edge() const { return longest_edge_; }
+    /// Returns the distance from a triangle at which rays that leave it start, which exceeds the rounding error of hits.
+    /// It depends on the coordinates of this triangle alone, so that wide or distant parts cannot change it elsewhere.
+    float ray_offset(uint32_t triangle) const;
+    /// Returns the distance from a point at which rays that leave it start: that of the triangle on which it lies, if
+    /// there is one across `normal`.
+    float ray_offset(Vec3 position, Vec3 normal) const;
+    /// Finds the triangle on which a point lies, as far as rounding allows to say so.
+    Hit triangle_at(Vec3 position, Vec3 normal) const;
 
     const Material& material_of(uint32_t triangle) const { return materials_[mesh_[faces_[triangle].mesh].material]; }
     /// Returns whether a triangle is black or invisible from behind.
@@ -88,7 +93,7 @@ class Geometry {
     std::vector<std::unique_ptr<Texture>> textures_;
     std::unique_ptr<Intersector> intersector_;
     Vec3 low_, high_;
-    float longest_edge_ = 0;
+    float largest_coordinate_ = 0;
 };
 
 }  // namespace eclat

@@ -168,7 +168,7 @@ SurfacePoint bare_point(const World& world, const PointNormal& at) {
     point.position = at.position;
     point.normal = at.normal;
     point.frame = Frame::around(at.normal);
-    point.offset = coordinate_resolution * (world.geometry.longest_edge() + length(at.position));
+    point.offset = world.geometry.ray_offset(at.position, at.normal);
     return point;
 }
 

@@ -163,12 +163,9 @@ class Estimate {
 }  // namespace
 
 DensityPoint DensityPoint::of_photon(const World& world, const Photon& photon, Vec3 wo) {
-    DensityPoint at{photon.position, photon.normal,
-                    coordinate_resolution * (world.geometry.longest_edge() + length(photon.position))};
-    // Photons do not store their surface, so a short ray finds it, for its shading normal.
-    const Ray down{photon.position + photon.normal * (4 * at.offset), 0, -photon.normal, 8 * at.offset};
-    Hit hit;
-    world.geometry.rays().intersect({&down, 1}, {&hit, 1});
+    // Photons do not store their surface, so it is looked for, for its shading normal.
+    const Hit hit = world.geometry.triangle_at(photon.position, photon.normal);
+    DensityPoint at{photon.position, photon.normal, hit.missed() ? 0 : world.geometry.ray_offset(hit.triangle)};
     if (!hit.missed() && dot(wo, photon.normal) > 0)
         at.shading = DensityPoint(world.geometry.surface_point(hit, wo), wo).shading;
     return at;

@@ -5,7 +5,6 @@
 
 #pragma once
 
-#include "base/precision.h"
 #include "base/progress.h"
 #include "methods/photon_map/kernel.h"
 #include "methods/photon_map/photon_map.h"

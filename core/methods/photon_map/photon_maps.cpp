@@ -9,12 +9,9 @@
 // Symbol    name here            meaning                                                          unit
 //   E       Record::irradiance   irradiance at a place: the sum of the estimates from both maps   W m⁻²
 //   r       Record::radius       radius of the disc of the global estimate there                  m
-//   n       photons              photons in a map                                                 1
 //   k       nearest              photons that an estimate asks for                                1
-//   A       area                 area of all surfaces                                             m²
 //
-// If all n photons were spread evenly, a disc of radius r would hold n π r² / A of them. The largest radius of an estimate
-// is that at which this is k, r = √(A k / (π n)).
+// The largest radius of an estimate is that of the disc that k photons fill at photons themselves, of which 95 % lie denser.
 //
 // References   [Jensen01], [Christensen99]
 // Departures   The places are those of other photons than the maps hold, see docs/algorithms/photon_map.md. A place is read
@@ -89,15 +86,23 @@ std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, 
     return diffuse.irradiance + estimate_irradiance(world, maps.caustic, at, limited.caustic, progress).irradiance;
 }
 
-float largest_radius(const World& world, size_t photons, int nearest) {
-    if (photons == 0) return 0;
-    const Geometry& g = world.geometry;
-    double area = 0;  // in double precision, since there may be millions of triangles
-    for (uint32_t t = 0; t < g.triangle_count(); ++t) {
-        const Vec3 a = g.vertex(t, 0);
-        area += 0.5 * static_cast<double>(length(cross(g.vertex(t, 1) - a, g.vertex(t, 2) - a)));
+float largest_radius(const PhotonMap& map, int nearest) {
+    constexpr size_t asked = 256;  // number of photons whose surroundings are measured, out of all
+    constexpr float most = 0.95f;  // share of these that lie at least as dense as the bound assumes
+    const std::vector<Photon>& photons = map.photons();
+    // Few photons have fewer than `nearest` around them, so a disc of fewer ones is enlarged in proportion.
+    const size_t wanted = std::clamp<size_t>(photons.size() / 8, 1, static_cast<size_t>(nearest));
+    const size_t step = std::max<size_t>(1, photons.size() / asked);
+    std::vector<float> radii;
+    std::vector<Neighbor> found;
+    for (size_t i = 0; i < photons.size(); i += step) {
+        const float radius = map.nearest({photons[i].position, photons[i].normal}, wanted, -1, found);
+        if (radius < infinity) radii.push_back(radius);
     }
-    return static_cast<float>(std::sqrt(area * nearest / (M_PI * static_cast<double>(photons))));
+    if (radii.empty()) return 0;
+    const auto at = radii.begin() + static_cast<std::ptrdiff_t>(most * static_cast<float>(radii.size() - 1));
+    std::nth_element(radii.begin(), at, radii.end());
+    return *at * std::sqrt(static_cast<float>(nearest) / static_cast<float>(wanted));
 }
 
 }  // namespace eclat

@@ -60,9 +60,9 @@ struct PhotonMaps {
 std::optional<Color> far_irradiance(const World& world, const PhotonMaps& maps, const DensityPoint& at, float distance,
                                     int max_edges, Progress& progress);
 
-/// Returns the radius of a disc that would contain `nearest` photons if all were distributed evenly over the scene,
-/// which bounds the radius of estimates. In dark areas, the light is then estimated from the few photons there and not
-/// from distant ones.
-float largest_radius(const World& world, size_t photons, int nearest);
+/// Returns the radius of a disc that contains `nearest` photons at nearly all photons, which bounds the radius of
+/// estimates. In dark areas, the light is then estimated from the few photons there and not from distant ones. It
+/// depends only on where photons lie, so surfaces that they do not reach cannot change it.
+float largest_radius(const PhotonMap& map, int nearest);
 
 }  // namespace eclat

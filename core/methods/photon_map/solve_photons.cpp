@@ -23,8 +23,8 @@ PhotonMaps build_maps(const World& world, StoredPhotons global, StoredPhotons ca
     maps.caustic = PhotonMap(caustic.photons, caustic.paths, options.threads);
     maps.reading.global.nearest = options.nearest;
     maps.reading.caustic.nearest = options.caustic_nearest;
-    maps.reading.global.radius = largest_radius(world, global.photons.size(), options.nearest);
-    maps.reading.caustic.radius = largest_radius(world, caustic.photons.size(), options.caustic_nearest);
+    maps.reading.global.radius = largest_radius(maps.global, options.nearest);
+    maps.reading.caustic.radius = largest_radius(maps.caustic, options.caustic_nearest);
     maps.reading.global.kernel = maps.reading.caustic.kernel = options.kernel;
     if (!options.gather) return maps;
     // Irradiance at a quarter of the photons is as good as at all of them [Christensen99].
@@ -51,7 +51,7 @@ PhotonMaps progressive_maps(const World& world, uint32_t number, const PhotonMap
     DensityOptions& reading = maps.reading.global;
     reading.nearest = options.nearest;
     reading.kernel = options.kernel;
-    reading.radius = first ? first->reading.global.radius : largest_radius(world, photons.size(), options.nearest);
+    reading.radius = first ? first->reading.global.radius : largest_radius(maps.global, options.nearest);
     if (first) {
         reading.first_map = &first->global;
         reading.part_of_radius = progressive_radius(number, options.alpha);

@@ -80,7 +80,7 @@ class Tracer {
     Vec3 start(const PhotonSample& photon) const {
         if (photon.triangle == no_triangle) return photon.origin;
         const Vec3 n = world_.geometry.geometric_normal(photon.triangle);
-        const float offset = coordinate_resolution * (world_.geometry.longest_edge() + length(photon.origin));
+        const float offset = world_.geometry.ray_offset(photon.triangle);
         return photon.origin + n * (dot(n, photon.direction) >= 0 ? offset : -offset);
     }
 

@@ -197,10 +197,8 @@ class Refiner {
     }
 
     Ray ray_between(const PointPair& p) const {
-        const auto off = [&](Vec3 x, Vec3 n) {
-            return x + n * (coordinate_resolution * (world_.geometry.longest_edge() + length(x)));
-        };
-        const Vec3 from = off(p.x, p.normal_x), to = off(p.y, p.normal_y) - from;
+        const Vec3 from = p.x + p.normal_x * world_.geometry.ray_offset(p.on_x->triangle);
+        const Vec3 to = p.y + p.normal_y * world_.geometry.ray_offset(p.on_y->triangle) - from;
         const float distance = length(to);
         return {from, 0, to / distance, distance * shadow_shortening};
     }

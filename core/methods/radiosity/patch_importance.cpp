@@ -22,7 +22,6 @@
 #include <cmath>
 
 #include "base/frame.h"
-#include "base/precision.h"
 #include "base/streams.h"
 #include "sampling/discrete.h"
 #include "sampling/sampler.h"
@@ -94,8 +93,7 @@ class Walk {
             Sampler sampler(seed_, step + 1, i);
             const auto& [side, position] = walkers_[i];
             const Vec3 front = geometry_.geometric_normal(side / 2), n = side % 2 == 0 ? front : -front;
-            // By the size of its own triangle, not of the scene's largest.
-            const float offset = coordinate_resolution * (edge_sum(side / 2) + length(position));
+            const float offset = geometry_.ray_offset(side / 2);
             rays.push_back(
                 {position + n * offset, 0, Frame::around(n).to_world(square_to_cosine_hemisphere(sampler.next_2d()))});
         }
@@ -114,12 +112,6 @@ class Walk {
         if (count > 0)
             for (size_t i = count; i < walkers; ++i) arrived.push_back(arrived[i % count]);
         walkers_ = std::move(arrived);
-    }
-
-    float edge_sum(uint32_t triangle) const {
-        const Vec3 a = geometry_.vertex(triangle, 0), b = geometry_.vertex(triangle, 1),
-                   c = geometry_.vertex(triangle, 2);
-        return length(b - a) + length(c - b) + length(a - c);
     }
 
     const Geometry& geometry_;

@@ -55,7 +55,7 @@ class PatchMeter {
         point.position = position;
         point.normal = patch.normal;
         point.frame = Frame::around(patch.normal);
-        point.offset = coordinate_resolution * (world_.geometry.longest_edge() + length(position));
+        point.offset = world_.geometry.ray_offset(patch.triangle);
         return point;
     }
 
