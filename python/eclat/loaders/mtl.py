@@ -22,12 +22,12 @@ from eclat.scene import Texture
 
 UNDERSTOOD = (
     *("kd", "ks", "ke", "ns", "ni", "d", "tr", "tf", "illum", "pr", "pm"),
-    *("map_kd", "map_ks", "map_ke", "map_ns", "map_d", "map_tr", "map_pr", "map_pm", "map_bump", "norm"),
+    *("map_ka", "map_kd", "map_ks", "map_ke", "map_ns", "map_d", "map_tr", "map_pr", "map_pm", "map_bump", "norm"),
 )
 """The statements that are read, in lower case."""
 _SAME = {"bump": "map_bump", "map_kn": "norm", "map_opacity": "map_d"}
 """Other spellings of statements, and the spelling in `UNDERSTOOD` that each of them stands for."""
-_MEANINGLESS = ("ka", "map_ka", "map_aat")
+_MEANINGLESS = ("ka", "map_aat")
 """Statements that are ignored without a warning: ambient light and antialiasing hints do not apply to a physically
 based renderer."""
 

@@ -105,6 +105,7 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
     )
     if glass:
         return _glass(entry, common, illum)
+    _warn_of_ambient_map(entry)
     if any(key in entry.statements for key in ("pr", "pm", "map_pr", "map_pm")):
         return MtlMaterial(_physical(library, entry, common))
     diffuse, specular = _lobes(library, entry)
@@ -118,6 +119,15 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
     usual = _MIRROR_EXPONENT if "map_ns" in entry.statements else 30.0
     parameters["exponent"] = _scalar(library, entry, "map_ns", usual if exponent is None else exponent)
     return MtlMaterial(replace(common, kind="phong", parameters=parameters))
+
+
+def _warn_of_ambient_map(entry: Entry) -> None:
+    """Warn that the image of map_Ka is ignored, unless map_Kd is given too: most exporters write the same image in both."""
+    if "map_ka" in entry.statements and "map_kd" not in entry.statements:
+        warn(
+            f"{entry.where('map_ka')}: map_Ka is ignored, because it describes ambient light, and there is no map_Kd; if "
+            "the image shows the colours of the surface, name it in map_Kd"
+        )
 
 
 def _lobes(library: Library, entry: Entry) -> tuple[Value, Value]:

@@ -7,6 +7,7 @@ Statements of the usual form are parsed many at a time. If some lines have anoth
 
 from __future__ import annotations
 
+import re
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -24,6 +25,7 @@ _LARGEST_INDEX = 1 << 40
 """The value that larger indices are clipped to. No file has as many vertices, and the sums of clipped indices cannot
 overflow."""
 
+_HEXADECIMAL = re.compile(rb"[0-9A-Fa-f]*")
 _KINDS = ("v", "vt", "vn")
 
 
@@ -73,6 +75,8 @@ class _Statements:
     groups: dict[bytes, int] = field(default_factory=lambda: {b"": 0})
     libraries: list[tuple[int, bytes]] = field(default_factory=list)
     ignored: dict[bytes, int] = field(default_factory=dict)
+    painted: list[bytes] = field(default_factory=list)
+    """The arguments of the comments `#MRGB`, in which ZBrush writes the colours of vertices."""
 
 
 def read_obj_text(data: bytes, where: str) -> ObjText:
@@ -98,7 +102,7 @@ def read_obj_text(data: bytes, where: str) -> ObjText:
     corners, counts = _corners(found, where)
     return ObjText(
         positions=np.ascontiguousarray(vertices[:, :3]),
-        colors=vertices[:, 3:] if vertices.shape[1] == 6 else None,
+        colors=_colors(vertices, found.painted, where),
         uvs=finite_rows(_table(found, b"vt", (1, 2), 1, where), "texture coordinates (vt)", where),
         normals=finite_rows(_table(found, b"vn", (3,), 3, where), "normals (vn)", where),
         corners=corners,
@@ -142,9 +146,33 @@ def _sort_lines(data: bytes, where: str) -> _Statements:
         elif key == b"s":
             name = rest.partition(b"#")[0].strip().lower()
             smoothing = found.smoothing.setdefault(name, len(found.smoothing) - 2)
+        elif key == b"#MRGB":
+            found.painted.append(rest)
         elif not key.startswith(b"#"):
             found.ignored.setdefault(key, number)
     return found
+
+
+def _colors(vertices: NDArray[np.float64], painted: list[bytes], where: str) -> NDArray[np.float64] | None:
+    """Return the sRGB colours (V, 3) of the vertices, or None if there are none.
+
+    They are the numbers after the positions, or come from `#MRGB` comments. Such a comment holds up to 64 groups of eight
+    hexadecimal digits, one for each vertex: a mask, which is not used, and red, green and blue.
+    """
+    colors = vertices[:, 3:] if vertices.shape[1] == 6 else None
+    if not painted:
+        return colors
+    digits = b"".join(b"".join(painted).split())
+    reason = ""
+    if colors is not None:
+        reason = "because the vertices (v) have colours of their own"
+    elif not _HEXADECIMAL.fullmatch(digits) or len(digits) != 8 * len(vertices):
+        reason = f"because they do not have eight hexadecimal digits for each of the {len(vertices)} vertices"
+    if reason:
+        warn(f"{where}: the vertex colours in #MRGB comments are ignored, {reason}")
+        return colors
+    groups = np.frombuffer(bytes.fromhex(digits.decode("ascii")), np.uint8).reshape(-1, 4)
+    return groups[:, 1:] / 255.0
 
 
 def _uncommented(rows: list[bytes]) -> list[bytes]:

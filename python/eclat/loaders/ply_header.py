@@ -20,6 +20,13 @@ TYPES = {
     **{"float": "f4", "double": "f8", "float32": "f4", "float64": "f8", "int64": "i8", "uint64": "u8"},
 }
 
+_TEXTURE = re.compile(
+    r"(?:comment|obj_info)\s+(?:texturefile:?\s+(?P<name>\S.*)|"
+    r"texture\w*:?\s+(?P<image>\S.*\.(?:bmp|dds|exr|gif|hdr|jpe?g|jp2|pfm|png|psd|tga|tiff?|webp)[\"']?))\s*",
+    re.IGNORECASE,
+)
+"""A comment that names a texture. After words other than `TextureFile`, such as `texture`, only the name of an image
+counts, because the comment may be prose."""
 _END = re.compile(rb"(?:\A|[\r\n])[ \t]*end_header[ \t]*(\r\n|\r|\n|\Z)")
 _MOST = 1000
 """The largest number of elements in a file, and of properties in an element. Real files have a dozen."""
@@ -60,7 +67,8 @@ class Header:
     elements: tuple[Element, ...]
     size: int
     textures: tuple[str, ...] = ()
-    """The image files that comments of the form `comment TextureFile skin.png` name. MeshLab and others write these."""
+    """The image files that comments of the form `comment TextureFile skin.png` or `comment texture skin.png` name.
+    MeshLab and others write these."""
 
 
 def read_header(data: bytes, where: str) -> Header:
@@ -77,10 +85,9 @@ def read_header(data: bytes, where: str) -> Header:
         words = decoded(line).split()
         place = f"{where}, line {number}"
         match words:
-            case ["comment" | "obj_info", word, _, *_] if word.lower().rstrip(":") == "texturefile":
-                textures.append(_unquoted(decoded(line).split(None, 2)[2].strip()))
             case [] | ["comment" | "obj_info", *_]:
-                continue
+                if found := _TEXTURE.fullmatch(decoded(line).strip()):
+                    textures.append(_unquoted((found["name"] or found["image"]).strip()))
             case ["format", name, *_]:
                 if name not in _ENCODINGS:
                     raise EclatError(f"{place}: expected format {', '.join(_ENCODINGS)}, got {name[:40]!r}")

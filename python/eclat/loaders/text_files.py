@@ -23,7 +23,7 @@ _LOOKED_AT = 64
 every second byte is zero."""
 
 _WINDOWS_NUMBER = re.compile(
-    rb"(?<![^\s/])([-+]?)(?:1\.#(IND|Q?S?NAN|INF)[0-9]*|(nan)\([^)\s]{0,40}\))(?![^\s/])", re.I
+    rb"(?<![^\s/])([-+]?)(?:1\.#(IND|Q?S?NAN|INF|[JRT]|[IQS]O|[QS]NB)[0-9]*|(nan)\([^)\s]{0,40}\))(?![^\s/])", re.I
 )
 
 
@@ -55,7 +55,9 @@ def utf8(data: bytes, where: str) -> bytes:
 def plain_numbers(data: bytes) -> bytes:
     """Replace the spellings of NaN and infinity that old and new versions of Windows write by nan and inf.
 
-    The old spellings are `-1.#IND`, `1.#QNAN` and `1.#INF`, and the new one is `-nan(ind)`.
+    The old spellings are `-1.#IND`, `1.#QNAN` and `1.#INF`, and the new one is `-nan(ind)`. With fewer than four
+    decimals, the old spellings are rounded as if their letters were digits, for example to `-1.#J` or `1.#QO`. Infinity
+    and NaN then look the same, and both become NaN.
     """
     if b".#" not in data and b"(" not in data:
         return data

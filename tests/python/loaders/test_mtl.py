@@ -216,8 +216,26 @@ def test_textures_on_faces_without_vt_cause_a_warning(tmp_path: Path) -> None:
 
 def test_unknown_statements_are_named_once_each(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning, match=r"test\.mtl: .* ignored: 'Pcr' \(line 2\), 'refl' \(line 4\)$") as caught:
-        material_of(tmp_path, "Pcr 1\nPcr 2\nrefl a.png\nKa 1 1 1\nmap_Ka a.png\n")
+        material_of(tmp_path, "Pcr 1\nPcr 2\nrefl a.png\nKa 1 1 1\n")
     assert len(caught) == 1
+
+
+@pytest.mark.parametrize("kd", ["Kd 0 0 0\n", "Kd 0.2 0.2 0.2\n", ""])
+def test_an_image_that_only_map_ka_names_is_a_warning(tmp_path: Path, kd: str) -> None:
+    image(tmp_path, "a.png", "RGB", (255, 0, 0), (0, 255, 0))
+    with pytest.warns(EclatWarning, match=r"test\.mtl, line \d, material 'm': map_Ka is ignored") as caught:
+        assert material_of(tmp_path, f"{kd}map_Ka a.png\n").parameters["reflectance"].texture is None
+    assert len(caught) == 1
+    assert material_of(tmp_path, "map_Ka a.png\nmap_Kd a.png\n").parameters["reflectance"].texture is not None
+
+
+@pytest.mark.parametrize("word", ["-1.#IND", "1.#QNAN", "-1.#J", "-nan(ind)", "1.#INF"])
+@pytest.mark.parametrize("key", ["Kd", "Ks", "Ke", "Ns", "d"])
+def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, key: str, word: str) -> None:
+    with pytest.raises(
+        EclatError, match=rf"test\.mtl, line 2, material 'm': expected finite numbers .* after {key.lower()}"
+    ):
+        material_of(tmp_path, f"{key} {word}\n")
 
 
 def test_libraries_are_found_whatever_they_are_called(tmp_path: Path) -> None:

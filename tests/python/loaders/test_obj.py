@@ -142,6 +142,26 @@ def test_vertex_colours_are_srgb_and_white_where_missing(tmp_path: Path) -> None
     assert mesh.material.parameters["reflectance"].constant == (1, 1, 1)
 
 
+def test_vertex_colours_of_zbrush(tmp_path: Path) -> None:
+    mesh = only(tmp_path, "v 0 0 0\nv 1 0 0\nv 0 1 0\n#MRGB ffff8000ffFFFFFF\n#MRGB 00000000\nf 1 2 3\n")
+    np.testing.assert_allclose(mesh.colors, [(1, 0.21586, 0, 1), (1, 1, 1, 1), (0, 0, 0, 1)], atol=1e-5)
+    assert mesh.material.vertex_colors
+
+
+@pytest.mark.parametrize(
+    ("rgb", "digits", "reason"),
+    [
+        ("", "ffff8000", "eight hexadecimal digits for each of the 3 vertices"),
+        ("", "ffff8000" * 2 + "pink8000", "eight hexadecimal digits"),
+        (" 1 0 0", "ffff8000" * 3, "have colours of their own"),
+    ],
+)
+def test_vertex_colours_of_zbrush_that_do_not_fit(tmp_path: Path, rgb: str, digits: str, reason: str) -> None:
+    with pytest.warns(EclatWarning, match=rf"#MRGB comments are ignored, because .*{reason}") as caught:
+        mesh = only(tmp_path, f"v 0 0 0{rgb}\nv 1 0 0{rgb}\nv 0 1 0{rgb}\n#MRGB {digits}\nf 1 2 3\n")
+    assert len(caught) == 1 and (mesh.colors is not None) == bool(rgb)
+
+
 def test_unknown_statements_are_named_once_each(tmp_path: Path) -> None:
     text = SQUARE + "curv 0 1\ncurv 2 3\np 1\nf 1 2 3\n"
     with pytest.warns(EclatWarning, match=r"test\.obj: .*ignored: 'curv' \(line 5\), 'p' \(line 7\)$"):

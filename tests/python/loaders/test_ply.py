@@ -280,6 +280,19 @@ def test_a_texture_named_in_a_comment(tmp_path: Path, encoding: str, names: tupl
     np.testing.assert_allclose(mesh.uvs, [(u, 1 - v) for u, v in UVS])
 
 
+@pytest.mark.parametrize(
+    "comment", ["comment texture t.png", 'obj_info Texture: "t.png"', "comment texture_file t.png"]
+)
+def test_other_comments_that_name_a_texture(tmp_path: Path, comment: str) -> None:
+    rows = [(*p, *uv) for p, uv in zip(VERTICES, UVS, strict=True)]
+    data = ply("ascii", ("vertex", [*XYZ, "float s", "float t"], rows), ("face", FACE, [((0, 1, 2, 3),)]))
+    prose = b"comment texture coordinates grow upwards"
+    lines = comment.encode() + b"\n" + prose
+    (mesh,) = textured_scene(tmp_path, data.replace(b"comment made by a test", lines)).meshes
+    value = mesh.material.parameters["reflectance"]
+    assert value.texture is not None and value.texture.image[0, 0].tolist() == [100, 100, 100]
+
+
 def test_the_name_of_a_texture_may_be_quoted(tmp_path: Path) -> None:
     PillowImage.fromarray(np.full((2, 2, 3), 100, np.uint8)).save(tmp_path / "a b.png")
     rows = [(*p, *uv) for p, uv in zip(VERTICES, UVS, strict=True)]
