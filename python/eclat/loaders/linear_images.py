@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -83,13 +84,27 @@ def decode_hdr(path: Path, data: bytes) -> NDArray[np.float32]:
     for row in texels if size[1] == b"-" else texels[::-1]:
         offset = _read_hdr_row(data, offset, row)
     scale = np.ldexp(np.float32(1), texels[..., 3].astype(np.int32) - 136)  # 128 bias + 8 bits of mantissa
-    exposure = np.prod(
-        [float(v) for v in re.findall(rb"^EXPOSURE=\s*([0-9.]{1,20}(?:e[-+]?\d\d?)?)\s*$", header, re.M)]
-    )
-    if not exposure > 0:
-        raise EclatError(f"expected an EXPOSURE above 0, got {exposure:g}")
-    colors = texels[..., :3].astype(np.float32) * (scale * (texels[..., 3] > 0))[..., None] / np.float32(exposure)
+    scale = (scale * (texels[..., 3] > 0))[..., None] / _exposure(header).astype(np.float32)
+    colors = texels[..., :3].astype(np.float32) * scale
     return _rec_709(np.asarray(colors, dtype=np.float32), header)
+
+
+def _exposure(header: bytes) -> NDArray[np.float64]:
+    """Multiply the factors (3,) by which programs have multiplied the colours of a Radiance picture: all of its lines
+    `EXPOSURE` and `COLORCORR`.
+    """
+    factors = np.ones(3)
+    for name, text in re.findall(rb"^(EXPOSURE|COLORCORR)=([^\n]*)$", header, re.M):
+        count = 1 if name == b"EXPOSURE" else 3
+        try:
+            values = [float(word) for word in text.split()]
+        except ValueError:
+            values = []
+        factors = factors * values if len(values) == count else factors * math.nan
+        if not (np.isfinite(factors).all() and (factors > 0).all()):
+            wanted = "a number" if count == 1 else "3 numbers"
+            raise EclatError(f"{name.decode()}: expected {wanted} above 0, got {text[:40].decode(errors='replace')!r}")
+    return factors
 
 
 def _rec_709(colors: NDArray[np.float32], header: bytes) -> NDArray[np.float32]:

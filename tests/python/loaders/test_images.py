@@ -133,6 +133,40 @@ def test_radiance_files_divide_by_their_exposure(tmp_path: Path, packed: bool) -
     np.testing.assert_allclose(image * 2, array, atol=128 / 256)
 
 
+def with_line(path: Path, line: bytes) -> Path:
+    path.write_bytes(path.read_bytes().replace(b"EXPOSURE=2", line))
+    return path
+
+
+@pytest.mark.parametrize(
+    ("line", "factors"),
+    [(b"EXPOSURE= 4E0\nEXPOSURE=5e-1", (2, 2, 2)), (b"EXPOSURE=2\nCOLORCORR= 1 2 0.5", (2, 4, 1))],
+)
+def test_all_factors_of_a_radiance_header_count(tmp_path: Path, line: bytes, factors: tuple[float, ...]) -> None:
+    array = (NUMBERS.random((6, 20, 3)) * 100).astype(np.float32)
+    path = with_line(hdr(array, tmp_path / "a.hdr", True), line)
+    image, _ = read_image_file(path, path.read_bytes())
+    np.testing.assert_allclose(image * np.array(factors), array, atol=128 / 256)
+
+
+@pytest.mark.parametrize(
+    "line",
+    [
+        b"EXPOSURE=1.0..",
+        b"EXPOSURE=",
+        b"EXPOSURE=nan",
+        b"EXPOSURE=-1",
+        b"EXPOSURE=1e999",
+        b"COLORCORR=1 1",
+        b"COLORCORR=1 0 1",
+    ],
+)
+def test_a_factor_that_is_no_positive_number_is_refused(tmp_path: Path, line: bytes) -> None:
+    path = with_line(hdr(np.ones((6, 20, 3), np.float32), tmp_path / "a.hdr", True), line)
+    with pytest.raises(EclatError, match=f"{line.split(b'=')[0].decode()}: expected .* above 0"):
+        read_image_file(path, path.read_bytes())
+
+
 def test_exr_layers_and_single_channels(tmp_path: Path) -> None:
     array = NUMBERS.random((3, 4, 4), dtype=np.float32)
     for names, layer, channels in (("RGBA", "", 4), ("RGB", "diffuse.", 3), ("Y", "", 1), ("Z", "", 1)):
