@@ -104,7 +104,7 @@ class Sampling:
         self._counts = _everywhere(0) if adaptive is None else adaptive.counts
         self._deadline = math.inf
         self._seconds_per_sample: float | None = None
-        self._seconds_of_look = 0.0
+        self._seconds_of_look, self._seconds_of_estimate = 0.0, 0.0
 
     @property
     def taken(self) -> int:
@@ -182,14 +182,15 @@ class Sampling:
         self.denoised, self._looked_at = denoised, self._rounds
         if not denoised:
             self.noise = self.found.error
-        self._seconds_of_look = max(self._seconds_of_look, clock.perf_counter() - before)
+        else:
+            self._seconds_of_look = max(self._seconds_of_look, clock.perf_counter() - before)
 
     def _affordable(self) -> int:
         """Return the number of samples per pixel for which there is time, after reserving time for the estimate of the
-        error."""
+        error that follows the last pass, and for the picture to show."""
         if self._seconds_per_sample is None or self._deadline == math.inf:
             return EXPECTED_SAMPLES
-        left = self._deadline - clock.perf_counter() - self._seconds_of_look
+        left = self._deadline - clock.perf_counter() - self._seconds_of_look - self._seconds_of_estimate
         return max(0, int(left / max(self._seconds_per_sample, 1e-9)))
 
     def _step(self, end: int) -> int:
@@ -222,7 +223,7 @@ class Sampling:
                 self.partial, self.partial_taken = self.film.copy(), self.taken
         before = clock.perf_counter()
         self._estimate(half if self._rounds == end else None)
-        self._seconds_of_look = max(self._seconds_of_look, clock.perf_counter() - before)
+        self._seconds_of_estimate = max(self._seconds_of_estimate, clock.perf_counter() - before)
 
     def _tell(self) -> None:
         if self.after_pass is not None:

@@ -23,6 +23,7 @@ low than too high, because a low estimate ends the sampling.
 from __future__ import annotations
 
 import math
+import time as clock
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 
@@ -61,6 +62,14 @@ PATHS_OF_PIXEL = 1.5
 PATHS_OF_SAMPLE = 0.15
 """Paths for each sample of the picture."""
 
+FIRST_PROBES = 24
+"""The number of pixels that are probed first if the time is limited. They are the least number, and they show how long
+the others take. A variance from fewer values of such a skew distribution would be meaningless."""
+
+LEAST_STEP = 8
+"""The least number of further pixels that are probed at once. The films for fewer of them would take longer than their
+paths."""
+
 DISTRUST = 0.5
 """The relative standard deviation that is assumed for the squared error from the halves and the probes of records. The
 halves do not measure errors that both share, and neither measures the correlation of the two errors: in furnished rooms
@@ -84,24 +93,50 @@ def number_of_paths(pixels: int, samples: float) -> int:
     return max(LEAST_PATHS, int(pixels * (PATHS_OF_PIXEL + PATHS_OF_SAMPLE * samples)))
 
 
-def probed_error(found: DenoisedHalves, take: TakeSamples, paths: int, seed: int) -> ProbedError:
+def probed_error(
+    found: DenoisedHalves, take: TakeSamples, paths: int, seed: int, deadline: float | None = None
+) -> ProbedError:
     """Measure the error of the picture `found.pixels` at some pixels, with about `paths` paths in all.
 
-    `seed` determines which pixels are probed.
+    `seed` determines which pixels are probed. If there is a `deadline`, a value of `time.perf_counter`, only as many of
+    these pixels are probed, in random order, as there is time for, but at least `FIRST_PROBES`.
     """
-    chances = _chances(found, max(2, paths // (ESTIMATES * PATHS)))
-    drawn = _drawn(chances, seed)
-    counts = np.where(drawn, np.uint32(PATHS), np.uint32(0))
-    estimates = [np.asarray(take(counts, number), np.float64)[drawn] for number in range(ESTIMATES)]
-    shown = found.pixels[drawn]
+    chances = _chances(found, max(2, paths // (ESTIMATES * PATHS))).ravel()
+    drawn = np.flatnonzero(_drawn(chances.reshape(found.squared.shape), seed))
+    step = drawn.size
+    if deadline is not None:
+        drawn, step = np.random.default_rng(seed).permutation(drawn), FIRST_PROBES
+    parts, probed = np.zeros(chances.size), 0
+    while probed < drawn.size and (probed == 0 or step >= LEAST_STEP):
+        before = clock.perf_counter()
+        these = drawn[probed : probed + step]
+        parts[these] = _measured(found, take, these) / chances[these] / chances.size
+        probed += these.size
+        if deadline is not None:
+            # Half of the pixels for which there is time are probed, then half of the rest, and so on, so that the time
+            # of the last ones is predicted from recent ones.
+            now = clock.perf_counter()
+            step = int(max(0.0, deadline - now) / max((now - before) / these.size, 1e-9)) // 2
+    # A random part of the pixels stands for all that were drawn.
+    parts *= drawn.size / max(1, probed)
+    taken = np.zeros(chances.size, dtype=bool)
+    taken[drawn[:probed]] = True
+    return _summary(parts.reshape(found.squared.shape), taken.reshape(found.squared.shape))
+
+
+def _measured(found: DenoisedHalves, take: TakeSamples, these: NDArray[np.intp]) -> Float64:
+    """Estimate (s − T)² / (R² + c), as a mean over RGB, at the pixels with the flat indices `these` (N,)."""
+    where = np.unravel_index(these, found.squared.shape)
+    counts = np.zeros(found.squared.shape, np.uint32)
+    counts[where] = PATHS
+    estimates = [np.asarray(take(counts, number), np.float64)[where] for number in range(ESTIMATES)]
+    shown = found.pixels[where]
     c = max(RELATIVE_C * float((found.pixels**2).mean()), float(np.finfo(np.float64).tiny))
     squares = np.zeros_like(shown)
     for k in range(ESTIMATES):
         p, q, r = (estimates[k - turn] for turn in range(ESTIMATES))
         squares += (shown - p) * (shown - q) / (r**2 + c) / ESTIMATES
-    parts = np.zeros(drawn.shape)
-    parts[drawn] = squares.mean(axis=-1) / chances[drawn] / drawn.size
-    return _summary(parts, drawn)
+    return np.asarray(squares.mean(axis=-1), np.float64)
 
 
 def _chances(found: DenoisedHalves, probes: int) -> Float64:

@@ -122,8 +122,9 @@ class Picture:
         """
         return self._image(sampling.film, sampling, sampling.taken, sampling.found, probed)
 
-    def probed(self, sampling: Sampling) -> ProbedError | None:
-        """Measure the error of the picture at some pixels by paths of their own, once all samples are taken.
+    def probed(self, sampling: Sampling, deadline: float | None) -> ProbedError | None:
+        """Measure the error of the picture at some pixels by paths of their own, once all samples are taken, at as many
+        pixels as there is time for until `deadline`, a value of `time.perf_counter`, if it is given.
 
         Return None if the picture was not taken in halves, or if the method has no estimator that could judge it.
         """
@@ -150,7 +151,7 @@ class Picture:
             return film.within(taken.radiance)
 
         paths = number_of_paths(found.squared.size, sampling.taken)
-        return probed_error(found, take, paths, self.work.seed)
+        return probed_error(found, take, paths, self.work.seed, deadline)
 
     def unfinished(self, film: _core.Film | Halves, sampling: Sampling, taken: int) -> Image:
         """Make the Image of a film, or of a copy of it, that holds `taken` samples per pixel; it is denoised if that

@@ -49,7 +49,7 @@ TILE = 32
 
 SHARE_OF_PROBES = 0.15
 """The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
-as 0.15 of the samples.
+as 0.15 of the samples, or fewer if the time is over before.
 """
 
 SECOND_LOOK_SAMPLES = 2
@@ -210,7 +210,7 @@ def render(
     sampling = _sampling(picture, 1 + halves, order, keep_partial, preview)
     if begun is not None:
         begun.restore(sampling)
-    image = _rendered(picture, sampling, _goal_of_samples(goal, estimate, halves and check), check)
+    image = _rendered(picture, sampling, _goal_of_samples(goal, estimate, halves and check), check, deadline)
     if continuable or begun is not None:
         settings = (view.size, crop, max_depth, seed, filter, adaptive, halves)
         make_continuable(image, begun, sampling, scene, chosen, settings)
@@ -233,11 +233,13 @@ def _source(what: Source | type[Method] | str | None, max_error: float, refine: 
     return source
 
 
-def _rendered(picture: Picture, sampling: Sampling, goal: Goal, check: bool) -> Image:
-    """Take all samples, measure the error, and make the Image. Warn of noise that is left, and of bad samples."""
+def _rendered(picture: Picture, sampling: Sampling, goal: Goal, check: bool, deadline: float | None) -> Image:
+    """Take all samples, measure the error until `deadline` if there is one, and make the Image. Warn of noise that is
+    left, and of bad samples.
+    """
     with picture.kept(sampling):
         sampling.run(goal)
-        probed = picture.probed(sampling) if check else None
+        probed = picture.probed(sampling, deadline) if check else None
     if goal.samples is None and goal.deadline is None:
         _warn_of_noise(sampling, goal)
     image = picture.finished(sampling, probed)

@@ -15,6 +15,8 @@ import eclat
 from eclat.measure.metrics import relative_rmse
 from eclat.sampling import convergence
 from eclat.sampling.convergence import Goal, Sampling, estimated_error
+from eclat.sampling.denoised_halves import DenoisedHalves
+from eclat.sampling.halves import Halves
 from eclat.scenes import build
 
 SIZE = (32, 32)
@@ -172,6 +174,35 @@ def test_time_is_used_up_and_not_overrun(monkeypatch: pytest.MonkeyPatch) -> Non
     assert 0.95 < clock.now < 1.001
     assert ranges[0] == (0, 1) and ranges[-1][1] == made.taken == round(100 * clock.now)
     assert all(a[1] == b[0] for a, b in itertools.pairwise(ranges))
+
+
+class SlowHalves(Halves):
+    """Black halves, whose noise takes 0.1 s to estimate, and whose denoised picture takes 0.2 s."""
+
+    clock: FakeClock
+
+    def sampled(self) -> DenoisedHalves:
+        self.clock.now += 0.1
+        return super().sampled()
+
+    def denoised(self) -> DenoisedHalves:
+        self.clock.now += 0.2
+        return super().sampled()
+
+
+def test_the_time_of_the_last_estimate_and_of_the_denoiser_is_reserved(monkeypatch: pytest.MonkeyPatch) -> None:
+    clock = FakeClock()
+    monkeypatch.setattr(convergence, "clock", clock)
+    films = SlowHalves(eclat._core.Film(8, 8), eclat._core.Film(8, 8), (0, 0, 8, 8))
+    films.clock = clock
+
+    def render_range(firsts: np.ndarray, ends: np.ndarray, report: Any) -> float:
+        clock.now += int(ends.item() - firsts.item()) / 100
+        return 1.0
+
+    made = Sampling(films, render_range, False, None)
+    made.run(Goal(None, 0.01, deadline=3.0, denoised=True))
+    assert made.denoised and 2.5 < clock.now <= 3.0
 
 
 def test_one_sample_is_taken_however_little_time_there_is(monkeypatch: pytest.MonkeyPatch) -> None:

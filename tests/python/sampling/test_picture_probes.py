@@ -88,6 +88,59 @@ def test_the_same_seed_probes_the_same_pixels() -> None:
     assert first == again != other
 
 
+class Machine:
+    """A clock, and paths that take `seconds` each on it; after `slow_after` of them, the machine is four times slower."""
+
+    def __init__(self, seconds: float, slow_after: float = math.inf) -> None:
+        self.now, self._seconds, self._slow_after, self._paths = 0.0, seconds, slow_after, Paths(0)
+
+    def perf_counter(self) -> float:
+        return self.now
+
+    def take(self, counts: Counts, number: int) -> np.ndarray:
+        self.now += self._seconds * int(counts.sum()) * (4 if self._paths.taken >= self._slow_after else 1)
+        return self._paths(counts, number)
+
+    @property
+    def pixels(self) -> float:
+        return self._paths.taken / (3 * PATHS)
+
+
+@pytest.mark.parametrize("slow_after", [math.inf, 100 * 3 * PATHS])
+def test_probes_end_when_the_time_is_over(monkeypatch: pytest.MonkeyPatch, slow_after: float) -> None:
+    # A pixel takes 0.01 s, and later perhaps 0.04 s. All 1000 pixels would take 10 s or more.
+    machine = Machine(0.01 / (3 * PATHS), slow_after)
+    monkeypatch.setattr(picture_probes, "clock", machine)
+    found = biased(0.1, 0.05, 0)
+    probed = probed_error(found, machine.take, 1000 * 3 * PATHS, 0, deadline=4.0)
+    assert 3.0 < machine.now <= 4.0 and machine.pixels > 150
+    assert abs(probed.squared - true_squared(found.pixels)) < 3 * probed.deviation < true_squared(found.pixels)
+
+
+def test_some_probes_are_taken_whatever_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    machine = Machine(1.0)
+    monkeypatch.setattr(picture_probes, "clock", machine)
+    assert probed_error(biased(0.1, 0.05, 0), machine.take, 1000 * 3 * PATHS, 0, deadline=0.0).deviation > 0
+    assert machine.pixels == picture_probes.FIRST_PROBES
+
+
+def test_probes_in_part_of_the_time_are_right_on_average(monkeypatch: pytest.MonkeyPatch) -> None:
+    """The pixels that the clock leaves out are random ones, also where bright pixels are probed more often."""
+    bias = np.full((*SIZE, 1), 0.05)
+    bias[:, :6] = 0.5
+    ratios = []
+    for seed in range(60):
+        machine = Machine(0.01 / (3 * PATHS))
+        machine._paths = Paths(seed)
+        monkeypatch.setattr(picture_probes, "clock", machine)
+        found = biased(bias, 0.05, seed)
+        ratios.append(
+            probed_error(found, machine.take, 1000 * 3 * PATHS, seed, 3.0).squared / true_squared(found.pixels)
+        )
+        assert machine.pixels < 350
+    assert abs(np.mean(ratios) - 1) < 0.03 + 5 * np.std(ratios, ddof=1) / len(ratios) ** 0.5
+
+
 def test_a_black_picture_and_one_pixel() -> None:
     black = np.zeros((4, 4, 3))
     found = probed_error(sampled_halves(black, black), lambda counts, number: black, 10**6, 0)
