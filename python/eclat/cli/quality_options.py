@@ -13,6 +13,10 @@ from eclat.errors import EclatError
 
 QUALITY = "Quality"
 
+LEAST_SHARE = 0.25
+"""The least share of the time that is left for the picture, however long the scene takes to load. A picture of a single
+sample would not be worth the wait."""
+
 
 def max_error_option(help: str, default: float | None = 0.01) -> Callable[[F], F]:
     """Make the option `--max-error`."""
@@ -36,6 +40,13 @@ def samples_option(
 def time_option(help: str) -> Callable[[F], F]:
     """Make the option `--time`, in seconds."""
     return option("--time", type=Number(float, 0, 1e7, above=True), section=QUALITY, help=help)
+
+
+def time_left(seconds: float | None, taken: float) -> float | None:
+    """Return how many of the `seconds` of `--time` are left after `taken` seconds, in which the scene was loaded. None
+    stays None, and at least `LEAST_SHARE` is left.
+    """
+    return None if seconds is None else max(LEAST_SHARE * seconds, seconds - taken)
 
 
 def no_check_option() -> Callable[[F], F]:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+import time as clock
 from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -28,6 +29,7 @@ from eclat.cli.quality_options import (
     output_option,
     refine_option,
     samples_option,
+    time_left,
     time_option,
 )
 from eclat.cli.replay import (
@@ -122,7 +124,7 @@ _quality_options = together(
     cache_option(),
     max_error_option("Stop when the estimated relative error of the picture is below this value", 0.03),
     samples_option("Take this many paths per pixel, instead of as many as --max-error needs"),
-    time_option("Stop after about this many seconds, instead of when --max-error is reached."),
+    time_option("Finish in about this many seconds, with the scene loaded, instead of when --max-error is reached."),
     option(
         "--adaptive/--no-adaptive",
         default=None,
@@ -203,6 +205,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
     """Read the flags and the scene, render the picture, and write the files."""
     from eclat.images.tone import exposure_stops
 
+    begun = clock.perf_counter()
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
         if flags["replay_settings"]:
             flags.update(replayed_flags(flags["replay_settings"], context))
@@ -215,6 +218,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         _check_pixels(flags, scene.cameras[index].size)
         common = {name: flags[name] for name in REACHING_RENDER} | {"camera": index, "progress": reporter.progress}
         what = eclat.load_solved(flags["cache"], scene) if options is None else options
+        common["time"] = time_left(flags["time"], clock.perf_counter() - begun)
 
         def keep(image: Image) -> None:
             stops = exposure_stops(exposure, image.pixels)

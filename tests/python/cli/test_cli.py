@@ -18,6 +18,7 @@ import pytest
 
 import eclat
 from eclat.cli import COMMANDS, main
+from eclat.cli import render as render_command
 from eclat.cli.replay import REPEATED
 from eclat.images.image import Image
 from eclat.images.image_files import read_png_metadata
@@ -54,6 +55,33 @@ def test_without_arguments_the_help_lists_all_commands(capsys: Output) -> None:
     assert main([]) == 0
     text = capsys.readouterr().out
     assert all(f"\n  {command} " in text for command in COMMANDS)
+
+
+def test_the_time_to_load_the_scene_is_part_of_the_time(monkeypatch: pytest.MonkeyPatch) -> None:
+    class Clock:
+        now = 0.0
+
+        def perf_counter(self) -> float:
+            return self.now
+
+    clock, given = Clock(), []
+    load_scene, make = render_command.load_scene_to_show, eclat.render
+
+    def slowly(flags: dict[str, object]) -> object:
+        clock.now += seconds
+        return load_scene(flags)
+
+    def rendered(*arguments: object, **keywords: object) -> Image:
+        given.append(keywords["time"])
+        return make(*arguments, **keywords)
+
+    monkeypatch.setattr(render_command, "clock", clock)
+    monkeypatch.setattr(render_command, "load_scene_to_show", slowly)
+    monkeypatch.setattr(eclat, "render", rendered)
+    for seconds in (12.0, 100.0):  # noqa: B007 `slowly` reads it
+        assert main(["render", "cornell-box", "--time", "30"]) == 0
+    assert main(["render", "cornell-box"]) == 0
+    assert given == [18.0, 7.5, None]
 
 
 def test_help_lists_methods_and_their_options_with_types_and_defaults(capsys: Output) -> None:
