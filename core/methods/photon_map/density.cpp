@@ -7,8 +7,9 @@
 // point. Dividing by the whole area would darken edges, and photons behind a thin wall would light the other side.
 // Therefore the sum and the area are both restricted to the part of the disc that is visible from the point, just above
 // the surface. To measure the area, probes that are distributed like the kernel search for the surface below them, and
-// rays from there to the centre test the visibility. Photons are tested by the same rays. For uniform light, the
-// estimate is then correct for any shape of that part.
+// rays from there to the centre test the visibility. Photons are tested by the same rays. Photons lie below tables and
+// panes too, so probes go on below what does not belong to the disc. For uniform light, the estimate is then correct for
+// any shape of that part.
 //
 // Symbol       name here     meaning
 //   r            radius        of the disc: the distance of the next photon after the nearest ones, or the largest one
@@ -101,51 +102,84 @@ class Estimate {
         return std::ranges::any_of(hidden, [](uint8_t h) { return h != 0; });
     }
 
-    /// Returns the sum of the kernel-weighted areas that the probes [first, end) represent; each represents the whole
-    /// disc if the surface is flat and unoccluded.
-    double visible_area(size_t first, size_t end) {
-        const Frame frame = Frame::around(at_.normal);
-        std::array<Ray, probes> down;
-        std::array<float, probes> planned;  // value of the kernel at each probe in the plane
-        for (size_t i = first; i < end; ++i) {
-            // The first probes form a separate spiral.
-            const float rank = i < first_probes
-                                   ? (static_cast<float>(i) + 0.5f) / first_probes
-                                   : (static_cast<float>(i - first_probes) + 0.5f) / (probes - first_probes);
-            const float x2 = kernel_quantile2(options_.kernel, rank), distance = disc_.radius * std::sqrt(x2);
-            const float phi = golden_angle * static_cast<float>(i);
-            const Vec3 on_plane =
-                at_.position + frame.u * (distance * std::cos(phi)) + frame.v * (distance * std::sin(phi));
-            // These are the heights of the ellipsoid above and below the plane.
-            const float height = disc_.radius * safe_sqrt(1 - x2) / Disc::flatness + 4 * at_.offset;
-            down[i - first] = {on_plane + at_.normal * height, 0, -at_.normal, 2 * height};
-            planned[i - first] = kernel_weight(options_.kernel, x2);
-        }
-        const size_t count = end - first;
-        std::array<Hit, probes> hits;
-        world_.geometry.rays().intersect(std::span(down).first(count), std::span(hits).first(count));
-        progress_.count_rays(count);
+    /// A search for surfaces along a line through the disc, from above to below it.
+    struct Probe {
+        Ray down;
+        float planned;      // value of the kernel where the line meets the plane
+        bool clear = true;  // whether no surface that photons could lie on was found hidden
+    };
 
-        std::array<Ray, probes> back;
+    Probe probe(size_t i, const Frame& frame) const {
+        // The first probes form a separate spiral.
+        const float rank = i < first_probes ? (static_cast<float>(i) + 0.5f) / first_probes
+                                            : (static_cast<float>(i - first_probes) + 0.5f) / (probes - first_probes);
+        const float x2 = kernel_quantile2(options_.kernel, rank), distance = disc_.radius * std::sqrt(x2);
+        const float phi = golden_angle * static_cast<float>(i);
+        const Vec3 on_plane =
+            at_.position + frame.u * (distance * std::cos(phi)) + frame.v * (distance * std::sin(phi));
+        // These are the heights of the ellipsoid above and below the plane.
+        const float height = disc_.radius * safe_sqrt(1 - x2) / Disc::flatness + 4 * at_.offset;
+        return {{on_plane + at_.normal * height, 0, -at_.normal, 2 * height}, kernel_weight(options_.kernel, x2)};
+    }
+
+    /// Returns whether photons are stored on a surface that is hit from above.
+    bool holds_photons(const Hit& hit) const {
+        const Material& material = world_.geometry.material_of(hit.triangle);
+        if (material.kind == MaterialKind::diffuse && !material.has_no_back()) return true;
+        return world_.geometry.surface_point(hit, at_.normal).bsdf.has(LobeSet::matte);
+    }
+
+    /// Returns the weight of the area that a hit of a probe represents, in units of the whole disc; 0 if photons there
+    /// do not belong to the disc. `back` gets the ray that tests whether it is visible.
+    float area_at(const Probe& probe, const Hit& hit, Ray& back) const {
+        const Vec3 position = probe.down.origin + probe.down.direction * hit.t;
+        Vec3 n = world_.geometry.geometric_normal(hit.triangle);
+        if (dot(n, at_.normal) < 0) n = -n;
+        const float x2 = disc_.distance2(position) / sqr(disc_.radius);
+        if (!disc_.same_side(n) || !(x2 < 1) || !holds_photons(hit)) return 0;
+        back = to_center(position, n);
+        // A tilted surface has a larger area than its projection onto the disc.
+        return kernel_weight(options_.kernel, x2) / (probe.planned * dot(n, at_.normal));
+    }
+
+    /// Returns the sum of the kernel-weighted areas that the probes [first, end) represent; each represents the whole
+    /// disc if the surface is flat and unoccluded. Photons lie under tables and panes too, so a probe goes on below
+    /// what does not belong to the disc.
+    double visible_area(size_t first, size_t end) {
+        constexpr int most_layers = 8;
+        const Frame frame = Frame::around(at_.normal);
+        std::vector<Probe> open, below;
+        for (size_t i = first; i < end; ++i) open.push_back(probe(i, frame));
+        std::array<Ray, probes> rays;
+        std::array<Hit, probes> hits;
         std::array<float, probes> weights;
-        size_t found = 0;
-        for (size_t i = 0; i < count; ++i) {
-            if (hits[i].missed()) continue;
-            const Vec3 position = down[i].origin + down[i].direction * hits[i].t;
-            Vec3 n = world_.geometry.geometric_normal(hits[i].triangle);
-            if (dot(n, at_.normal) < 0) n = -n;
-            const float x2 = disc_.distance2(position) / sqr(disc_.radius);
-            if (!disc_.same_side(n) || !(x2 < 1)) continue;
-            // A tilted surface has a larger area than its projection onto the disc.
-            weights[found] = kernel_weight(options_.kernel, x2) / (planned[i] * dot(n, at_.normal));
-            back[found++] = to_center(position, n);
-        }
         std::array<uint8_t, probes> hidden;
-        occluded(std::span(back).first(found), std::span(hidden).first(found));
         double sum = 0;
-        for (size_t i = 0; i < found; ++i) {
-            sum += hidden[i] ? 0 : weights[i];
-            clear_ += !hidden[i];
+        for (int layer = 0; layer < most_layers && !open.empty(); ++layer, open.swap(below)) {
+            for (size_t i = 0; i < open.size(); ++i) rays[i] = open[i].down;
+            world_.geometry.rays().intersect(std::span(rays).first(open.size()), std::span(hits).first(open.size()));
+            progress_.count_rays(open.size());
+            size_t found = 0;
+            for (size_t i = 0; i < open.size(); ++i) {
+                weights[i] = hits[i].missed() ? 0 : area_at(open[i], hits[i], rays[found]);
+                found += weights[i] > 0;
+            }
+            occluded(std::span(rays).first(found), std::span(hidden).first(found));
+            below.clear();
+            for (size_t i = 0, tested = 0; i < open.size(); ++i) {
+                if (hits[i].missed()) continue;
+                const bool counts = weights[i] > 0, seen = counts && !hidden[tested];
+                tested += counts;
+                Probe& one = open[i];
+                one.clear &= seen || !counts;
+                if (seen) {
+                    sum += weights[i];
+                    clear_ += one.clear;
+                } else {
+                    one.down.t_min = hits[i].t + world_.geometry.ray_offset(hits[i].triangle);
+                    if (one.down.t_min < one.down.t_max) below.push_back(one);
+                }
+            }
         }
         return sum;
     }

@@ -138,6 +138,34 @@ TEST_CASE("a wall of one millimetre separates light and darkness on one floor") 
     }
 }
 
+TEST_CASE("what stands over a floor, or lies beside it without photons, does not change its light") {
+    const float height = 0.01f;  // less than the disc reaches up
+    const Wall floor{{-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0.5f, 0},
+        table{{-1, height, -1}, {0, 0, 2}, {1, 0, 0}, 0.5f, 0};
+    Material mirror = diffuse(1, 0);
+    mirror.kind = MaterialKind::conductor;
+    mirror.parameters.assign(parameter_names(mirror.kind).size(), mirror.parameters[0]);
+    std::vector<Vec3> points;
+    for (int i = 0; i < 40; ++i) points.push_back({-0.5f + 0.025f * float(i), 0, 0.1f});
+    std::vector<Photon> photons;
+    add_even(photons, {-1, 0, -1}, {0, 0, 2}, {2, 0, 0}, 0.008f);
+    const PhotonMap map(photons, 1, 0);
+    DensityOptions options;
+    options.nearest = 300;  // a radius of 0.08
+    for (const Material& material : {diffuse(0.5f, 0), mirror}) {
+        const Room rooms = build_room({floor, table}, {diffuse(0.5f, 0), material});
+        CHECK(std::fabs(error(rooms.world(), map, points, up, options, even).mean) < 0.015);
+    }
+    // A floor that ends at a mirror.
+    const Wall white{{-1, 0, -1}, {0, 0, 2}, {1, 0, 0}, 0.5f, 0}, beside{{0, 0, -1}, {0, 0, 2}, {1, 0, 0}, 0.5f, 0};
+    const Room rooms = build_room({white, beside}, {diffuse(0.5f, 0), mirror});
+    photons.clear();
+    add_even(photons, {-1, 0, -1}, {0, 0, 2}, {1, 0, 0}, 0.008f);
+    const PhotonMap half(photons, 1, 0);
+    for (Vec3& p : points) p.x = -0.001f * float(&p - points.data()) - 0.001f;
+    CHECK(std::fabs(error(rooms.world(), half, points, up, options, even).mean) < 0.02);
+}
+
 TEST_CASE("under a point light irradiance is I cos³ / h² on a wide plane") {
     Room floor = build_room({{{-8, 0, -8}, {0, 0, 16}, {16, 0, 0}, 0.5f, 0}});
     const double height = 1, intensity = 3;
