@@ -184,14 +184,20 @@ def split_dielectric(ior: float) -> Floats:
 def cache_folder() -> Path:
     """Return the folder of the tables according to the XDG base directory specification.
 
-    Raises EclatError if neither HOME nor XDG_CACHE_HOME is set.
+    Raises EclatError if neither HOME nor XDG_CACHE_HOME is an absolute path. Without HOME, the home folder of the user
+    counts that the system knows.
     """
     given = os.environ.get("XDG_CACHE_HOME", "")
     # The specification says that a relative path is ignored.
     try:
         base = Path(given) if os.path.isabs(given) else Path.home() / ".cache"
+        # With an empty HOME, Python takes the root of the file system for the home folder.
+        if not base.is_absolute() or (os.environ.get("HOME") == "" and not os.path.isabs(given)):
+            raise RuntimeError
     except RuntimeError:
-        raise EclatError("cache folder: expected HOME or XDG_CACHE_HOME to be set, got neither") from None
+        raise EclatError(
+            "cache folder: expected HOME or XDG_CACHE_HOME to be an absolute path, but neither is"
+        ) from None
     return base / "eclat"
 
 

@@ -141,9 +141,19 @@ def test_pipes_in_the_way_and_no_home_are_warnings(folder: Path, monkeypatch: py
     monkeypatch.delenv("XDG_CACHE_HOME")
     monkeypatch.setattr(Path, "home", homeless)
     with pytest.warns(
-        EclatWarning, match="expected HOME or XDG_CACHE_HOME to be set, got neither; the table is not kept"
+        EclatWarning, match="HOME or XDG_CACHE_HOME to be an absolute path, but neither is; the table is not kept"
     ):
         brdf_table("lambert")
+
+
+@pytest.mark.parametrize("home", ["", "relative", "/proc/none"])
+def test_without_a_usable_home_tables_are_not_kept(home: str, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.delenv("XDG_CACHE_HOME", raising=False)
+    monkeypatch.setenv("HOME", home)
+    with pytest.warns(EclatWarning, match="not kept|could not be kept") as caught:
+        brdf_table("lambert")
+    assert len(caught) == 1 and not list(tmp_path.iterdir())
 
 
 def test_nothing_is_written_with_keep_false(folder: Path) -> None:

@@ -84,6 +84,10 @@ class Image:
     layers: dict[str, NDArray[np.float32]] = field(default_factory=dict)
     metadata: dict[str, Any] = field(default_factory=dict)
 
+    def __repr__(self) -> str:
+        layers = f", layers {', '.join(self.layers)}" if self.layers else ""
+        return f"<Image: {self.width}×{self.height}{layers}>"
+
     def __post_init__(self) -> None:
         pixels = np.asarray(self.pixels)
         if pixels.ndim != 3 or pixels.shape[2] != 3:

@@ -55,6 +55,12 @@ def test_a_notebook_shows_a_png() -> None:
         assert (read.format, read.size) == ("PNG", (6, 4))
 
 
+def test_the_repr_is_a_line() -> None:
+    pixels = np.zeros((30, 40, 3), np.float32)
+    assert repr(Image(pixels)) == "<Image: 40×30>"
+    assert repr(Image(pixels, {"direct": pixels, "depth": pixels[..., 0]})) == "<Image: 40×30, layers direct, depth>"
+
+
 def test_arrays_of_other_types_become_float32() -> None:
     image = Image(np.ones((2, 3, 3)), {"depth": np.ones((2, 3), dtype=np.int64)})
     assert image.pixels.dtype == np.float32
