@@ -68,11 +68,14 @@ def test_light_through_a_pane_does_not_count_as_found_by_chance(half_width: floa
     assert LIGHT_BY_CHANCE not in statistics(Scene(meshes=(lamp, floor, pane)))
 
 
-def test_path_warns_that_light_of_point_lights_by_mirrors_is_missing() -> None:
+@pytest.mark.parametrize(
+    "method", [eclat.Path(), eclat.PhotonMap(photons=1000, caustic_photons=1000)], ids=lambda m: m.name
+)
+def test_methods_warn_at_points_that_light_of_point_lights_by_mirrors_is_missing(method: eclat.Method) -> None:
     floor, mirror = lamp_beside(MIRROR, 0.01).meshes[1:]
     scene = Scene(meshes=(floor, mirror), lights=(PointLight((0.8, 1.5, 0.0), (1.0, 1.0, 1.0)),))
-    with pytest.warns(EclatWarning, match="no path can find this light"):
-        eclat.irradiance(scene, POINTS, NORMALS, eclat.Path(), samples=1)
+    with pytest.warns(EclatWarning, match="light of the lamps comes from point.* missing"):
+        eclat.irradiance(scene, POINTS, NORMALS, method, samples=1)
     assert statistics(scene)[LIGHT_BY_CHANCE] > 0.1
 
 

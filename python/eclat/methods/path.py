@@ -36,19 +36,20 @@ class Path(Method):
         check_range(self, "roulette_depth", 1, 10**6)
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        if scene.lights:
-            _warn_of_missing_caustics(scene, work)
+        if missing := missing_caustics(scene, work):
+            warn(f"path: {missing}; no path can find this light, so it is missing; use photon-map to compute it")
         return Traced(self, roulette_depth=self.roulette_depth)
 
 
-def _warn_of_missing_caustics(scene: Scene, work: Work) -> None:
-    """Warn if much of the light of point, spot and directional lights reaches surfaces by way of mirrors or glass,
-    because no path from the camera can find it. Its share is measured by a few photons, which are traced from the
-    lights.
+def missing_caustics(scene: Scene, work: Work) -> str:
+    """Describe how much of the light of point, spot and directional lights reaches surfaces by way of mirrors or glass,
+    because no path from the camera or from a point can find it. The text is empty if that is little. The share is
+    measured by a few photons, which are traced from the lights.
     """
+    if not scene.lights:
+        return ""
     _, unseen = _core.focused_light(compiled(scene).core, work.max_depth, work.seed, work.threads, _core.Progress())
-    if unseen > LEAST_BY_CHANCE:
-        warn(
-            f"path: {100 * unseen:.2g} % of the light of the lamps comes from point, spot or directional lights by way of "
-            "mirrors or glass; no path can find this light, so it is missing; use photon-map to compute it"
-        )
+    if not unseen > LEAST_BY_CHANCE:
+        return ""
+    share = f"{100 * unseen:.2g} % of the light of the lamps"
+    return f"{share} comes from point, spot or directional lights by way of mirrors or glass"

@@ -17,6 +17,7 @@ from eclat.bridge.compiled import compiled, fingerprint
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, warn
 from eclat.methods.method import Method, PassEstimator, Prepared, Solved
+from eclat.methods.path import missing_caustics
 from eclat.methods.ranges import check_names, check_range, check_types, core_enum
 from eclat.methods.saved import Common, DamagedArrayError
 from eclat.methods.work import Care, Purpose, View, Work
@@ -138,6 +139,11 @@ class Photons(Solved):
         return _core.photon_estimator(compiled(scene).core, maps, gather_rays=gather, max_depth=work.max_depth)
 
     def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
+        if missing := missing_caustics(scene, work):
+            warn(
+                f"photon-map: {missing}; points need not lie on surfaces, so caustics at points are found by paths, which "
+                "cannot find this light, and it is missing there; use pictures or Photons.irradiance(..., caustic=True)"
+            )
         maps = self.maps(scene, gather=True, threads=work.threads, progress=work.progress)
         return _core.photon_point_estimator(compiled(scene).core, maps)
 
