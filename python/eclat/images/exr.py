@@ -54,7 +54,7 @@ def encode_exr(
 def decode_exr(
     data: bytes, name: str, check_size: Callable[[int, int, str], None]
 ) -> tuple[Float32, dict[str, Float32], dict[str, Any]]:
-    """Decode the first part of an OpenEXR file, on its display window.
+    """Decode the first part with colours of an OpenEXR file, on its display window.
 
     Parameters
     ----------

@@ -32,7 +32,7 @@ Float64 = NDArray[np.float64]
 
 @dataclass(frozen=True, eq=False)
 class Planes:
-    """The first part of an OpenEXR file.
+    """The part of an OpenEXR file that is read.
 
     `channels` has the channels (H, W) by name, and `converted` is whether their colours have been converted.
     """
@@ -43,7 +43,8 @@ class Planes:
 
 
 def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None]) -> Planes:
-    """Read the channels of the first part of an OpenEXR file.
+    """Read the channels of one part of an OpenEXR file: the first part with colours, or without colours the first one.
+    Other parts are left out, with a warning.
 
     Each channel has the size of the display window. Pixels without data in the file are zero. The channels R, G, B (or
     Y, RY, BY) of each layer are converted to R, G, B with Rec. 709 primaries. The conversion keeps the XYZ colour,
@@ -60,10 +61,13 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
     EclatError : `check_size` raises it, the data window is outside the display window, or the pixels are missing.
     Exception : the library may raise any type of exception if the file is invalid.
     """
-    header = dict(OpenEXR.File(io.BytesIO(data), header_only=True).header())
-    window, display = _window(header["dataWindow"]), _window(header.get("displayWindow", header["dataWindow"]))
-    for x0, y0, x1, y1 in (window, display):
-        check_size(x1 - x0, y1 - y0)
+    headers = [dict(part.header) for part in OpenEXR.File(io.BytesIO(data), header_only=True).parts]
+    for header in headers:  # The library reads the pixels of all parts.
+        for x0, y0, x1, y1 in _windows(header):
+            check_size(x1 - x0, y1 - y0)
+    which = next((i for i, header in enumerate(headers) if _has_colors(header)), 0)
+    header = headers[which]
+    window, display = _windows(header)
     if max(window[0], display[0]) >= min(window[2], display[2]) or max(window[1], display[1]) >= min(
         window[3], display[3]
     ):
@@ -71,9 +75,12 @@ def read_planes(data: bytes, where: str, check_size: Callable[[int, int], None])
     file = OpenEXR.File(io.BytesIO(data), separate_channels=True)
     if not file.parts:
         raise EclatError("expected the pixels that the header announces, but the file is truncated or damaged")
+    if len(headers) > 1:
+        names = ", ".join(repr(str(h.get("name", ""))[:40]) for i, h in enumerate(headers[:8]) if i != which)
+        warn(f"{where}: {len(headers) - 1} of {len(headers)} parts of the file are ignored: {names}")
     channels = {}
     with np.errstate(all="ignore"):  # Pixels may be infinite or NaN.
-        for name, channel in file.channels().items():
+        for name, channel in file.channels(which).items():
             plane = _full_size(np.asarray(channel.pixels), (channel.xSampling, channel.ySampling), window)
             if plane is not None:
                 channels[name] = _cropped(plane, window, display)
@@ -123,6 +130,17 @@ def _window(corners: Any) -> tuple[int, int, int, int]:
     """Return the corners of a window as (x0, y0, x1, y1), where x1 and y1 are exclusive."""
     (x0, y0), (x1, y1) = corners
     return int(x0), int(y0), int(x1) + 1, int(y1) + 1
+
+
+def _windows(header: dict[str, Any]) -> tuple[tuple[int, int, int, int], tuple[int, int, int, int]]:
+    """Return the data window and the display window of a part."""
+    return _window(header["dataWindow"]), _window(header.get("displayWindow", header["dataWindow"]))
+
+
+def _has_colors(header: dict[str, Any]) -> bool:
+    """Return whether a part has the channels R, G and B, or Y, in a layer or in none."""
+    letters = {str(channel.name).rpartition(".")[2] for channel in header["channels"]}
+    return {"R", "G", "B"} <= letters or "Y" in letters
 
 
 def _full_size(

@@ -12,7 +12,7 @@ import OpenEXR
 import pytest
 
 from eclat.errors import EclatError, EclatWarning
-from eclat.images.exr_planes import REC_709, rgb_to_xyz
+from eclat.images.exr_planes import REC_709, read_planes, rgb_to_xyz
 from eclat.images.image import Image
 from eclat.loaders.images import read_image_file
 
@@ -152,3 +152,28 @@ def test_radiance_pictures_in_other_primaries(header: bytes, is_xyz: bool) -> No
     assert standard is not None
     wanted = np.linalg.solve(standard, (1, 1, 1)) if is_xyz else (1, 1, 1)
     np.testing.assert_allclose(image[0, 0], wanted, atol=1e-4)
+
+
+def parts(path: Path, *channels: dict[str, Any]) -> Path:
+    window = (np.array([0, 0], np.int32), np.array([11, 7], np.int32))
+    header = {"type": OpenEXR.scanlineimage, "displayWindow": window}
+    OpenEXR.File([OpenEXR.Part(header | {"name": f"part {i}"}, c) for i, c in enumerate(channels)]).write(str(path))
+    return path
+
+
+@pytest.mark.parametrize("first", [0, 1])
+def test_the_part_with_colours_is_read(tmp_path: Path, first: int) -> None:
+    colors = {letter: plane(v) for letter, v in zip("RGB", COLOR, strict=True)}
+    both_parts = [colors, {"Z": plane(7)}]
+    path = parts(tmp_path / "a.exr", both_parts[first], both_parts[1 - first])
+    with pytest.warns(EclatWarning, match=f"a.exr: 1 of 2 parts of the file are ignored: 'part {1 - first}'"):
+        for pixels in both(path):
+            np.testing.assert_allclose(pixels[3, 5], COLOR)
+
+
+def test_the_size_of_every_part_is_checked(tmp_path: Path) -> None:
+    path = parts(tmp_path / "a.exr", {"Y": plane(1)}, {"Z": plane(7, 60, 70)})
+    sizes = []
+    with pytest.warns(EclatWarning, match="ignored"):
+        read_planes(path.read_bytes(), "a.exr", lambda width, height: sizes.append((width, height)))
+    assert set(sizes) == {(12, 8), (70, 60)}
