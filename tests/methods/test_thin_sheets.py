@@ -214,6 +214,48 @@ def test_points_behind_a_curtain(small: Scene, method: str) -> None:
     assert found == pytest.approx(truth, rel=0.025)
 
 
+SHEETS = {
+    "curtain": CURTAIN,
+    "blend": Material("blend", {"weight": grey(0.5)}, children=(CURTAIN, CURTAIN)),
+    "lace": replace(CURTAIN, opacity=grey(0.5)),
+}
+BEHIND: dict[str, tuple[PointLight | SpotLight | None, Environment | None]] = {
+    "point": (PointLight((0.0, 3.0, 0.0), (4.0, 4.0, 4.0)), None),
+    "spot": (SpotLight((0.0, 3.0, 0.0), (0.0, -1.0, 0.0), (4.0, 4.0, 4.0), 20.0, 30.0), None),
+    "sky": (None, SKY),
+}
+AT_POINTS: dict[str, Method] = {
+    "irradiance-cache": eclat.IrradianceCache(),
+    "photon-map": eclat.PhotonMap(photons=10_000, caustic_photons=1000),
+    "radiosity": eclat.Radiosity(patches=1000),
+}
+
+
+def arriving(sheet: Material, light: str, method: Method) -> np.ndarray:
+    points, up = [(0.0, 0.3, 0.0), (0.7, 0.2, 0.4)], [(0.0, 1.0, 0.0)] * 2
+    found = eclat.irradiance(under(sheet, 0.02, *BEHIND[light]), points, up, method, samples=4096)
+    return np.asarray(found).mean(axis=1)
+
+
+@pytest.mark.parametrize(
+    ("light", "sheet"), [*((light, "curtain") for light in BEHIND), ("point", "blend"), ("point", "lace")]
+)
+@pytest.mark.parametrize("method", AT_POINTS)
+@pytest.mark.usefixtures("small")
+def test_light_of_each_lamp_arrives_at_points_behind_a_curtain(method: str, light: str, sheet: str) -> None:
+    truth = arriving(SHEETS[sheet], light, eclat.Path())
+    assert arriving(SHEETS[sheet], light, AT_POINTS[method]) == pytest.approx(truth, rel=0.015)
+
+
+@pytest.mark.usefixtures("small")
+def test_lace_lets_half_of_the_light_past_the_curtain() -> None:
+    distance = np.array([2.7, math.sqrt(2.8**2 + 0.7**2 + 0.4**2)])
+    bare = 4.0 * np.array([2.7, 2.8]) / distance**3
+    behind = arriving(CURTAIN, "point", eclat.Path())
+    found = arriving(SHEETS["lace"], "point", eclat.Path())
+    assert found == pytest.approx(0.5 * bare + 0.5 * behind, rel=0.015)
+
+
 def test_the_error_of_what_comes_through_a_curtain_is_stated(small: Scene) -> None:
     """Probes look at the records of both sides: those of one that was lit otherwise are found to be wrong."""
     scene = replace(small, cameras=(Camera(CURTAIN_ABOVE, fov=120.0),))
