@@ -13,7 +13,8 @@
 // A gather of N rays sees the surface at the distance t only blurred over about t √(2π / N), so a cell of this width costs
 // nothing. Short rays read small cells, which few paths have visited: near corners, paths go on. A cell counts its places as
 // often as gather rays hit them, so it neither adds nor removes light in the sum over all gathers, wherever the walls and edges
-// within it are.
+// within it are. But a cell across a wall gives its mean to both sides. That is little where a picture shows both or one of
+// them; a closed dark room beside a lit one would not stay dark, so records for points and for all surfaces do not read cells.
 //
 // References   [Binder18] cells of a hash grid, with widths that follow the length of rays
 // Bias         Gather rays see light that varies within a cell only blurred.

@@ -238,7 +238,8 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto missed = unserved(caches.near, candidates, options.threads);
     const auto wanted = solve.direct.worth_records(candidates, missed);
     caches.left_to_paths = solve.direct.left_to_paths();
-    const FarEnd far = far_end(world, caches, options, progress, solve.tables, &solve.cells);
+    const FarEnd far =
+        far_end(world, caches, options, progress, solve.tables, solve.read_cells ? &solve.cells : nullptr);
     const auto records = remembered(gather_each(
                                         {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
                                         [&](const Candidate& c) { return rows_for(c, caches.near, options, share); },

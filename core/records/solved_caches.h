@@ -32,6 +32,7 @@ struct RecordSolve {
     const RadianceTables* tables = nullptr;   // tables of lobes, for radiance caching
     BrightPlaces bright{};                    // places at which gathers aim rays
     FarCells cells{};                         // what paths of gathers found where no far record serves
+    bool read_cells = false;                  // whether gathers end there, see records/far_cells.cpp
     DirectRegions direct{}, glossy_direct{};  // regions without records
     float usual_footprint = 0;                // of the first pass of near records, m, or 0 before it
 };

@@ -108,6 +108,7 @@ void solve_far_for_camera(const World& world, const Camera& camera, const Irradi
 
 void solve_near_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
                            RecordSolve& solve, Progress& progress, const MarkCached& mark) {
+    solve.read_cells = true;
     for_each_lattice(camera, options, [&](std::span<const Vec2> pixels, float step) {
         add_near(world, camera_candidates(world, camera, pixels, options, progress, mark), options, solve, progress,
                  rows_share(step));

@@ -145,6 +145,7 @@ TEST_CASE("records of gathers that end in cells have the irradiance of records w
     SolvedCaches caches = empty_caches(options), again = empty_caches(options);
     Progress progress;
     RecordSolve solve{caches};
+    solve.read_cells = true;
     // The first pass fills the cells, which the second pass reads.
     add_near(room.world(), std::span(candidates).first(60), options, solve, progress);
     const uint64_t before = progress.rays;
