@@ -13,11 +13,12 @@
 // A gather of N rays sees the surface at the distance t only blurred over about t √(2π / N), so a cell of this width costs
 // nothing. Short rays read small cells, which few paths have visited: near corners, paths go on. A cell counts its places as
 // often as gather rays hit them, so it neither adds nor removes light in the sum over all gathers, wherever the walls and edges
-// within it are. But a cell across a wall gives its mean to both sides. That is little where a picture shows both or one of
-// them; a closed dark room beside a lit one would not stay dark, so records for points and for all surfaces do not read cells.
+// within it are. But a cell across a wall gives its mean to both sides, and a closed dark room beside a lit one would not stay
+// dark: in a light map, 0.002 of the light came through a wall of a centimetre. So records for points and for all surfaces do
+// not read cells. In pictures this is a bias, which error probes measure because their paths do not read cells.
 //
 // References   [Binder18] cells of a hash grid, with widths that follow the length of rays
-// Bias         Gather rays see light that varies within a cell only blurred.
+// Bias         Gather rays see light that varies within a cell only blurred, also across a thin wall.
 // Held to      tests/core/records/test_far_cells.cpp
 
 #include "records/far_cells.h"
@@ -37,6 +38,8 @@ constexpr float share = 0.16f;
 // hundred cells, which leaves about 2 % of noise. With 8 estimates, a solve of `living-room` takes a tenth less time, but
 // records in a furnace deviate by 5 %.
 constexpr uint32_t least_count = 32;
+
+/// Returns the exponent of the width of the cells that belong to rays of this length.
 int level_of(float distance) { return std::ilogb(std::max(distance * share, 1e-30f)); }
 
 uint64_t mix(uint64_t x) {
@@ -63,7 +66,7 @@ uint64_t orientation(Vec3 n) {
 }
 
 uint64_t key_of(Vec3 p, Vec3 n, int level) {
-    // The grid is displaced, because floors and walls often lie at multiples of a power of two, where rounding would
+    // The grid is displaced by arbitrary shares of a cell, because floors and walls often lie at multiples of a power of two, where rounding would
     // divide their points between two cells.
     constexpr float displaced[3] = {0.381966f, 0.276393f, 0.324920f};
     const float scale = std::ldexp(1.0f, -level);

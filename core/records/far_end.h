@@ -25,7 +25,8 @@ CachedIrradiance read_far(const RecordCache& far);
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
                                Reading reading = Reading::smooth);
 /// Makes the far end from the current state of the caches: photons, or far records and, where none serves, `cells`; and,
-/// with `tables`, records of radiance. It is empty if the number of edges of paths is limited, because records contain light of all path lengths.
+/// with `tables`, records of radiance. It is empty if the number of edges of paths is limited, because records contain
+/// light of all path lengths.
 FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
                Progress& progress, const RadianceTables* tables = nullptr, const FarCells* cells = nullptr);
 
