@@ -2,19 +2,28 @@
 # SPDX-License-Identifier: Apache-2.0
 
 PYTHON ?= python3
-SOURCES := CMakeLists.txt pyproject.toml $(shell find core bindings python -type f -not -name '*.so' -not -path '*/__pycache__/*')
+SOURCES := CMakeLists.txt pyproject.toml $(shell find core bindings python -type f -not -name '*.so' -not -path '*/__pycache__/*' -not -path '*/viewer/page/*')
+PAGE := python/eclat/viewer/page/index.html
 CORE_TESTS := $(shell find tests/core -type f)
 
-.PHONY: demo test install core-test clean
+.PHONY: demo test install page core-test clean
 .DEFAULT_GOAL := demo
 
 demo: .venv/installed ## render the built-in scenes by irradiance caching and by path tracing, side by side
 	.venv/bin/python examples/demo.py
 
-test: .venv/tested web/node_modules/installed core-test ## all tests but the dearest (tools/check --full has those)
+test: web/node_modules/installed .venv/tested core-test ## all tests but the dearest (tools/check --full has those)
 	.venv/bin/python -m pytest tests -m "not full"
 
 install: .venv/installed
+
+page: $(PAGE) ## the page of `eclat view`, which the wheel contains; without npm there is none, and `eclat view` says so
+
+# It is not under version control, because it is half a megabyte that would change with every change of its sources.
+$(PAGE): web/package.json web/package-lock.json $(shell find web/view -type f)
+	if command -v npm >/dev/null; then cd web && { [ -x node_modules/.bin/vite ] || npm ci --loglevel=error; } && \
+	    npm run --silent build -- --logLevel warn && touch ../$@; \
+	else echo "eclat: npm: not found; eclat view needs its page, which npm builds"; fi
 
 .venv/python:
 	tools/bootstrap
@@ -22,11 +31,11 @@ install: .venv/installed
 	.venv/bin/pip install --quiet --upgrade pip
 	touch $@
 
-.venv/installed: .venv/python $(SOURCES)
+.venv/installed: .venv/python $(SOURCES) $(PAGE)
 	.venv/bin/pip install --quiet .
 	touch $@
 
-.venv/tested: .venv/installed
+.venv/tested: web/node_modules/installed .venv/installed
 	.venv/bin/pip install --quiet '.[test]'
 	touch $@
 
@@ -43,4 +52,4 @@ build/core-test/tested: .venv/python CMakeLists.txt $(SOURCES) $(CORE_TESTS)
 	touch $@
 
 clean:
-	rm -rf build .venv web/node_modules
+	rm -rf build .venv web/node_modules python/eclat/viewer/page

@@ -8,6 +8,8 @@
 #include <nanobind/stl/vector.h>
 
 #include "arrays.h"
+#include "bsdf/metallic_roughness.h"
+#include "bsdf/plastic.h"
 #include "tables/brdf_table.h"
 
 using namespace eclat;
@@ -56,6 +58,29 @@ auto lookup(const BrdfTable& table, Points directions, Floats1 alphas) {
     return std::make_tuple(to_array(orders), coefficients, to_array(errors));
 }
 
+/// Returns `of(cosine)` for each cosine (N).
+template <class F>
+auto at_cosines(const Floats1& cosines, F&& of) {
+    return float_array({cosines.size()}, [&](float* data) {
+        for (size_t i = 0; i < cosines.size(); ++i) data[i] = of(cosines.data()[i]);
+    });
+}
+
+/// Returns the albedo (N) of a white base below the coat of a plastic, without reflections inside, at each cosine, and the
+/// share of diffuse light that the coat reflects inside.
+auto plastic_coat(float ior, float alpha, bool beckmann, const Floats1& cosines) {
+    const PlasticTable table = make_plastic_table(ior, alpha, beckmann ? Distribution::beckmann : Distribution::ggx);
+    auto albedos = at_cosines(
+        cosines, [&](float mu) { return table.transmittance(mu) * table.mean_transmittance * (1 / sqr(ior)); });
+    return std::make_tuple(std::move(albedos), table.internal_reflectance);
+}
+
+/// Returns the albedo (N) of a white base of the metallic-roughness model at each cosine.
+auto coupled_coat(float alpha, float f0, float f90, const Floats1& cosines) {
+    const CoupledDiffuseLobe lobe(Microfacets::smooth(alpha, alpha) ? 0 : alpha, f0, f90);
+    return at_cosines(cosines, [&](float mu) { return lobe.entering(mu); });
+}
+
 }  // namespace
 
 void bind_brdf_table(nb::module_& m) {
@@ -101,4 +126,6 @@ void bind_brdf_table(nb::module_& m) {
         },
         "eta"_a, "k"_a);
     m.def("split_dielectric", [](float ior) { return factors(InterfaceReflectance::dielectric(ior)); }, "ior"_a);
+    m.def("plastic_coat", &plastic_coat, "ior"_a, "alpha"_a, "beckmann"_a, "cosines"_a);
+    m.def("coupled_coat", &coupled_coat, "alpha"_a, "f0"_a, "f90"_a, "cosines"_a);
 }

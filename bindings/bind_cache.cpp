@@ -8,6 +8,7 @@
 #include <nanobind/stl/tuple.h>
 #include <nanobind/stl/vector.h>
 
+#include <algorithm>
 #include <cstddef>
 #include <cstring>
 #include <memory>
@@ -103,6 +104,8 @@ std::vector<std::tuple<const char*, size_t, size_t>> record_layout() {
             field("elongations", offsetof(R, elongation), sizeof(R::elongation)),
             field("axes", offsetof(R, axis), sizeof(R::axis)),
             field("curvatures", offsetof(R, curvature), sizeof(R::curvature)),
+            field("noises", offsetof(R, own_noise), sizeof(R::own_noise)),
+            field("clearances", offsetof(R, clearance), sizeof(R::clearance)),
             field("enclosed", offsetof(R, enclosed), sizeof(R::enclosed))};
 }
 
@@ -165,6 +168,30 @@ void make_caches(SolvedCaches* place, const Array<float, -1, -1>& near, const Ar
     std::construct_at(place, SolvedCaches{std::move(near_cache), std::move(far_cache), {}, 0});
 }
 
+/// Returns the irradiance (points, 3) that the near records give at points with normals, and the sum of the weights of the
+/// records that serve each point (points,). Both are 0 where none does.
+auto read_near_records(const SolvedCaches& caches, const Points& positions, const Points& normals) {
+    const auto points = points_with_normals(positions, normals);
+    std::vector<Color> values;
+    std::vector<float> weights;
+    for (const PointNormal& p : points) {
+        float sum = 0;
+        caches.near.for_each_serving(p.position, p.normal, caches.near.options().relaxation,
+                                     [&](uint32_t, float w, const Color&) { sum += w; });
+        values.push_back(caches.near.interpolate(p.position, p.normal, p.normal).value_or(Color()));
+        weights.push_back(sum);
+    }
+    auto sums = float_array({weights.size()}, [&](float* data) { std::ranges::copy(weights, data); });
+    return std::pair(color_array(values), std::move(sums));
+}
+
+/// Returns the excess of each near record, averaged over the records around it (records, 3).
+auto shared_excess_of_near(const SolvedCaches& caches) {
+    std::vector<Color> values;
+    for (uint32_t i = 0; i < caches.near.records().size(); ++i) values.push_back(caches.near.shared_excess(i));
+    return color_array(values);
+}
+
 void bind_solved_caches(nb::module_& m) {
     m.def("record_layout", &record_layout);
     nb::class_<SolvedCaches>(m, "SolvedCaches")
@@ -199,6 +226,10 @@ void bind_solved_caches(nb::module_& m) {
             "near", [](const SolvedCaches& c) { return to_array(c.near.records()); }, nb::rv_policy::move)
         .def_prop_ro(
             "far", [](const SolvedCaches& c) { return to_array(c.far.records()); }, nb::rv_policy::move)
+        .def_prop_ro("near_shared_excess", &shared_excess_of_near, nb::rv_policy::move)
+        .def("read_near", &read_near_records, "positions"_a, "normals"_a,
+             "The irradiance (points, 3) that near records give, and the sum of their weights (points,); 0 if none "
+             "serves.")
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
         .def_ro("left_to_paths", &SolvedCaches::left_to_paths)
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });

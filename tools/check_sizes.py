@@ -21,6 +21,7 @@ MOST_LINES, MOST_PARAMETERS = 60, 8
 
 MANY_PARAMETERS = (
     "python/eclat/verbs/*",
+    "python/eclat/viewer/showing.py",
     "python/eclat/cli/*",
     "python/eclat/brdf_table.py",
     "tests/*",

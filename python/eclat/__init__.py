@@ -38,6 +38,7 @@ if TYPE_CHECKING:
     from eclat.verbs.irradiance import irradiance
     from eclat.verbs.render import render
     from eclat.verbs.solve import refine, solve
+    from eclat.viewer.showing import Viewer, export_view, view
 
 _HOMES = {
     "load": "eclat.loaders",
@@ -50,6 +51,9 @@ _HOMES = {
     "bake": "eclat.verbs.bake",
     "compare": "eclat.verbs.compare",
     "denoise": "eclat.verbs.denoise",
+    "view": "eclat.viewer.showing",
+    "export_view": "eclat.viewer.showing",
+    "Viewer": "eclat.viewer.showing",
     "METHODS": "eclat.methods",
     "Method": "eclat.methods",
     "Solved": "eclat.methods",
@@ -91,9 +95,11 @@ __all__ = [
     "Scene",
     "Solution",
     "Solved",
+    "Viewer",
     "bake",
     "compare",
     "denoise",
+    "export_view",
     "irradiance",
     "load",
     "load_dict",
@@ -103,6 +109,7 @@ __all__ = [
     "refine",
     "render",
     "solve",
+    "view",
 ]
 
 

@@ -450,6 +450,18 @@ class BrdfTable:
 
 def split_conductor(eta: Sequence[float], k: Sequence[float]) -> NDArray[numpy.float32]: ...
 def split_dielectric(ior: float) -> NDArray[numpy.float32]: ...
+def plastic_coat(
+    ior: float,
+    alpha: float,
+    beckmann: bool,
+    cosines: Annotated[NDArray[numpy.float32], dict(shape=(None,), order="C", device="cpu", writable=False)],
+) -> tuple[NDArray[numpy.float32], float]: ...
+def coupled_coat(
+    alpha: float,
+    f0: float,
+    f90: float,
+    cosines: Annotated[NDArray[numpy.float32], dict(shape=(None,), order="C", device="cpu", writable=False)],
+) -> NDArray[numpy.float32]: ...
 
 class Weight(enum.Enum):
     tabellion = 0
@@ -617,6 +629,17 @@ class SolvedCaches:
     def near(self) -> NDArray[numpy.float32]: ...
     @property
     def far(self) -> NDArray[numpy.float32]: ...
+    @property
+    def near_shared_excess(self) -> NDArray[numpy.float32]: ...
+    def read_near(
+        self,
+        positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    ) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32]]:
+        """
+        The irradiance (points, 3) that near records give, and the sum of their weights (points,); 0 if none serves.
+        """
+
     @property
     def near_count(self) -> int: ...
     @property

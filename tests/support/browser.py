@@ -171,3 +171,51 @@ def _node(command: list[str], request: str) -> Any:
     if done.returncode != 0:
         raise AssertionError(f"{' '.join(command)} ended with code {done.returncode}:\n{done.stderr}")
     return json.loads(done.stdout)
+
+
+@dataclass(frozen=True)
+class ViewedPage:
+    """What the page of `eclat view` gave."""
+
+    pictures: list[NDArray[np.float32]]
+    """(H, W, 3) linear radiance each, row 0 at the top."""
+    sums: NDArray[np.float32]
+    """(N, 4) sums of (w E, w) over the records at the points that were asked for."""
+    shot: NDArray[np.uint8] | None
+    """(H, W, 3) the page as it looks."""
+    message: str
+    """What it shows instead of a picture; "" where there is one."""
+    messages: list[str]
+    """What it said on its console."""
+    requests: list[str]
+    """The addresses that it asked for."""
+
+
+def look_at_page(
+    url: str,
+    pictures: Sequence[dict[str, Any]] = (),
+    points: NDArray[np.floating] | None = None,
+    normals: NDArray[np.floating] | None = None,
+    shot: dict[str, Any] | None = None,
+) -> ViewedPage:
+    """Open the page of `eclat view` and ask it for pictures and for sums of records; web/tests/view.mjs says how."""
+
+    def encoded(array: NDArray[np.floating] | None) -> str | None:
+        return None if array is None else base64.b64encode(np.asarray(array, "<f4").tobytes()).decode()
+
+    node, chromium = require_node(), require_browser()
+    request = {"page": url, "pictures": list(pictures), "points": encoded(points), "normals": encoded(normals)}
+    command = [node, str(WEB / "tests/view.mjs"), chromium]
+    answer = _node(command, json.dumps(request | ({"shot": shot} if shot else {})))
+
+    def decoded(text: str | None) -> NDArray[np.float32]:
+        return np.frombuffer(base64.b64decode(text or ""), dtype="<f4").reshape(-1, 4)
+
+    made = [
+        decoded(pixels).reshape(asked["height"], asked["width"], 4)[::-1, :, :3]
+        for asked, pixels in zip(pictures, answer.get("pictures", []), strict=False)
+    ]
+    png = answer.get("shot")
+    page = None if png is None else np.array(Image.open(io.BytesIO(base64.b64decode(png))).convert("RGB"))
+    sums = decoded(answer.get("sums"))
+    return ViewedPage(made, sums, page, answer["message"], answer["messages"], answer["requests"])

@@ -30,6 +30,7 @@ COMMANDS: dict[str, str] = {
     "solve": "eclat.cli.solve",
     "irradiance": "eclat.cli.irradiance",
     "bake": "eclat.cli.bake",
+    "view": "eclat.cli.view",
     "denoise": "eclat.cli.denoise",
     "compare": "eclat.cli.compare",
     "info": "eclat.cli.info",
@@ -57,6 +58,7 @@ def group() -> None:
     eclat scenes                    lists the built-in scenes
     eclat render cornell-box        renders a built-in scene to cornell-box.png
     eclat render room.glb --time 30 renders your own scene in half a minute
+    eclat view cornell-box          shows a scene in the browser, to walk through
     eclat compare cornell-box       compares all methods and their errors on one page
 
     Every command has its own help, with examples: eclat render --help

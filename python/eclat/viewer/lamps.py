@@ -1,0 +1,103 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Lights and cameras of a scene for the page, and the direct light of glowing surfaces and of the sky as a light map.
+
+The page lights surfaces by points, spots and suns with shadow maps, because their shadows are sharp. Glowing surfaces
+and the sky have soft shadows, which a light map holds with a small error (docs/guides/view.md).
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+
+from eclat.bridge.arguments import picture_size
+from eclat.gltf_export import Part, scene_parts
+from eclat.lightmap.lightmap import Lightmap
+from eclat.scene import Camera, DirectionalLight, FloatArray, PointLight, Scene, SpotLight
+from eclat.verbs.bake import bake
+from eclat.viewer.messages import encode_message
+
+LARGEST_HALF = 60000.0
+"""A little below the largest half float."""
+
+
+def soft_light_of(scene: Scene, **options: Any) -> Lightmap | None:
+    """Bake the direct light of glowing surfaces and of the environment; None if the scene has neither.
+
+    `options` are those of `eclat.bake`.
+    """
+    if scene.environment is None and all(mesh.material.emission is None for mesh in scene.meshes):
+        return None
+    return bake(replace(scene, lights=()), component="direct", **options)
+
+
+def parts_of(scene: Scene, lightmap: Lightmap | None) -> list[Part]:
+    """Return the meshes that the page draws, with coordinates in the light map if there is one."""
+    return scene_parts(scene) if lightmap is None else list(lightmap.parts)
+
+
+def light_message(lightmap: Lightmap | None) -> bytes:
+    """Encode the direct light of glowing surfaces and the sky; without a light map, it is one black texel."""
+    values = np.zeros((1, 1, 3), np.float32) if lightmap is None else np.asarray(lightmap.irradiance)
+    largest = float(values.max(initial=0))
+    scale = LARGEST_HALF / largest if largest > LARGEST_HALF else 1.0
+    texels = np.ones((*values.shape[:2], 4), np.float16)
+    texels[..., :3] = values * scale
+    return encode_message("light", {"scale": scale}, {"map": texels})
+
+
+def lights_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:
+    """Return the point, spot and directional lights, with positions relative to `center`."""
+    found: list[dict[str, Any]] = []
+    for light in scene.lights:
+        if isinstance(light, DirectionalLight):
+            found.append(
+                {"kind": "sun", "direction": _unit(light.direction), "irradiance": list(map(float, light.irradiance))}
+            )
+            continue
+        position = (np.asarray(light.position, np.float64) - center).tolist()
+        entry = {"kind": "point", "position": position, "intensity": list(map(float, light.intensity))}
+        if isinstance(light, SpotLight):
+            entry |= {
+                "kind": "spot",
+                "direction": _unit(light.direction),
+                "inner_angle": float(light.inner_angle),
+                "outer_angle": float(light.outer_angle),
+                "smooth": light.falloff == "smooth",
+            }
+        else:
+            assert isinstance(light, PointLight)
+        found.append(entry)
+    return found
+
+
+def cameras_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:
+    """Return the cameras, with row-major matrices `to_world` relative to `center`."""
+    return [_camera(camera, number, center) for number, camera in enumerate(scene.cameras)]
+
+
+def _camera(camera: Camera, number: int, center: FloatArray) -> dict[str, Any]:
+    to_world = np.array(camera.to_world, np.float64)
+    to_world[:3, :3] /= np.linalg.norm(to_world[:3, :3], axis=0)
+    to_world[:3, 3] -= center
+    width, height = picture_size(camera, None)
+    half_width, half_height = camera.half_extent(width / height)
+    return {
+        "name": camera.name or f"camera {number}",
+        "to_world": to_world.ravel().tolist(),
+        "half_extent": [half_width, half_height],
+        "fov_axis": camera.fov_axis,
+        "fov": float(camera.fov),
+        "orthographic": camera.projection == "orthographic",
+        "shift": list(map(float, camera.shift)),
+        "size": [width, height],
+    }
+
+
+def _unit(direction: tuple[float, float, float]) -> list[float]:
+    vector = np.asarray(direction, np.float64)
+    unit: list[float] = (vector / np.linalg.norm(vector)).tolist()
+    return unit

@@ -1,0 +1,90 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page of `eclat view` in headless Chromium, beside `eclat render` and the core: the same weights, the same light."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat import scenes
+from eclat.measure.metrics import away_from_edges, relative_rmse
+from eclat.methods.records.solution import Solution
+from eclat.scene import FloatArray, Scene
+from support.browser import ViewedPage, look_at_page, require_browser, require_node
+
+SIZE = (160, 120)
+
+SAMPLES = 64
+"""Paths a pixel of each of two references, so that their noise cancels from the error."""
+
+POINTS = 10_000
+
+
+@dataclass(frozen=True)
+class Shown:
+    """A scene, its records, points near them, and what the page made of all."""
+
+    scene: Scene
+    solution: Solution
+    points: FloatArray
+    normals: FloatArray
+    page: ViewedPage
+    origin: str
+    """The address of the server, without the token."""
+
+
+def points_near(solution: Solution, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """Points off the records by up to twice their radii, most in their planes, with normals turned by up to some degrees."""
+    chosen = rng.choice(np.flatnonzero(~solution.enclosed), POINTS)
+    normals = solution.normals[chosen].astype(np.float64)
+    away = rng.normal(size=(POINTS, 3))
+    away -= (1 - 0.01 * rng.random((POINTS, 1))) * (away * normals).sum(axis=1, keepdims=True) * normals
+    away *= (2 * rng.random(POINTS) * solution.radii[chosen] / np.linalg.norm(away, axis=1))[:, None]
+    turned = normals + rng.normal(size=(POINTS, 3)) * (rng.random(POINTS) < 0.5)[:, None] * 0.05
+    turned /= np.linalg.norm(turned, axis=1, keepdims=True)
+    local = solution.positions[chosen] - solution.center + away
+    return local.astype(np.float32), turned.astype(np.float32)
+
+
+@pytest.fixture(scope="module")
+def cornell_box() -> Shown:
+    require_node(), require_browser()
+    scene = scenes.build("cornell-box")
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.02), view_independent=True, check=False)
+    points, normals = points_near(solution, np.random.default_rng(1))
+    picture = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
+    with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
+        page = look_at_page(viewer.url, [picture], points, normals)
+        origin = viewer.url.rsplit("/", 2)[0]
+    return Shown(scene, solution, points, normals, page, origin)
+
+
+def test_the_page_says_nothing_wrong_and_asks_this_server_only(cornell_box: Shown) -> None:
+    page = cornell_box.page
+    assert page.message == "" and page.messages == []
+    assert page.requests and all(request.startswith(cornell_box.origin) for request in page.requests)
+
+
+def test_weights_and_values_are_those_of_the_core(cornell_box: Shown) -> None:
+    expected, weights = cornell_box.solution.core().read_near(cornell_box.points, cornell_box.normals)
+    sums = cornell_box.page.sums
+    assert len(sums) == POINTS and 0.5 < (weights > 0).mean() < 1
+    # Where a weight vanishes, at its border, rounding decides whether it does.
+    clear = weights > 0.02
+    np.testing.assert_allclose(sums[clear, 3], weights[clear], rtol=1e-4)
+    np.testing.assert_allclose(sums[clear, :3] / sums[clear, 3:], expected[clear], rtol=1e-4)
+    assert (sums[weights == 0, 3] < 1e-5).all()
+
+
+def test_the_picture_is_that_of_render(cornell_box: Shown) -> None:
+    a, b = (
+        eclat.render(cornell_box.scene, cornell_box.solution, size=SIZE, samples=SAMPLES, seed=seed) for seed in (1, 2)
+    )
+    inside = away_from_edges(a.layers["depth"], a.layers["normal"])
+    assert inside.mean() > 0.5
+    error = relative_rmse(cornell_box.page.pictures[0], a.pixels, b.pixels, mask=inside)
+    assert error < 0.02, f"{error:.4f}"

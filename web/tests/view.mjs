@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Asks the page of `eclat view` for pictures and sums of records: node view.mjs CHROMIUM < request.json > answer.json
+// The request is { page: URL, pictures: [{ camera, width, height, look }], points, normals, shot } with float32 arrays in
+// base64, or without points. The answer is { pictures, sums, shot, records, precision, message, messages, requests }: linear
+// pictures and sums as float32 in base64, a PNG of the page if a shot was asked for, what the page shows instead of a
+// picture, what it said on its console, and the addresses that it asked for.
+
+import { text } from 'node:stream/consumers';
+import { inBrowser } from './browser.mjs';
+
+const { page: url, pictures = [], points, normals, shot } = JSON.parse(await text(process.stdin));
+
+const answer = await inBrowser(process.argv[2], async (page, messages) => {
+  const requests = [];
+  page.on('request', (request) => requests.push(request.url()));
+  if (shot) await page.setViewportSize({ width: shot.width, height: shot.height });
+  await page.goto(url);
+  await page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
+  const message = await page.evaluate(() => document.getElementById('message').textContent);
+  const found = message
+    ? {}
+    : await page.evaluate(
+        ({ pictures, points, normals }) => {
+          const encoded = (floats) => {
+            const bytes = new Uint8Array(floats.buffer, floats.byteOffset, floats.byteLength);
+            let binary = '';
+            for (let i = 0; i < bytes.length; i += 32768) binary += String.fromCharCode(...bytes.subarray(i, i + 32768));
+            return btoa(binary);
+          };
+          const decoded = (base64) => new Float32Array(Uint8Array.from(atob(base64), (c) => c.charCodeAt(0)).buffer);
+          const { eclatView } = window;
+          return {
+            pictures: pictures.map((p) => encoded(eclatView.linear(p.camera, p.width, p.height, p.look))),
+            sums: points && encoded(eclatView.sums(decoded(points), decoded(normals))),
+            records: eclatView.records,
+            precision: eclatView.precision,
+          };
+        },
+        { pictures, points, normals },
+      );
+  if (shot) {
+    if (shot.script) await page.evaluate(shot.script);
+    await page.waitForTimeout(shot.wait ?? 500);
+    found.shot = (await page.screenshot()).toString('base64');
+  }
+  return { ...found, message, messages, requests };
+});
+process.stdout.write(JSON.stringify(answer));

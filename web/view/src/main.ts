@@ -1,0 +1,174 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The page of `eclat view`: loads the messages of a scene, and draws it whenever something has changed.
+
+import * as three from 'three';
+import { decodeMessage, type LightHeader, type RecordsHeader, type SceneHeader } from './messages';
+import { Navigation } from './navigation';
+import { fillPanel } from './panel';
+import { Pose } from './pose';
+import { Renderer, USUAL_LOOK, type Look } from './renderer';
+
+/** What tests and other pages may ask of this page. */
+export interface EclatView {
+  readonly precision: string;
+  readonly records: number;
+  /** Linear radiance (height, width, 4) of a camera of the scene, the first row at the bottom. */
+  linear(camera: number, width: number, height: number, look?: Partial<Look>): Float32Array;
+  /** The sums (n, 4) of (w E, w) at n points with normals. */
+  sums(points: Float32Array, normals: Float32Array): Float32Array;
+}
+
+declare global {
+  interface Window {
+    eclatView?: EclatView;
+  }
+}
+
+function byId<T extends HTMLElement>(id: string): T {
+  const found = document.getElementById(id);
+  if (!found) throw new Error(`The page has no element ${id}.`);
+  return found as T;
+}
+
+async function load(name: string, done: (bytes: number, total: number) => void): Promise<ArrayBuffer> {
+  const response = await fetch(`./data/${name}.eclat`);
+  if (!response.ok || !response.body) throw new Error(`The ${name} cannot be loaded (${response.status}).`);
+  const total = Number(response.headers.get('content-length') ?? 0);
+  const parts: Uint8Array<ArrayBuffer>[] = [];
+  let bytes = 0;
+  const reader = response.body.getReader();
+  for (let part = await reader.read(); !part.done; part = await reader.read()) {
+    parts.push(part.value);
+    bytes += part.value.byteLength;
+    done(bytes, total);
+  }
+  return new Blob(parts).arrayBuffer();
+}
+
+async function start(): Promise<void> {
+  const canvas = byId<HTMLCanvasElement>('picture');
+  const progress = byId<HTMLProgressElement>('progress');
+  const names = ['scene', 'light', 'records'];
+  const shares = new Map<string, number>();
+  const [sceneBytes, lightBytes, recordBytes] = await Promise.all(
+    names.map((name) =>
+      load(name, (bytes, total) => {
+        shares.set(name, total > 0 ? bytes / total : 0);
+        progress.value = [...shares.values()].reduce((a, b) => a + b, 0) / names.length;
+      }),
+    ),
+  );
+  const scene = decodeMessage<SceneHeader>(sceneBytes as ArrayBuffer, 'scene');
+  const { header } = scene;
+  document.title = `${header.name} – Éclat`;
+  canvas.setAttribute('aria-label', `The scene ${header.name} with global illumination`);
+  const renderer = await Renderer.create(canvas, scene, decodeMessage<LightHeader>(lightBytes as ArrayBuffer, 'light'));
+  renderer.accept(decodeMessage<RecordsHeader>(recordBytes as ArrayBuffer, 'records'));
+  progress.hidden = true;
+
+  const look: Look = { ...USUAL_LOOK, exposure: header.exposure };
+  const pose = new Pose(renderer.surfaces.bounds.getSize(new three.Vector3()).length());
+  let stale = true;
+  const changed = () => (stale = true);
+  const navigation = new Navigation(canvas, pose, new three.Vector3(...header.up).normalize(), changed);
+  const showCamera = (number: number) => {
+    const camera = header.cameras[number];
+    if (!camera) return;
+    pose.follow(camera);
+    navigation.lookAtDistance(pose.position.distanceTo(renderer.surfaces.bounds.getCenter(new three.Vector3())));
+    changed();
+  };
+  showCamera(0);
+
+  const draw = () => {
+    const ratio = window.devicePixelRatio;
+    const [width, height] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
+    if (width > 0 && height > 0) renderer.draw(pose, look, width, height);
+  };
+  const told = fillPanel(byId('panel'), {
+    look,
+    cameras: header.cameras.map((camera) => camera.name),
+    notes: header.notes,
+    changed,
+    showCamera,
+    setMode: (mode) => (navigation.mode = mode),
+    copyCamera: () => copyCamera(pose, header, canvas),
+    saveScreenshot: () => {
+      draw(); // a picture can be read only in the task that drew it
+      canvas.toBlob((blob) => blob && save(blob, `${header.name}.png`));
+    },
+    toggleFullScreen: () =>
+      void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
+  });
+  byId('panel').hidden = false;
+  told.textContent =
+    `${header.name}: ${renderer.surfaces.triangles.toLocaleString('en')} triangles, ` +
+    `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
+    (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : '');
+
+  let last = performance.now();
+  const frame = (now: number) => {
+    const moves = navigation.step(Math.min(0.1, (now - last) / 1000));
+    last = now;
+    if (stale || moves) {
+      stale = false;
+      draw();
+    }
+    requestAnimationFrame(frame);
+  };
+  new ResizeObserver(changed).observe(canvas);
+  requestAnimationFrame(frame);
+  window.eclatView = interfaceOf(renderer, header, pose.diagonal);
+}
+
+function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number): EclatView {
+  return {
+    precision: renderer.precision,
+    records: renderer.records.count,
+    linear: (number, width, height, look = {}) => {
+      const camera = header.cameras[number];
+      if (!camera) throw new Error(`The scene has no camera ${number}.`);
+      const pose = new Pose(diagonal);
+      pose.follow(camera);
+      return renderer.readLinear(pose, { ...USUAL_LOOK, ...look }, width, height);
+    },
+    sums: (points, normals) => {
+      const width = 64;
+      const height = Math.ceil(points.length / 3 / width);
+      return renderer.readRecords(points, normals, width, height).subarray(0, (points.length / 3) * 4);
+    },
+  };
+}
+
+/** Copies the flags that give `eclat render` this camera. Returns what to tell. */
+async function copyCamera(pose: Pose, header: SceneHeader, canvas: HTMLCanvasElement): Promise<string> {
+  const world = (v: three.Vector3) => v.toArray().map((x, i) => +(x + (header.center[i] ?? 0)).toFixed(5));
+  const { clientWidth: width, clientHeight: height } = canvas;
+  const ahead = pose.position.addScaledVector(pose.backward, -0.1 * pose.diagonal);
+  const flags =
+    `--camera-from ${world(pose.position)} --camera-to ${world(ahead)} ` +
+    `--camera-up ${pose.up.toArray().map((x) => +x.toFixed(5))} ` +
+    `--fov ${pose.verticalFov(width / height).toFixed(4)} --size ${width}x${height}`;
+  try {
+    await navigator.clipboard.writeText(flags);
+    return `Copied: ${flags}`;
+  } catch {
+    return flags; // without permission to write to the clipboard, the text can be selected
+  }
+}
+
+function save(blob: Blob, name: string): void {
+  const link = document.createElement('a');
+  link.href = URL.createObjectURL(blob);
+  link.download = name;
+  link.click();
+  URL.revokeObjectURL(link.href);
+}
+
+start().catch((error: unknown) => {
+  byId('progress').hidden = true;
+  byId('message').textContent = error instanceof Error ? error.message : String(error);
+  document.body.classList.add('failed');
+});

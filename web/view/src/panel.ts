@@ -1,0 +1,156 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The settings beside the picture: plain controls with labels, which keys and screen readers reach.
+
+import type { Mode } from './navigation';
+import type { Look, Overlay, ToneMapping } from './renderer';
+
+export interface PanelActions {
+  readonly look: Look;
+  readonly cameras: readonly string[];
+  readonly notes: readonly string[];
+  changed(): void;
+  showCamera(number: number): void;
+  setMode(mode: Mode): void;
+  copyCamera(): Promise<string>;
+  saveScreenshot(): void;
+  toggleFullScreen(): void;
+}
+
+const TONE_MAPPINGS: readonly [ToneMapping, string][] = [
+  ['none', 'None'],
+  ['filmic', 'Filmic'],
+  ['agx', 'AgX'],
+];
+const OVERLAYS: readonly [Overlay, string][] = [
+  ['none', 'None'],
+  ['weights', 'Sum of weights'],
+  ['density', 'Splats per pixel'],
+  ['left-out', 'What is left out'],
+];
+const MODES: readonly [Mode, string][] = [
+  ['orbit', 'Orbit'],
+  ['walk', 'Walk'],
+];
+
+/** Fills the panel. Returns the element that tells about the picture. */
+export function fillPanel(panel: HTMLElement, actions: PanelActions): HTMLElement {
+  const { look } = actions;
+  const set = <K extends keyof Look>(key: K) => (value: Look[K]) => {
+    look[key] = value;
+    actions.changed();
+  };
+  const camera = section('Camera');
+  if (actions.cameras.length > 0) {
+    const names = actions.cameras.map((name, i): [string, string] => [String(i), name]);
+    camera.append(choice('Camera of the scene', names, '0', (i) => actions.showCamera(Number(i))));
+  }
+  camera.append(choice('Navigation', MODES, 'orbit', (mode) => actions.setMode(mode)));
+  const copied = element('p', { role: 'status' });
+  camera.append(
+    button('Copy camera as flags', () => void actions.copyCamera().then((text) => (copied.textContent = text))),
+    copied,
+  );
+
+  const picture = section('Picture');
+  picture.append(
+    slider('Exposure in stops', -8, 8, 0.1, look.exposure, set('exposure')),
+    choice('Tone mapping', TONE_MAPPINGS, look.toneMapping, set('toneMapping')),
+    button('Save screenshot', () => actions.saveScreenshot()),
+    button('Full screen', () => actions.toggleFullScreen()),
+  );
+
+  const light = section('Light and records');
+  light.append(
+    choice('Overlay', OVERLAYS, look.overlay, set('overlay')),
+    checkbox('Direct light', look.direct, set('direct')),
+    checkbox('Light from records', look.indirect, set('indirect')),
+    checkbox('Gradients', look.gradients, set('gradients')),
+    checkbox('Clearance test', look.clearance, set('clearance')),
+  );
+
+  const facts = section('Scene');
+  const told = element('p', {});
+  facts.append(told);
+  if (actions.notes.length > 0) {
+    const list = document.createElement('ul');
+    for (const note of actions.notes) list.append(Object.assign(document.createElement('li'), { textContent: note }));
+    facts.append(list);
+  }
+  const keys = element('p', { id: 'keys' });
+  keys.textContent =
+    'Drag to turn, drag with Shift or the right button to move, scroll to go nearer. In the picture, the keys W A S D or the ' +
+    'arrows walk, E and Q go up and down, and Shift is faster. Two fingers move and zoom.';
+  facts.append(keys);
+  panel.append(camera, picture, light, facts);
+  return told;
+}
+
+function element<K extends keyof HTMLElementTagNameMap>(tag: K, attributes: Record<string, string>): HTMLElementTagNameMap[K] {
+  const made = document.createElement(tag);
+  for (const [name, value] of Object.entries(attributes)) made.setAttribute(name, value);
+  return made;
+}
+
+function section(title: string): HTMLElement {
+  const made = element('section', {});
+  made.append(Object.assign(element('h2', {}), { textContent: title }));
+  return made;
+}
+
+function labelled(text: string, control: HTMLElement): HTMLElement {
+  const label = element('label', {});
+  label.append(Object.assign(element('span', {}), { textContent: text }), control);
+  return label;
+}
+
+function choice<T extends string>(
+  text: string,
+  options: readonly (readonly [T, string])[],
+  chosen: T,
+  change: (value: T) => void,
+): HTMLElement {
+  const select = element('select', {});
+  for (const [value, shown] of options) select.append(new Option(shown, value, value === chosen, value === chosen));
+  select.addEventListener('change', () => change(select.value as T));
+  return labelled(text, select);
+}
+
+function checkbox(text: string, checked: boolean, change: (value: boolean) => void): HTMLElement {
+  const input = element('input', { type: 'checkbox' });
+  input.checked = checked;
+  input.addEventListener('change', () => change(input.checked));
+  const label = labelled(text, input);
+  label.className = 'switch';
+  return label;
+}
+
+function slider(
+  text: string,
+  min: number,
+  max: number,
+  step: number,
+  value: number,
+  change: (value: number) => void,
+): HTMLElement {
+  const input = element('input', { type: 'range', min: `${min}`, max: `${max}`, step: `${step}` });
+  input.value = String(value);
+  const shown = element('output', {});
+  const tell = () => (shown.textContent = `${input.valueAsNumber >= 0 ? '+' : '−'}${Math.abs(input.valueAsNumber).toFixed(1)}`);
+  tell();
+  input.addEventListener('input', () => {
+    tell();
+    change(input.valueAsNumber);
+  });
+  const label = labelled(text, input);
+  label.append(shown);
+  return label;
+}
+
+function button(text: string, press: () => void): HTMLButtonElement {
+  const made = element('button', { type: 'button' });
+  made.textContent = text;
+  made.addEventListener('click', press);
+  return made;
+}

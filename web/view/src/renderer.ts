@@ -1,0 +1,213 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The passes of a picture: surfaces, lamps, splats, division, display.
+
+import * as three from 'three';
+import { Lamps, screenPass } from './lamps';
+import type { LightHeader, Message, RecordsHeader, SceneHeader } from './messages';
+import { Records } from './records';
+import { displayFragment } from './shaders/display';
+import { divideFragment } from './shaders/screen';
+import { makeContext, precisionOf, Targets, type Precision } from './targets';
+import { floatTexture, makeSurfaces, makeView, type ShadowView, type Surfaces, type View } from './surfaces';
+import type { Pose } from './pose';
+
+export type ToneMapping = 'none' | 'filmic' | 'agx';
+export type Overlay = 'none' | 'weights' | 'density' | 'left-out';
+
+/** What the picture shows. */
+export interface Look {
+  exposure: number;
+  toneMapping: ToneMapping;
+  overlay: Overlay;
+  direct: boolean;
+  indirect: boolean;
+  gradients: boolean;
+  clearance: boolean;
+}
+
+export const USUAL_LOOK: Look = {
+  exposure: 0,
+  toneMapping: 'none',
+  overlay: 'none',
+  direct: true,
+  indirect: true,
+  gradients: true,
+  clearance: true,
+};
+
+const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
+const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3 };
+
+export class Renderer {
+  readonly precision: Precision;
+  readonly surfaces: Surfaces;
+  readonly records: Records;
+
+  private readonly lamps: Lamps;
+  private readonly camera = new three.Camera();
+  private readonly inputs: Record<string, three.IUniform>;
+  private readonly dividing: Record<string, three.IUniform>;
+  private readonly displaying: Record<string, three.IUniform>;
+  private readonly divide: three.Scene;
+  private readonly display: three.Scene;
+  private targets: Targets;
+
+  private constructor(
+    private readonly gl: three.WebGLRenderer,
+    scene: Message<SceneHeader>,
+    surfaces: Surfaces,
+    private readonly view: View,
+    lamp: ShadowView,
+  ) {
+    this.precision = precisionOf(gl);
+    this.surfaces = surfaces;
+    this.targets = new Targets(1, 1, this.precision);
+    this.inputs = Object.fromEntries(
+      ['positions', 'normals', 'albedos', 'radiances', 'lampLight', 'sums', 'counts', 'picture'].map((name) => [name, { value: null }]),
+    );
+    this.records = new Records({ ...this.inputs, ...view });
+    this.lamps = new Lamps(gl, scene.header.lights, surfaces, lamp, this.inputs);
+    const { sky } = scene.header;
+    this.dividing = {
+      ...this.inputs,
+      eye: view.eye,
+      sky: { value: sky ? floatTexture(scene, sky.array) : null },
+      hasSky: { value: sky !== null },
+      skyFromWorld: { value: new three.Matrix3().fromArray(sky?.to_world ?? [1, 0, 0, 0, 1, 0, 0, 0, 1]) },
+      worldFromScreen: { value: new three.Matrix4() },
+      size: { value: new three.Vector2() },
+      showDirect: { value: true },
+      showIndirect: { value: true },
+    };
+    this.displaying = {
+      ...this.inputs,
+      toneMapping: { value: 0 },
+      overlay: { value: 0 },
+      scale: { value: 1 },
+      toneMappingExposure: { value: 1 },
+    };
+    this.divide = screenPass(divideFragment, this.dividing);
+    this.display = screenPass(displayFragment, this.displaying);
+  }
+
+  /** Builds everything that is drawn. Throws an Error where WebGL 2 or floats as targets are missing. */
+  static async create(
+    canvas: HTMLCanvasElement,
+    scene: Message<SceneHeader>,
+    light: Message<LightHeader>,
+  ): Promise<Renderer> {
+    const gl = makeContext(canvas);
+    const view = makeView();
+    const lamp = { ...makeView(), sunDirection: { value: new three.Vector3() } };
+    const surfaces = await makeSurfaces(scene, light, view, lamp);
+    return new Renderer(gl, scene, surfaces, view, lamp);
+  }
+
+  accept(records: Message<RecordsHeader>): void {
+    this.records.accept(records);
+  }
+
+  /** Draws the picture into the canvas. */
+  draw(pose: Pose, look: Look, width: number, height: number): void {
+    this.gl.setSize(width, height, false);
+    this.drawLinear(pose, look, width, height);
+    this.set(this.displaying, 'toneMapping', TONE_MAPPINGS[look.toneMapping]);
+    this.set(this.displaying, 'overlay', OVERLAYS[look.overlay]);
+    this.set(this.displaying, 'scale', 2 ** look.exposure);
+    this.set(this.displaying, 'toneMappingExposure', 2 ** look.exposure);
+    this.gl.setRenderTarget(null);
+    this.gl.render(this.display, this.camera);
+  }
+
+  /** Draws the picture and returns its linear radiance (height, width, 4), the first row at the bottom. */
+  readLinear(pose: Pose, look: Look, width: number, height: number): Float32Array {
+    this.drawLinear(pose, look, width, height);
+    return this.read(this.targets.picture, width, height);
+  }
+
+  /** Returns the sums (height, width, 4) of (w E, w) over the records at points with normals, (height · width, 3) each. */
+  readRecords(points: Float32Array, normals: Float32Array, width: number, height: number): Float32Array {
+    const targets = new Targets(width, height, this.precision);
+    const texture = (values: Float32Array, fill: number) => {
+      const data = new Float32Array(width * height * 4).fill(fill);
+      for (let i = 0; i < width * height; ++i) data.set(values.subarray(3 * i, 3 * i + 3), 4 * i);
+      const made = new three.DataTexture(data, width, height, three.RGBAFormat, three.FloatType);
+      made.needsUpdate = true;
+      return made;
+    };
+    this.set(this.inputs, 'positions', texture(points, 1));
+    this.set(this.inputs, 'normals', texture(normals, 0));
+    this.set(this.inputs, 'albedos', texture(normals, -1));
+    this.gl.setRenderTarget(targets.sums);
+    this.gl.clear(true, false, false);
+    this.gl.render(this.records.everywhere, this.camera);
+    const sums = this.read(targets.sums, width, height);
+    targets.dispose();
+    return sums;
+  }
+
+  private drawLinear(pose: Pose, look: Look, width: number, height: number): void {
+    this.resize(width, height);
+    const aspect = width / height;
+    this.view.viewProjection.value.copy(pose.viewProjection(aspect));
+    this.view.eye.value.copy(pose.eye());
+    this.records.switch(look);
+    this.bind();
+    const { gl, targets } = this;
+    gl.setRenderTarget(targets.surfaces);
+    gl.clear();
+    gl.render(this.surfaces.seen, this.camera);
+    gl.setRenderTarget(targets.light);
+    gl.clear(true, false, false);
+    for (const pass of this.lamps.passes) gl.render(pass, this.camera);
+    gl.setRenderTarget(targets.sums);
+    gl.clear(true, false, false);
+    gl.render(this.records.splats, this.camera);
+    if (look.overlay === 'density') {
+      this.records.set('overlay', 1);
+      gl.setRenderTarget(targets.counts);
+      gl.clear(true, false, false);
+      gl.render(this.records.splats, this.camera);
+      this.records.set('overlay', 0);
+    }
+    this.set(this.dividing, 'showDirect', look.direct);
+    this.set(this.dividing, 'showIndirect', look.indirect);
+    (this.dividing['worldFromScreen']?.value as three.Matrix4).copy(this.view.viewProjection.value).invert();
+    (this.dividing['size']?.value as three.Vector2).set(width, height);
+    gl.setRenderTarget(targets.picture);
+    gl.render(this.divide, this.camera);
+  }
+
+  private resize(width: number, height: number): void {
+    if (this.targets.width === width && this.targets.height === height) return;
+    this.targets.dispose();
+    this.targets = new Targets(width, height, this.precision);
+  }
+
+  private bind(): void {
+    const { surfaces, light, sums, counts, picture } = this.targets;
+    ['positions', 'normals', 'albedos', 'radiances'].forEach((name, i) => this.set(this.inputs, name, surfaces.textures[i]));
+    this.set(this.inputs, 'lampLight', light.texture);
+    this.set(this.inputs, 'sums', sums.texture);
+    this.set(this.inputs, 'counts', counts.texture);
+    this.set(this.inputs, 'picture', picture.texture);
+  }
+
+  private set(uniforms: Record<string, three.IUniform>, name: string, value: unknown): void {
+    const uniform = uniforms[name];
+    if (uniform) uniform.value = value;
+  }
+
+  private read(target: three.WebGLRenderTarget, width: number, height: number): Float32Array {
+    if (target.texture.type === three.FloatType) {
+      const pixels = new Float32Array(width * height * 4);
+      this.gl.readRenderTargetPixels(target, 0, 0, width, height, pixels);
+      return pixels;
+    }
+    const halves = new Uint16Array(width * height * 4);
+    this.gl.readRenderTargetPixels(target, 0, 0, width, height, halves);
+    return Float32Array.from(halves, (half) => three.DataUtils.fromHalfFloat(half));
+  }
+}

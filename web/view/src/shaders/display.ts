@@ -1,0 +1,50 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Exposure, tone mapping and overlays. `filmic` is that of python/eclat/images/tone.py; AgX is the approximation of
+// Troy Sobotka's view transform that three.js contains.
+
+import { ShaderChunk } from 'three';
+
+export const displayFragment = /* glsl */ `#version 300 es
+precision highp float;
+precision highp int;
+layout(location = 0) out vec4 outColor;
+uniform highp sampler2D picture, positions, normals, sums, counts;
+uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
+uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is not shown
+uniform float scale;      // 2 to the power of the exposure
+${ShaderChunk['tonemapping_pars_fragment']}
+vec3 filmic(vec3 x) {
+  const float grey = 0.18, power = 1.0 / (1.0 - grey);
+  float s = pow(grey, power) * (1.0 - grey) / grey;
+  vec3 y = pow(max(x, 0.0), vec3(power));
+  return y / (y + s);
+}
+vec3 encoded(vec3 x) {
+  x = clamp(x, 0.0, 1.0);
+  return mix(1.055 * pow(x, vec3(1.0 / 2.4)) - 0.055, 12.92 * x, vec3(lessThanEqual(x, vec3(0.0031308))));
+}
+// From dark blue over green to yellow, for shares from 0 to 1.
+vec3 ramp(float t) {
+  t = clamp(t, 0.0, 1.0);
+  return mix(mix(vec3(0.15, 0.1, 0.4), vec3(0.1, 0.6, 0.55), min(1.0, 2.0 * t)), vec3(1.0, 0.9, 0.2), max(0.0, 2.0 * t - 1.0));
+}
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec3 radiance = texelFetch(picture, pixel, 0).rgb;
+  vec3 shown = toneMapping == 2 ? AgXToneMapping(radiance) : toneMapping == 1 ? filmic(radiance * scale) : radiance * scale;
+  vec3 color = encoded(shown);
+  bool seen = texelFetch(positions, pixel, 0).w > 0.5;
+  float weight = texelFetch(sums, pixel, 0).w, gloss = texelFetch(normals, pixel, 0).w;
+  float light = dot(color, vec3(0.2126, 0.7152, 0.0722));
+  if (seen && overlay == 1) color = weight > 0.0 ? mix(vec3(light), ramp(weight / 4.0), 0.7) : vec3(0.85, 0.1, 0.1);
+  if (seen && overlay == 2) color = ramp(log2(1.0 + texelFetch(counts, pixel, 0).r) / 6.0);
+  if (seen && overlay == 3) {
+    bool stripe = (pixel.x + pixel.y) % 12 < 6;
+    vec3 mark = weight <= 0.0 ? vec3(0.9, 0.15, 0.1) : gloss > 2.5 ? vec3(0.1, 0.7, 0.9) : vec3(0.95, 0.65, 0.1);
+    if (weight <= 0.0 || gloss > 0.5) color = stripe ? mark : mix(vec3(light), mark, 0.3);
+  }
+  outColor = vec4(color, 1.0);
+}
+`;

@@ -1,0 +1,80 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// A record as a splat: a box around all that it may serve. Its far sides are drawn, and only where they lie behind the surface
+// that is seen; so the box is found from inside as well, and what is far in front of a box costs nothing. Each fragment
+// adds (w E, w), and a later pass divides the sums.
+
+import { fetching, reading } from './records';
+
+export const splatVertex = /* glsl */ `#version 300 es
+precision highp float;
+precision highp int;
+in vec3 position;
+uniform mat4 viewProjection;
+uniform int weightKind;
+uniform float relaxation;
+flat out int vRecord;
+${fetching}
+void main() {
+  vRecord = gl_InstanceID;
+  vec4 t0 = recordTexel(vRecord, 0);
+  vec3 n = recordTexel(vRecord, 1).xyz;
+  vec4 t2 = recordTexel(vRecord, 2);
+  float reach = t0.w * relaxation, far = reach * t2.w;
+  // As height_read of core/records/weight.h says.
+  float height = weightKind == 2 ? far : 0.015 * t0.w + 0.2 * far;
+  float stretch2 = dot(t2.xyz, t2.xyz);
+  vec3 other = abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
+  vec3 u = stretch2 > 1e-12 ? t2.xyz * inversesqrt(stretch2) : normalize(cross(other, n));
+  vec3 v = cross(n, u);
+  vec3 corner = t0.xyz + u * (far * position.x) + v * (reach * position.y) + n * (height * position.z);
+  gl_Position = viewProjection * vec4(corner, 1.0);
+}
+`;
+
+/** Draws every record over the whole picture, to compare with the core at given points. */
+export const everywhereVertex = /* glsl */ `#version 300 es
+in vec3 position;
+flat out highp int vRecord;
+void main() {
+  vRecord = gl_InstanceID;
+  gl_Position = vec4(position.xy, 0.0, 1.0);
+}
+`;
+
+export const splatFragment = /* glsl */ `#version 300 es
+precision highp float;
+precision highp int;
+flat in int vRecord;
+layout(location = 0) out vec4 weighted;
+uniform highp sampler2D positions, normals, albedos;
+uniform int overlay;  // 1: the number of splats instead of irradiance
+${fetching}
+${reading}
+vec3 unpacked(float packed) {
+  float y = floor(packed / 4096.0);
+  vec2 f = vec2(packed - 4096.0 * y, y) / 4095.0 * 2.0 - 1.0;
+  vec3 n = vec3(f, 1.0 - abs(f.x) - abs(f.y));
+  float t = max(-n.z, 0.0);
+  n.xy += vec2(n.x >= 0.0 ? -t : t, n.y >= 0.0 ? -t : t);
+  return normalize(n);
+}
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 at = texelFetch(positions, pixel, 0);
+  if (at.w < 0.5) discard;
+  vec4 t0 = recordTexel(vRecord, 0), t1 = recordTexel(vRecord, 1);
+  vec3 d = at.xyz - t0.xyz;
+  vec3 n = texelFetch(normals, pixel, 0).xyz;
+  float w = weightAt(t0.w, d, n, t1.xyz, recordTexel(vRecord, 2).xyz);
+  if (w <= 0.0 || outOfSight(vRecord, t1.xyz, t1.w, d)) discard;
+  if (overlay == 1) {
+    weighted = vec4(1.0, 0.0, 0.0, w);
+    return;
+  }
+  float packed = texelFetch(albedos, pixel, 0).w;
+  vec3 s = packed < 0.0 ? n : unpacked(packed);
+  weighted = vec4(w * extrapolated(vRecord, d, n, s, t1.xyz), w);
+}
+`;

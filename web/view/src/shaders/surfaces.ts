@@ -1,0 +1,127 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The geometry pass, and the same surfaces as lights see them.
+//
+//   positions    position; the number of the material + 1, or 0 where nothing is seen
+//   normals      geometric normal on the side of the eye; the kind of gloss (0 none, 1 rough, 2 mirror, 3 glass)
+//   albedos      diffuse albedo towards the eye; the shading normal, packed, or −1 where it is the geometric one
+//   radiances    emitted radiance and the reflected light of the light map
+
+export const surfaceVertex = /* glsl */ `#version 300 es
+precision highp float;
+in vec3 position, faceNormal, normal;
+in vec2 uv, uv2, lightUv;
+in vec4 color;
+uniform mat4 viewProjection;
+out vec3 vPosition, vNormal;
+flat out vec3 vFace;
+out vec2 vUv, vUv2, vLightUv;
+out vec4 vColor;
+void main() {
+  vPosition = position;
+  vFace = faceNormal;
+  vNormal = normal;
+  vUv = uv;
+  vUv2 = uv2;
+  vLightUv = lightUv;
+  vColor = color;
+  gl_Position = viewProjection * vec4(position, 1.0);
+}
+`;
+
+const values = /* glsl */ `
+struct Value {
+  vec3 constant;
+  mat3 transform;
+  int uvSet, channel;
+  bool textured, invert, square;
+};
+in vec3 vPosition, vNormal;
+flat in vec3 vFace;
+in vec2 vUv, vUv2, vLightUv;
+in vec4 vColor;
+uniform vec4 eye;  // position and 1, or the direction towards an eye at infinity and 0
+uniform bool frontOnly, twoSided, culled, vertexColors;
+uniform float cutoff;
+uniform Value opacity;
+uniform sampler2D opacityMap;
+
+vec3 valueOf(Value value, sampler2D map) {
+  if (!value.textured) return value.constant;
+  vec2 at = (value.transform * vec3(value.uvSet == 0 ? vUv : vUv2, 1.0)).xy;
+  vec4 texel = texture(map, at);
+  vec3 found = value.channel < 0 ? texel.rgb : vec3(texel[value.channel]);
+  if (value.invert) found = 1.0 - found;
+  if (value.square) found *= found;
+  return value.constant * found;
+}
+float opacityOf() {
+  float found = valueOf(opacity, opacityMap).r * (vertexColors ? vColor.a : 1.0);
+  return cutoff < 0.0 ? found : found >= cutoff ? 1.0 : 0.0;
+}
+vec3 towardsEye() { return normalize(eye.xyz - eye.w * vPosition); }
+`;
+
+export const surfaceFragment = /* glsl */ `#version 300 es
+precision highp float;
+precision highp int;
+${values}
+layout(location = 0) out vec4 outPosition;
+layout(location = 1) out vec4 outNormal;
+layout(location = 2) out vec4 outAlbedo;
+layout(location = 3) out vec4 outRadiance;
+uniform float number, gloss, inside;
+uniform bool saturates, emissionTwoSided, hasLight;
+uniform Value diffuse, metallic, transmission, emission;
+uniform sampler2D diffuseMap, metallicMap, transmissionMap, emissionMap, lightMap;
+uniform float coat[32];
+uniform float lightScale;
+
+float packed(vec3 n) {
+  n /= abs(n.x) + abs(n.y) + abs(n.z);
+  vec2 f = n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
+  vec2 whole = floor((f * 0.5 + 0.5) * 4095.0 + 0.5);
+  return whole.x + 4096.0 * whole.y;
+}
+float coatAt(float cosine) {
+  float x = clamp(cosine, 0.0, 1.0) * 31.0;
+  int i = min(int(x), 30);
+  return mix(coat[i], coat[i + 1], x - float(i));
+}
+void main() {
+  vec3 towards = towardsEye();
+  bool front = dot(vFace, towards) > 0.0;
+  if (!front && (frontOnly || culled)) discard;
+  if (opacityOf() < 0.5) discard;
+  vec3 n = front ? vFace : -vFace;
+  vec3 s = normalize(vNormal);
+  if (dot(s, n) < 0.0) s = -s;
+  bool bends = dot(s, n) < 0.9999999;
+  vec3 albedo = valueOf(diffuse, diffuseMap) * (vertexColors ? vColor.rgb : vec3(1.0));
+  albedo *= (1.0 - valueOf(metallic, metallicMap).r) * (1.0 - valueOf(transmission, transmissionMap).r);
+  albedo *= coatAt(abs(dot(s, towards))) / (1.0 - inside * (saturates ? albedo : vec3(1.0)));
+  if (!front && !twoSided) albedo = vec3(0.0);
+  vec3 radiance = front || emissionTwoSided ? valueOf(emission, emissionMap) : vec3(0.0);
+  if (hasLight) radiance += albedo * texture(lightMap, vLightUv).rgb * lightScale * ${1 / Math.PI};
+  outPosition = vec4(vPosition, number);
+  outNormal = vec4(n, gloss);
+  outAlbedo = vec4(albedo, bends ? packed(s) : -1.0);
+  outRadiance = vec4(radiance, 0.0);
+}
+`;
+
+/** The distance from a light, of what casts shadows. */
+export const shadowFragment = /* glsl */ `#version 300 es
+precision highp float;
+precision highp int;
+${values}
+layout(location = 0) out vec4 outDistance;
+uniform vec3 sunDirection;  // that the light of a sun travels along; eye.w is 0 then
+void main() {
+  // Light passes through a culled back where the lit point sees the back, so where the light sees the front.
+  if (culled && dot(vFace, towardsEye()) > 0.0) discard;
+  if (opacityOf() < 0.5) discard;
+  outDistance = vec4(eye.w > 0.5 ? distance(eye.xyz, vPosition) : dot(sunDirection, vPosition));
+}
+`;

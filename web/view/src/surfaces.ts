@@ -1,0 +1,223 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The meshes of the scene, with the materials of the geometry pass and of shadow maps.
+
+import * as three from 'three';
+import {
+  arrayOf,
+  type LightHeader,
+  type MaterialEntry,
+  type MeshEntry,
+  type Message,
+  type SceneHeader,
+  type TextureEntry,
+  type Value,
+  type Wrap,
+} from './messages';
+import { shadowFragment, surfaceFragment, surfaceVertex } from './shaders/surfaces';
+
+const GLOSS = { none: 0, rough: 1, mirror: 2, glass: 3 };
+
+const WRAPS: Record<Wrap, three.Wrapping> = {
+  repeat: three.RepeatWrapping,
+  mirror: three.MirroredRepeatWrapping,
+  clamp: three.ClampToEdgeWrapping,
+};
+
+/** What all materials of a pass share: the camera or light that sees the surfaces. */
+export interface View {
+  readonly viewProjection: { value: three.Matrix4 };
+  readonly eye: { value: three.Vector4 };
+}
+
+export function makeView(): View {
+  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() } };
+}
+
+export interface Surfaces {
+  /** For the geometry pass. */
+  readonly seen: three.Scene;
+  /** The same surfaces, without glass, as lights see them. */
+  readonly shading: three.Scene;
+  readonly bounds: three.Box3;
+  /** Names of the materials, by number. */
+  readonly materials: readonly string[];
+  readonly triangles: number;
+}
+
+/** Where the light of a sun goes, for shadow maps. */
+export interface ShadowView extends View {
+  readonly sunDirection: { value: three.Vector3 };
+}
+
+/** Builds the surfaces. */
+export async function makeSurfaces(
+  message: Message<SceneHeader>,
+  light: Message<LightHeader>,
+  view: View,
+  lamp: ShadowView,
+): Promise<Surfaces> {
+  const { header } = message;
+  const textures = await Promise.all(header.textures.map((entry) => makeTexture(message, entry)));
+  const lightMap = floatTexture(light, 'map');
+  const scale = { value: 1 / light.header.scale };
+  const seen = new three.Scene();
+  const shading = new three.Scene();
+  const bounds = new three.Box3();
+  let triangles = 0;
+  for (const entry of header.meshes) {
+    const material = header.materials[entry.material];
+    if (!material) throw new Error(`The mesh ${entry.name} has no material.`);
+    const geometry = makeGeometry(message, entry);
+    triangles += geometry.getAttribute('position').count / 3;
+    bounds.union(geometry.boundingBox ?? new three.Box3());
+    // Glass shows what is behind it, without refraction; the overlay of what is left out marks none of it.
+    if (material.gloss === 'glass') continue;
+    const uniforms = surfaceUniforms(entry, material, textures);
+    const shown = {
+      ...uniforms,
+      ...view,
+      number: { value: entry.material + 1 },
+      lightMap: { value: lightMap },
+      lightScale: scale,
+      hasLight: { value: entry.arrays.light_uvs !== undefined },
+    };
+    seen.add(surface(geometry, surfaceFragment, shown));
+    shading.add(surface(geometry, shadowFragment, { ...uniforms, ...lamp }));
+  }
+  return { seen, shading, bounds, materials: header.materials.map((m) => m.name), triangles };
+}
+
+function surface(geometry: three.BufferGeometry, fragmentShader: string, uniforms: Uniforms): three.Mesh {
+  const material = new three.RawShaderMaterial({
+    glslVersion: three.GLSL3,
+    vertexShader: withoutVersion(surfaceVertex),
+    fragmentShader: withoutVersion(fragmentShader),
+    uniforms,
+    side: three.DoubleSide, // the shader knows better which sides are seen, also where a camera mirrors
+  });
+  const mesh = new three.Mesh(geometry, material);
+  mesh.frustumCulled = false;
+  return mesh;
+}
+
+/** three.js writes the version itself. */
+export function withoutVersion(shader: string): string {
+  return shader.replace('#version 300 es\n', '');
+}
+
+type Uniforms = Record<string, three.IUniform>;
+
+function surfaceUniforms(entry: MeshEntry, material: MaterialEntry, textures: readonly three.Texture[]): Uniforms {
+  const uniforms: Uniforms = {
+    gloss: { value: GLOSS[material.gloss] },
+    frontOnly: { value: entry.front_only },
+    twoSided: { value: material.two_sided },
+    culled: { value: material.culled },
+    vertexColors: { value: material.vertex_colors && entry.arrays.colors !== undefined },
+    emissionTwoSided: { value: material.emission_two_sided },
+    cutoff: { value: material.cutoff },
+    coat: { value: material.coat },
+    inside: { value: material.inside },
+    saturates: { value: material.saturates },
+  };
+  for (const name of ['diffuse', 'metallic', 'transmission', 'emission', 'opacity'] as const) {
+    uniforms[name] = { value: valueUniform(material[name]) };
+    const number = material[name].texture;
+    uniforms[`${name}Map`] = { value: number === undefined ? null : textures[number] };
+  }
+  return uniforms;
+}
+
+function valueUniform(value: Value): Record<string, unknown> {
+  const [a = 1, b = 0, c = 0, d = 0, e = 1, f = 0] = value.transform ?? [];
+  return {
+    constant: new three.Vector3(...value.constant),
+    transform: new three.Matrix3(a, b, c, d, e, f, 0, 0, 1),
+    uvSet: value.uv_set ?? 0,
+    channel: value.channel ?? -1,
+    textured: value.texture !== undefined,
+    invert: value.invert ?? false,
+    square: value.square ?? false,
+  };
+}
+
+/** Makes a geometry of separate triangles, because each has the normal of its plane, as the core computes it. */
+function makeGeometry(message: Message<SceneHeader>, entry: MeshEntry): three.BufferGeometry {
+  const triangles = entry.arrays.triangles === undefined ? undefined : arrayOf(message, entry.arrays.triangles).data;
+  if (!triangles) throw new Error(`The mesh ${entry.name} has no triangles.`);
+  const corners = (name: 'positions' | 'normals' | 'uvs' | 'uvs2' | 'colors' | 'light_uvs', width: number) => {
+    const key = entry.arrays[name];
+    if (key === undefined) return undefined;
+    const { data } = arrayOf(message, key);
+    const spread = new Float32Array(triangles.length * width);
+    for (let corner = 0; corner < triangles.length; ++corner) {
+      const from = (triangles[corner] ?? 0) * width;
+      for (let i = 0; i < width; ++i) spread[corner * width + i] = data[from + i] ?? 0;
+    }
+    return spread;
+  };
+  const geometry = new three.BufferGeometry();
+  const positions = corners('positions', 3) ?? new Float32Array(0);
+  const faces = faceNormals(positions);
+  const set = (name: string, values: Float32Array | undefined, width: number) => {
+    if (values) geometry.setAttribute(name, new three.BufferAttribute(values, width));
+  };
+  set('position', positions, 3);
+  set('faceNormal', faces, 3);
+  set('normal', corners('normals', 3) ?? faces, 3);
+  set('uv', corners('uvs', 2), 2);
+  set('uv2', corners('uvs2', 2), 2);
+  set('lightUv', corners('light_uvs', 2), 2);
+  set('color', corners('colors', 4), 4);
+  geometry.computeBoundingBox();
+  return geometry;
+}
+
+function faceNormals(positions: Float32Array): Float32Array {
+  const normals = new Float32Array(positions.length);
+  const [a, b, c] = [new three.Vector3(), new three.Vector3(), new three.Vector3()];
+  for (let i = 0; i < positions.length; i += 9) {
+    a.fromArray(positions, i);
+    b.fromArray(positions, i + 3).sub(a);
+    c.fromArray(positions, i + 6).sub(a);
+    b.cross(c).normalize();
+    for (let k = 0; k < 9; k += 3) b.toArray(normals, i + k);
+  }
+  return normals;
+}
+
+/** Makes a texture of half floats (H, W, 4). */
+export function floatTexture(message: Message<SceneHeader> | Message<LightHeader>, name: string): three.DataTexture {
+  const { data, shape } = arrayOf(message, name);
+  const [height, width] = shape;
+  const texture = new three.DataTexture(data as Uint16Array<ArrayBuffer>, width, height, three.RGBAFormat, three.HalfFloatType);
+  texture.minFilter = texture.magFilter = three.LinearFilter;
+  texture.needsUpdate = true;
+  return texture;
+}
+
+async function makeTexture(message: Message<SceneHeader>, entry: TextureEntry): Promise<three.Texture> {
+  const texture = entry.png ? new three.Texture(await imageOf(message, entry)) : floatTexture(message, entry.array);
+  texture.colorSpace = entry.srgb ? three.SRGBColorSpace : three.NoColorSpace;
+  texture.flipY = false;
+  [texture.wrapS, texture.wrapT] = [WRAPS[entry.wrap[0]], WRAPS[entry.wrap[1]]];
+  if (entry.nearest) {
+    texture.minFilter = texture.magFilter = three.NearestFilter;
+  } else if (entry.png) {
+    texture.generateMipmaps = true;
+    texture.minFilter = three.LinearMipmapLinearFilter;
+    texture.anisotropy = 8;
+  }
+  texture.needsUpdate = true;
+  return texture;
+}
+
+function imageOf(message: Message<SceneHeader>, entry: TextureEntry): Promise<ImageBitmap> {
+  const bytes = arrayOf(message, entry.array).data as Uint8Array<ArrayBuffer>;
+  return createImageBitmap(new Blob([bytes], { type: 'image/png' }), {
+    colorSpaceConversion: 'none',
+    premultiplyAlpha: 'none',
+  });
+}

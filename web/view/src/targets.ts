@@ -1,0 +1,72 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// The images that passes draw into, and what the graphics card must be able to do.
+
+import * as three from 'three';
+
+/** How sums are held: half floats, with an error of some tenths of a per cent, where floats cannot be blended. */
+export type Precision = 'float' | 'half';
+
+export function precisionOf(renderer: three.WebGLRenderer): Precision {
+  return renderer.extensions.has('EXT_float_blend') ? 'float' : 'half';
+}
+
+/** Makes the context of a canvas. Throws an Error that says what the browser lacks. */
+export function makeContext(canvas: HTMLCanvasElement): three.WebGLRenderer {
+  const context = canvas.getContext('webgl2', { antialias: false, alpha: false, depth: false });
+  if (!context) {
+    throw new Error('This page needs WebGL 2, which this browser or its graphics driver does not offer.');
+  }
+  if (!context.getExtension('EXT_color_buffer_float')) {
+    throw new Error('This page needs pictures of floats (EXT_color_buffer_float), which this graphics driver does not offer.');
+  }
+  const renderer = new three.WebGLRenderer({ canvas, context });
+  renderer.outputColorSpace = three.LinearSRGBColorSpace; // the display pass encodes
+  renderer.setPixelRatio(1);
+  renderer.setClearColor(0, 0);
+  renderer.autoClear = false;
+  return renderer;
+}
+
+/** The images of one size. */
+export class Targets {
+  /** positions, normals, albedos, radiances; see shaders/surfaces.ts. */
+  readonly surfaces: three.WebGLRenderTarget;
+  /** The light of lamps. */
+  readonly light: three.WebGLRenderTarget;
+  /** The sums of splats. */
+  readonly sums: three.WebGLRenderTarget;
+  /** The number of splats, for an overlay. */
+  readonly counts: three.WebGLRenderTarget;
+  /** The linear picture. */
+  readonly picture: three.WebGLRenderTarget;
+
+  constructor(
+    readonly width: number,
+    readonly height: number,
+    precision: Precision,
+  ) {
+    const depthTexture = new three.DepthTexture(width, height, three.FloatType);
+    const blended = precision === 'float' ? three.FloatType : three.HalfFloatType;
+    const make = (type: three.TextureDataType, count = 1, depth = false) =>
+      new three.WebGLRenderTarget(width, height, {
+        count,
+        type,
+        format: three.RGBAFormat,
+        minFilter: three.NearestFilter,
+        magFilter: three.NearestFilter,
+        depthBuffer: depth,
+        ...(depth ? { depthTexture } : {}),
+      });
+    this.surfaces = make(three.FloatType, 4, true);
+    this.light = make(blended);
+    this.sums = make(blended, 1, true);
+    this.counts = make(blended, 1, true);
+    this.picture = make(three.FloatType);
+  }
+
+  dispose(): void {
+    for (const target of [this.surfaces, this.light, this.sums, this.counts, this.picture]) target.dispose();
+  }
+}
