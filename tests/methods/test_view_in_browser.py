@@ -14,7 +14,7 @@ from eclat import scenes
 from eclat.measure.metrics import away_from_edges, relative_rmse
 from eclat.methods.records.solution import Solution
 from eclat.scene import FloatArray, Scene
-from support.browser import ViewedPage, look_at_page, require_browser, require_node
+from support.browser import ViewedPage, look_at_page, require_browser, require_node, require_page
 
 SIZE = (160, 120)
 
@@ -52,7 +52,7 @@ def points_near(solution: Solution, rng: np.random.Generator) -> tuple[FloatArra
 
 @pytest.fixture(scope="module")
 def cornell_box() -> Shown:
-    require_node(), require_browser()
+    require_node(), require_browser(), require_page()
     scene = scenes.build("cornell-box")
     solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.02), view_independent=True, check=False)
     points, normals = points_near(solution, np.random.default_rng(1))

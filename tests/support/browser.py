@@ -25,6 +25,8 @@ import pytest
 from numpy.typing import NDArray
 from PIL import Image
 
+from eclat.viewer.page import PAGE
+
 WEB = Path(__file__).resolve().parents[2] / "web"
 
 BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stable")
@@ -71,6 +73,12 @@ def require_browser() -> str:
             return path
         tried.append(f"{path} does not start: {(asked.stderr or asked.stdout).strip()}")
     _missing("; ".join(tried) or f"no Chromium found (looked for {', '.join([named] if named else BROWSERS)})")
+
+
+def require_page() -> None:
+    """The built page of `eclat view`, or a skip that says how to build it; on CI a failure."""
+    if not (PAGE / "index.html").is_file():
+        _missing("the page of the viewer is not built: run `make page`, or `make test`")
 
 
 def _missing(why: str) -> NoReturn:

@@ -16,13 +16,13 @@ import pytest
 
 from eclat.cli import MISTAKE, main
 from eclat.viewer.messages import decode_message
-from support.browser import require_node
+from support.browser import require_page
 
 QUICK = ["--texel-size", "0.5", "--samples", "16", "--max-error", "0.2", "--quiet"]
 
 
 def test_it_exports_the_page_and_the_scene(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    require_node()
+    require_page()
     folder = tmp_path / "site"
     assert main(["view", "furnace", "--export", str(folder), *QUICK, "--json"]) == 0
     result = json.loads(capsys.readouterr().out.splitlines()[-1])
@@ -33,7 +33,7 @@ def test_it_exports_the_page_and_the_scene(tmp_path: Path, capsys: pytest.Captur
 
 
 def test_it_serves_until_it_is_interrupted() -> None:
-    require_node()
+    require_page()
     command = [sys.executable, "-m", "eclat", "view", "furnace", "--no-browser", *QUICK, "--json"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as process:
         assert process.stdout is not None
@@ -45,6 +45,6 @@ def test_it_serves_until_it_is_interrupted() -> None:
 
 
 def test_a_method_without_records_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
-    require_node()
+    require_page()
     assert main(["view", "furnace", "--method", "radiosity", "--quiet"]) == MISTAKE
     assert "expected a method with records, got 'radiosity'" in capsys.readouterr().err

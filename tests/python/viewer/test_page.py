@@ -10,11 +10,11 @@ import pytest
 
 from eclat.errors import EclatError
 from eclat.viewer.page import page_files
-from support.browser import require_node
+from support.browser import require_page
 
 
 def test_the_page_is_installed_and_asks_no_other_server() -> None:
-    require_node()
+    require_page()
     files = page_files()
     assert "index.html" in files and any(name.endswith(".js") for name in files)
     page = files["index.html"].decode()
