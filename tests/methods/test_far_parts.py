@@ -90,22 +90,25 @@ def test_patches_are_linked_as_finely_beside_stray_parts(distance: float) -> Non
     assert on_the_floor(beside) == pytest.approx(on_the_floor(room(np.zeros(3))), rel=0.01)
 
 
+@pytest.mark.parametrize("gather", [0, 4])
 @pytest.mark.parametrize("far", ["ground", "large stray part"])
-def test_patches_here_are_as_fine_beside_large_parts(far: str) -> None:
-    """A ground of a square kilometre took nearly all patches: 3.4 % of the light got lost, and pixels differed by 8 %."""
+def test_patches_here_are_as_fine_beside_large_parts(far: str, gather: int) -> None:
+    """A ground of a square kilometre took nearly all patches, and pixels differed by 8 %. Its patches lie mostly below the
+    horizon of the walls; if no pair of points faced each other, nothing was taken to be between them: 3.4 % of the light
+    straight from patches got lost, and 1.3 % with a gather."""
     dark = Material("diffuse", {"reflectance": grey(0.2)})
     corners = np.array([[-1000.0, -1000, -800], [1000, -1000, -800], [0, 1000, -800]])
     others = {
         "ground": quad(np.array([-500.0, -500, -0.5]), (1000.0, 0, 0), (0, 1000.0, 0), dark),
         "large stray part": Mesh(corners, QUAD[:1], Material(), name="stray"),
     }
-    method = eclat.Radiosity(patches=2000)
+    method = eclat.Radiosity(patches=2000, gather=gather)
     beside, alone = (
         eclat.render(room(np.zeros(3), *parts), method, size=(24, 24), samples=64, seed=3).pixels
         for parts in ((others[far],), ())
     )
-    assert beside.mean() == pytest.approx(alone.mean(), rel=0.02)
-    assert np.abs(beside - alone).max() < 0.04 * alone.mean()
+    assert beside.mean() == pytest.approx(alone.mean(), rel=0.006)
+    assert np.abs(beside - alone).max() < (0.04 if gather else 0.15) * alone.mean()
 
 
 @pytest.mark.filterwarnings("ignore:.*lie so far from most of the scene")

@@ -12,9 +12,11 @@
 //   u        pair.uncertain     relative variation of the exchange over both nodes, at most 1            1
 //   v        partly_hidden      the same of what is hidden, 0 where all or nothing is                    1
 //   ε        tolerance          irradiance that may be wrong by one link                                 W m⁻²
+//   s        spread             area of the receiver over the area that counts, see patch_importance.h   1
 //   V        link.visibility    share of the exchange that nothing hides                                 1
 //   A F V    link.exchange      what is exchanged, per radiosity                                         m²
-// There is one rule: a link is divided if B F (u + v) > ε. It is applied three times: before rays are traced, with v =
+// There is one rule: a link is divided if B F s (u + v) > ε: the patches of a ground that reaches to the horizon are wide, so
+// little irradiance of theirs is much light that others would lose. It is applied three times: before rays are traced, with v =
 // 0; after the rays, if they found the link partly occluded; and in later calls for links that were kept, since B has
 // changed. If two clusters overlap, F cannot be computed from the distance of their centres, because a single distant
 // part moves a centre away from all others. In this case F is computed from the end points of the rays, whether these
@@ -51,6 +53,10 @@ constexpr float unlit = 1e-5f;
 
 // These are the numbers of visibility rays: links that carry little light have few.
 constexpr uint32_t least_rays = 2, usual_rays = 4, most_rays = 16;
+
+// If hardly any pair of points of two patches face each other, because most of one patch lies below the horizon of the
+// other, up to this many pairs are tried. The rest may be near and exchange much light.
+constexpr uint32_t most_tries = 128;
 
 struct Pair {
     float near;       // size of both nodes relative to their distance, 0 … 1
@@ -159,13 +165,13 @@ class Refiner {
         // If neither node has light, as inside solids, the link needs no accuracy.
         const bool dark = std::max(radiosity_[link.a], radiosity_[link.b]) < unlit * options_.least_sender;
         const float least = dark ? 0 : options_.least_sender;
-        const auto sent = [&](uint32_t from, const PatchNode& sender) {
+        const auto sent = [&](uint32_t from, const PatchNode& sender, const PatchNode& receiver) {
             const float form_factor = cos_a * cos_b * sender.area / (pi * d2 + sender.area);
-            return std::max(radiosity_[from], least) * form_factor;
+            return std::max(radiosity_[from], least) * form_factor * receiver.spread;
         };
-        pair.carried = std::max(sent(link.a, a), sent(link.b, b));
-        pair.power =
-            std::max(std::max(radiosity_[link.a], least) * a.area, std::max(radiosity_[link.b], least) * b.area);
+        pair.carried = std::max(sent(link.a, a, b), sent(link.b, b, a));
+        pair.power = std::max(std::max(radiosity_[link.a], least) * a.area * b.spread,
+                              std::max(radiosity_[link.b], least) * b.area * a.spread);
         pair.mixed = d2 <= sqr(reach) && (a.is_cluster() || b.is_cluster());
         return pair;
     }
@@ -180,8 +186,14 @@ class Refiner {
         // kernel is used, which has no peaks. At distances above ten times the extent of both nodes, distances vary by
         // at most a tenth and the kernel by a fifth.
         const bool near_clusters = pair.near > 0.1f && (tree_[link.a].is_cluster() || tree_[link.b].is_cluster());
+        // The exchange of clusters is a mean over a number of pairs, which must not depend on what they find.
+        const bool patches = !tree_[link.a].is_cluster() && !tree_[link.b].is_cluster();
         const auto send = [&](uint32_t seed) {
-            for (uint32_t i = 0; i < count; ++i) {
+            const size_t before = rays_.size();
+            const auto goes_on = [&](uint32_t i) {
+                return i < count || (patches && i < most_tries && rays_.size() < before + least_rays);
+            };
+            for (uint32_t i = 0; goes_on(i); ++i) {
                 const PointPair points = exposed_.sample_pair(link.a, link.b, seed, i, count);
                 const float kernel = near_clusters ? points.smooth_kernel() : points.kernel();
                 if (!(kernel > 0)) continue;
@@ -245,7 +257,7 @@ class Refiner {
             all += kernels_[r];
             if (!hidden_[r]) seen += kernels_[r];
         }
-        link.visibility = all > 0 ? seen / all : 1;
+        link.visibility = all > 0 ? seen / all : 0;
         if (!a.is_cluster() && !b.is_cluster()) {
             link.exchange = patch_exchange(a, b, asked.pair.near) * link.visibility;
         } else {

@@ -191,11 +191,24 @@ PatchTree::PatchTree(const Geometry& geometry, float face_size, NoPatches)
 PatchTree::PatchTree(const Geometry& geometry, float size, float face_size, std::span<const float> scales)
     : PatchTree(geometry, face_size, NoPatches{}) {
     const auto sides = static_cast<uint32_t>(nodes_.size());
+    set_spreads(scales);
     for (uint32_t i = 0; i < sides; ++i)
         if (!nodes_[i].is_cluster())
             halve_down_to(i, size * scale_of(scales, 2 * size_t(nodes_[i].triangle) + nodes_[i].back), deepest);
     list_leaves();
     join_faces();
+}
+
+void PatchTree::set_spreads(std::span<const float> scales) {
+    for (size_t i = nodes_.size(); i-- > 0;) {
+        PatchNode& n = nodes_[i];
+        if (!n.is_cluster()) {
+            n.spread = sqr(scale_of(scales, 2 * size_t(n.triangle) + n.back));
+            continue;
+        }
+        const PatchNode &a = nodes_[n.child], &b = nodes_[n.child + 1];
+        n.spread = n.area / (a.area / a.spread + b.area / b.spread);
+    }
 }
 
 PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names) : PatchTree(geometry, 0, NoPatches{}) {
@@ -251,6 +264,7 @@ void PatchTree::halve(uint32_t node) {
         half.triangle = n.triangle;
         half.back = n.back;
         half.normal = n.normal;
+        half.spread = n.spread;
         set_corners(half, corners.half(n.longest, second));
     }
 }

@@ -25,6 +25,7 @@ struct PatchNode {
     float cone = 0;    // largest angle between this and the normals of its parts, radians
     float height = 0;  // largest distance of its parts from the plane through its centre
     float area = 0;
+    float spread = 1;  // area over the area that counts: the mean square of the factor by which patches may be longer
     uint32_t parent = no_node, child = no_node;  // the first of two consecutive children
     uint32_t triangle = no_triangle;             // triangle of the scene, or none for clusters
     bool back = false;                           // whether it is on the back of the triangle
@@ -80,6 +81,7 @@ class PatchTree {
     struct NoPatches {};
     PatchTree(const Geometry& geometry, float face_size, NoPatches);
     void join_faces();
+    void set_spreads(std::span<const float> scales);
     void halve(uint32_t node);
     void halve_down_to(uint32_t node, float size, int depth);
     void list_leaves();

@@ -142,11 +142,23 @@ class Solver {
         const std::vector<Color> sent = system.pull(radiosity);
         std::vector<float> brightness(sent.size());
         for (size_t i = 0; i < sent.size(); ++i) brightness[i] = max_component(sent[i]);
-        const float reference = mean(sent[0]);
+        const float reference = scales_.empty() ? mean(sent[0]) : usual_mean(radiosity);
         if (!(reference > 0)) return;
         const LinkOptions options{options_.tolerance * reference, least_sender * reference, most_links(), options_.seed,
                                   options_.threads};
         tolerance_ = refine_links(world_, tree_, surfaces_, brightness, options, links_, progress_) / reference;
+    }
+
+    /// Returns the mean of patches over the area that counts: a wide dark ground does not change what is usual here.
+    float usual_mean(std::span<const Color> light) const {
+        double sum = 0, area = 0;
+        for (const uint32_t i : tree_.leaves()) {
+            const PatchNode& patch = tree_[i];
+            const double counts = patch.area / sqr(double(scale_of(scales_, 2 * size_t(patch.triangle) + patch.back)));
+            sum += counts * mean(light[i]);
+            area += counts;
+        }
+        return static_cast<float>(sum / area);
     }
 
     size_t most_links() const {
@@ -194,13 +206,8 @@ class Solver {
     std::vector<float> contrasts() const {
         const auto& leaves = tree_.leaves();
         std::vector<Vec3> centers;
-        double sum = 0, area = 0;
-        for (const uint32_t i : leaves) {
-            centers.push_back(tree_[i].center);
-            sum += double(tree_[i].area) * mean(light_.total[i]);
-            area += tree_[i].area;
-        }
-        const auto floor = static_cast<float>(0.1 * sum / area);
+        for (const uint32_t i : leaves) centers.push_back(tree_[i].center);
+        const float floor = 0.1f * usual_mean(light_.total);
         const KdTree near(centers, options_.threads);
         std::vector<float> out(leaves.size(), 0);
         constexpr size_t block = 256;
