@@ -12,6 +12,7 @@ __version__ = "0.1.0"
 if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.images.image import Image
+    from eclat.images.mixing import mix
     from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
     from eclat.methods import (
@@ -31,6 +32,7 @@ if TYPE_CHECKING:
     from eclat.methods.radiosity import RadiositySolution
     from eclat.methods.records.solution import Solution
     from eclat.scene import Scene
+    from eclat.stage.light_groups import light_groups
     from eclat.stage.material_overrides import override_materials
     from eclat.verbs.bake import bake
     from eclat.verbs.compare import compare
@@ -70,6 +72,8 @@ _HOMES = {
     "RadiositySolution": "eclat.methods.radiosity",
     "Lightmap": "eclat.lightmap.lightmap",
     "Image": "eclat.images.image",
+    "mix": "eclat.images.mixing",
+    "light_groups": "eclat.stage.light_groups",
     "Scene": "eclat.scene",
     "EclatError": "eclat.errors",
     "EclatWarning": "eclat.errors",
@@ -101,10 +105,12 @@ __all__ = [
     "denoise",
     "export_view",
     "irradiance",
+    "light_groups",
     "load",
     "load_dict",
     "load_solved",
     "merge",
+    "mix",
     "override_materials",
     "refine",
     "render",

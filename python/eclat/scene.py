@@ -206,6 +206,9 @@ class Mesh:
     colors: FloatArray | None = None
     tangents: FloatArray | None = None
     name: str = ""
+    lamp: str = ""
+    """The name of the lamp of which the triangles are a part if their material emits, for groups of lamps
+    (`stage.light_groups`). If it is empty, the mesh's name or its material's is used."""
 
     def __repr__(self) -> str:
         return f"<Mesh {self.name!r}: {_counted(len(self.triangles), 'triangle')}, {self.material.kind}>"
@@ -217,6 +220,7 @@ class PointLight:
 
     position: tuple[float, float, float]
     intensity: tuple[float, float, float]
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -234,6 +238,7 @@ class SpotLight:
     inner_angle: float
     outer_angle: float
     falloff: Literal["linear", "smooth"] = "smooth"
+    name: str = ""
 
 
 @dataclass(frozen=True)
@@ -248,6 +253,11 @@ class DirectionalLight:
     direction: tuple[float, float, float]
     irradiance: tuple[float, float, float]
     angular_radius: float = 0.0
+    name: str = ""
+
+
+Light = PointLight | SpotLight | DirectionalLight
+"""A light that is not a surface."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -261,6 +271,7 @@ class Environment:
 
     image: NDArray[np.float32]
     to_world: FloatArray = field(default_factory=lambda: np.eye(3))
+    name: str = ""
 
     def __repr__(self) -> str:
         return f"<Environment: {'×'.join(map(str, np.shape(self.image)[1::-1]))}>"
@@ -342,7 +353,7 @@ class Scene:
     changed copy."""
 
     meshes: tuple[Mesh, ...] = ()
-    lights: tuple[PointLight | SpotLight | DirectionalLight, ...] = ()
+    lights: tuple[Light, ...] = ()
     environment: Environment | None = None
     cameras: tuple[Camera, ...] = ()
     name: str = ""

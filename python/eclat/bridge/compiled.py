@@ -20,10 +20,10 @@ from eclat.scene import (
     Camera,
     DirectionalLight,
     FloatArray,
+    Light,
     Material,
     PointLight,
     Scene,
-    SpotLight,
     Texture,
     Value,
     grey,
@@ -122,7 +122,7 @@ class _Compiler:
             self.builder.set_environment(np.ascontiguousarray(environment.image, np.float32), to_world)
         return Compiled(self.builder.build(), center, self.scene.name or "scene")
 
-    def light(self, light: PointLight | SpotLight | DirectionalLight, center: FloatArray) -> None:
+    def light(self, light: Light, center: FloatArray) -> None:
         if isinstance(light, DirectionalLight):
             self.builder.add_directional(light.direction, light.irradiance, light.angular_radius)
             return
@@ -212,7 +212,7 @@ def fingerprint(scene: Scene) -> str:
             digest.update(np.ascontiguousarray(x).tobytes())
         elif hasattr(x, "__dataclass_fields__"):
             for name in x.__dataclass_fields__:
-                if name not in ("name", "cameras", "warnings"):
+                if name not in ("name", "lamp", "cameras", "warnings"):
                     digest.update(name.encode())
                     feed(getattr(x, name))
         elif isinstance(x, dict):

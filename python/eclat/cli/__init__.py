@@ -32,6 +32,7 @@ COMMANDS: dict[str, str] = {
     "bake": "eclat.cli.bake",
     "view": "eclat.cli.view",
     "denoise": "eclat.cli.denoise",
+    "mix": "eclat.cli.mix",
     "compare": "eclat.cli.compare",
     "info": "eclat.cli.info",
     "scenes": "eclat.cli.scenes",

@@ -5,11 +5,12 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import click
 
-from eclat.errors import did_you_mean
+from eclat.errors import EclatError, did_you_mean
 
 
 class _Type(click.ParamType[Any]):
@@ -148,6 +149,33 @@ class Name(_Type):
         if text not in self.names:
             self.fail(f"expected {self.expected}, got {text!r}{did_you_mean(text, self.names)}", param, ctx)
         return text
+
+
+class LightGroups(_Type):
+    """The type of a group of lamps, `NAME=LAMP,…`, or of the word `each`, which stands for a group of each name."""
+
+    name = "each|NAME=LAMP,…"
+    expected = "each, or a group and the names of its lamps, such as kitchen=lamp*,stove"
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> str:
+        text = str(value)
+        group, _, lamps = text.partition("=")
+        if text != "each" and not (group and all(lamps.split(","))):
+            self.refuse(value, param, ctx)
+        return text
+
+
+def groups_given(texts: Sequence[str]) -> bool | dict[str, list[str]]:
+    """Return the groups that values of `LightGroups` ask for, as `render` takes them."""
+    if "each" in texts or not texts:
+        if len(texts) > 1:
+            raise EclatError(f"--light-groups: expected each or groups, got {' and '.join(texts)}")
+        return bool(texts)
+    groups: dict[str, list[str]] = {}
+    for text in texts:
+        name, _, lamps = text.partition("=")
+        groups.setdefault(name, []).extend(lamps.split(","))
+    return groups
 
 
 def _spelled(value: Any, separator: str) -> str:

@@ -15,7 +15,7 @@ import click
 import eclat
 from eclat.cli.command import Command, option, together
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
-from eclat.cli.parameters import CROP, REPLAY, Name
+from eclat.cli.parameters import CROP, REPLAY, LightGroups, Name, groups_given
 from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.previews import Previews, wants_previews
 from eclat.cli.quality_options import (
@@ -69,6 +69,7 @@ REACHING_RENDER = (
     "halves",
     "continued",
     "continuable",
+    "light_groups",
     "size",
     "crop",
     "max_depth",
@@ -95,6 +96,7 @@ EXAMPLES = {
         "Improve a picture that was rendered with --continuable:"
     ),
     "eclat render room.glb --cache room.npz --camera 1": "Render another view from a file that `eclat solve` wrote:",
+    "eclat render room.glb --light-groups each -o room.exr": "Render the light of each lamp as a layer, to mix it later:",
 }
 
 
@@ -117,6 +119,15 @@ _output_options = together(
         help="Tone mapping of a .png: none clips highlights at white, filmic compresses them smoothly [none].",
     ),
     keep_partial_option("If you press Ctrl-C, write the picture of the samples taken so far."),
+    option(
+        "--light-groups",
+        type=LightGroups(),
+        multiple=True,
+        section="Output",
+        help="Make a layer of the light of each lamp (each), or of the lamps with these names, in which * stands for any "
+        "characters, as in kitchen=lamp*,stove; repeatable. `eclat mix` changes the light of the .exr file afterwards. Each "
+        "group is rendered on its own and takes as long as a picture.",
+    ),
     option("--show-records", is_flag=True, section="Output", help="Mark the positions of the records in the picture."),
 )
 
@@ -217,6 +228,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
         index = camera_index(scene, flags["camera"])
         _check_pixels(flags, scene.cameras[index].size)
         common = {name: flags[name] for name in REACHING_RENDER} | {"camera": index, "progress": reporter.progress}
+        common["light_groups"] = groups_given(flags["light_groups"])
         what = eclat.load_solved(flags["cache"], scene) if options is None else options
         common["time"] = time_left(flags["time"], clock.perf_counter() - begun)
 
@@ -276,6 +288,10 @@ def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
         raise EclatError("--time cannot be combined with --samples: give one of them")
     if flags["refine"] and flags["time"] is not None:
         raise EclatError("--time cannot be combined with --refine: give one of them")
+    for name in ("cache", "continuable", "continued", "keep_partial", "replay") if flags["light_groups"] else ():
+        if flags[name]:
+            flag = {"continued": "continue"}.get(name, name).replace("_", "-")
+            raise EclatError(f"--light-groups cannot be combined with --{flag}: give one of them")
     if flags["refine"] and flags["cache"]:
         raise EclatError(
             "--refine cannot be combined with --cache: to refine a cache, run `eclat solve --cache FILE --refine`"
@@ -326,7 +342,9 @@ def why_above(flags: Mapping[str, Any], statistics: Mapping[str, float]) -> str:
 
 def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:
     """Add the settings of the run to the metadata and, with `--show-records`, marks of the records to the picture."""
-    image.metadata["settings"] = settings_of(flags, image.metadata)
+    if not (flags["light_groups"] and flags["time"] is not None):
+        # With both, the clock gave each group samples and records of its own, which no flags repeat.
+        image.metadata["settings"] = settings_of(flags, image.metadata)
     return image.show_records(stops) if flags["show_records"] else image
 
 

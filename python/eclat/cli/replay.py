@@ -34,6 +34,7 @@ REPEATED = (
         "seed",
         "size",
         "crop",
+        "light_groups",
     ),
     *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "materials"),
 )
@@ -55,7 +56,8 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
         # There was no time for what the method needs, so another took its place.
         settings["method"], settings["settings"] = made_by, []
     taken = metadata.get("statistics", {}).get("samples")
-    if taken is not None:
+    # Groups of lamps, each of which took its own number of samples, stop again where they did.
+    if taken is not None and not flags["light_groups"]:
         settings["samples"], settings["time"] = int(taken), None
         for name, made in (("adaptive", "adaptive"), ("denoise", "denoised"), ("halves", "halves")):
             settings[name] = bool(metadata.get(made))

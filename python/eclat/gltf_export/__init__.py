@@ -148,4 +148,4 @@ def _mesh_node(document: Document, materials: Materials, part: Part) -> int:
         found |= eclat_extras(back_side=True)
     name = part.mesh.name
     mesh = document.add("meshes", {"name": name, "primitives": [found]})
-    return document.add("nodes", {"name": name, "mesh": mesh})
+    return document.add("nodes", {"name": part.mesh.lamp or name, "mesh": mesh})

@@ -10,7 +10,7 @@ import numpy as np
 
 from eclat.errors import warn
 from eclat.gltf_export.document import Document, Json
-from eclat.scene import Camera, DirectionalLight, FloatArray, PointLight, SpotLight, look_at
+from eclat.scene import Camera, DirectionalLight, FloatArray, Light, SpotLight, look_at
 
 NEAR, FAR = 1e-3, 2.0
 """The distances of the near and the far clipping plane, divided by the distance D of the farthest point of the scene.
@@ -52,7 +52,7 @@ def _farthest(place: FloatArray, bounds: FloatArray) -> float:
     return distance if 0 < distance < math.inf else 1.0
 
 
-def light_node(document: Document, light: PointLight | SpotLight | DirectionalLight) -> int:
+def light_node(document: Document, light: Light) -> int:
     """Write a light, and return the index of its node."""
     if isinstance(light, DirectionalLight):
         json: Json = {"type": "directional"} | _colored(light.irradiance)
@@ -74,12 +74,12 @@ def light_node(document: Document, light: PointLight | SpotLight | DirectionalLi
         json = {"type": "point"} | _colored(light.intensity)
         matrix = np.eye(4)
         matrix[:3, 3] = light.position
+    named: Json = {"name": light.name} if light.name else {}
     extension = document.use("KHR_lights_punctual")
     known = document.root.setdefault("extensions", {}).setdefault(extension, {"lights": []})["lights"]
-    known.append(json)
-    return document.add(
-        "nodes", {"extensions": {extension: {"light": len(known) - 1}}, "matrix": matrix.T.ravel().tolist()}
-    )
+    known.append(named | json)
+    node = {"extensions": {extension: {"light": len(known) - 1}}, "matrix": matrix.T.ravel().tolist()}
+    return document.add("nodes", named | node)
 
 
 def _colored(power: tuple[float, float, float]) -> Json:

@@ -258,7 +258,7 @@ def _with_surface(mesh: Mesh, material: Material, where: str) -> Mesh:
             f"{where}, material {material.name!r}: the material has textures, but its faces have no texture "
             "coordinates (vt)"
         )
-    return replace(mesh, material=material)
+    return replace(mesh, material=material, lamp=material.name)
 
 
 def _is_textured(material: Material) -> bool:

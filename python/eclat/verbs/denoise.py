@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError
 from eclat.images import denoiser
 from eclat.images.image import Image
+from eclat.images.mixing import PREFIX, groups_of, sum_of
 from eclat.sampling.denoised_halves import judged_halves
 from eclat.typed import typed
 
@@ -31,19 +32,24 @@ def denoise(picture: Image, other: Image | None = None) -> Image:
 
     Returns
     -------
-    An Image whose layer `noisy` is the picture before denoising. With `other`, the statistics hold `estimated_error`,
+    An Image whose layer `noisy` is the picture before denoising. If the picture has layers of groups of lamps, each is denoised
+    by itself, and the pixels are their sum, so that they can still be mixed. With `other`, the statistics hold `estimated_error`,
     the error of the result, with `estimated_error_low` and `estimated_error_high`, the ends of its 95 % confidence
     interval; and `noise_before`, the error of the mean of both pictures before denoising.
 
     Raises
     ------
-    EclatError : Open Image Denoise is not installed, or the two pictures differ in size or are the same picture.
+    EclatError : Open Image Denoise is not installed, or the two pictures differ in size, are the same picture, or have
+        groups of lamps.
     """
     if other is None:
         layers = picture.layers | {"noisy": picture.pixels}
-        return replace(
-            picture, pixels=_denoised(picture), layers=layers, metadata=picture.metadata | {"denoised": True}
-        )
+        groups = {name: _denoised(replace(picture, pixels=light)) for name, light in groups_of(picture).items()}
+        pixels = sum_of(list(groups.values())) if groups else _denoised(picture)
+        layers |= {PREFIX + name: light for name, light in groups.items()}
+        return replace(picture, pixels=pixels, layers=layers, metadata=picture.metadata | {"denoised": True})
+    if groups_of(picture) or groups_of(other):
+        raise EclatError("denoise: expected one picture with groups of lamps, or two without, got two with groups")
     if picture.pixels.shape != other.pixels.shape:
         sizes = " and ".join(f"{image.width}x{image.height}" for image in (picture, other))
         raise EclatError(f"denoise: expected two pictures of the same size, got {sizes}")

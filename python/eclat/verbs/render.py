@@ -8,7 +8,7 @@ import inspect
 import math
 import os
 import time as clock
-from collections.abc import Callable
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
@@ -40,6 +40,7 @@ from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
 from eclat.verbs.first_look import first_look, is_reduced
 from eclat.verbs.picture import Picture, SampleTaker
+from eclat.verbs.picture_of_groups import picture_of_groups
 from eclat.verbs.solve import require_check
 
 FILTERS = ("box", "tent")
@@ -82,6 +83,7 @@ def render(
     halves: bool | None = None,
     continued: Image | str | os.PathLike[str] | None = None,
     continuable: bool = False,
+    light_groups: bool | Mapping[str, str | Sequence[str]] = False,
     keep_partial: bool = False,
     check: bool = True,
     refine: bool = False,
@@ -135,6 +137,11 @@ def render(
         differ, so that finer records serve the new samples. Rays and seconds in the statistics are those of this call.
     continuable : whether the picture gets layers with the sums of its samples (`sums_*`, `sample_*`), so that it can be
         continued later. An .exr file is then about three times as large. Continued pictures can be continued again.
+    light_groups : whether each lamp, or each group of lamps, becomes a layer `light.<name>`, whose strength and colour can be
+        changed afterwards (`mix`). True makes a group of each name of a lamp; a dict gives groups by name
+        (`eclat.light_groups`). The picture is the sum of the layers, also if it is denoised, because each group is then
+        denoised on its own. Each group is solved and sampled on its own, so that `max_error` holds for each, and the cost is
+        that of a picture of each. `samples` is the number of each group, and the groups share `time` equally.
     keep_partial : whether Ctrl-C keeps what is finished. The KeyboardInterrupt then has an attribute `partial`, an
         Image of the samples taken so far, whose metadata give their number as `samples_done`. The attribute is absent
         until every pixel has a sample.
@@ -181,16 +188,16 @@ def render(
     >>> image.pixels.shape, image.metadata["statistics"]["samples"]
     ((8, 8, 3), 4.0)
     """
+    if light_groups is not False:
+        return picture_of_groups(render, dict(locals()))
     _refuse_contradictions(samples, time, refine, check)
     scene = staged(scene)
     started = clock.perf_counter()
     begun = None if continued is None else Begun.of(continued)
-    given = (size, crop, max_depth, seed, filter, adaptive, halves)
-    size, crop, max_depth, seed, filter, adaptive, halves = _settings(begun, given)
+    settings = _settings(begun, (size, crop, max_depth, seed, filter, adaptive, halves))
+    size, crop, max_depth, seed, filter, adaptive, halves = settings
     deadline = None if checked_time(time) is None else started + float(time or 0)
-    if denoise is None:
-        denoise = denoiser.has_denoiser() and samples is None and crop is None and halves is not False
-    halves = _checked_halves(halves, denoise)
+    denoise, halves = _denoise_and_halves(denoise, halves, samples is None and crop is None)
     goal = Goal(None if samples is None else checked_samples(samples), checked_max_error(max_error), deadline, denoise)
     chosen = chosen_camera(scene, camera)
     view = View(chosen, picture_size(chosen, size))
@@ -212,8 +219,7 @@ def render(
         begun.restore(sampling)
     image = _rendered(picture, sampling, _goal_of_samples(goal, estimate, halves and check), check, deadline)
     if continuable or begun is not None:
-        settings = (view.size, crop, max_depth, seed, filter, adaptive, halves)
-        make_continuable(image, begun, sampling, scene, chosen, settings)
+        make_continuable(image, begun, sampling, scene, chosen, (view.size, *settings[1:5], adaptive, halves))
     return image
 
 
@@ -268,16 +274,20 @@ def _goal_of_samples(goal: Goal, estimate: ErrorEstimate | None, probes: bool) -
     return replace(goal, deadline=now + (1 - SHARE_OF_PROBES) * (goal.deadline - now))
 
 
-def _checked_halves(halves: bool | None, denoise: bool) -> bool:
-    """Return whether the picture is taken in halves. Raises EclatError if it should be denoised but cannot be."""
+def _denoise_and_halves(denoise: bool | None, halves: bool | None, whole: bool) -> tuple[bool, bool]:
+    """Return whether the picture is denoised, and whether it is taken in halves. `whole` says that it is not cropped and that no
+    number of samples was given. Raises EclatError if it should be denoised but cannot be.
+    """
+    if denoise is None:
+        denoise = denoiser.has_denoiser() and whole and halves is not False
     if not denoise:
-        return bool(halves)
+        return False, bool(halves)
     denoiser.require_denoiser()
     if halves is False:
         raise EclatError(
             "render: expected halves=True with denoise, because the halves measure the remaining error, got False"
         )
-    return True
+    return True, True
 
 
 def _checked_order(order: list[int] | None, region: tuple[int, int, int, int]) -> list[int]:

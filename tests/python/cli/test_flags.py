@@ -59,6 +59,7 @@ VALUES: dict[str, list[str]] = {
     "--levels": ["2"],
     "--reference": ["reference.exr"],
     "--root": ["."],
+    "--light-groups": ["each"],
 }
 """A value unlike the default for each flag that takes one."""
 

@@ -9,6 +9,7 @@ hierarchy).
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -20,7 +21,7 @@ from eclat.loaders.gltf.cameras import read_camera
 from eclat.loaders.gltf.container import Document
 from eclat.loaders.gltf.element import Element
 from eclat.loaders.gltf.extensions import warn_about_unsupported
-from eclat.loaders.gltf.lights import Light, read_light
+from eclat.loaders.gltf.lights import read_light
 from eclat.loaders.gltf.materials import Materials, used_uv_sets
 from eclat.loaders.gltf.nodes import Matrix, instances, scene_nodes
 from eclat.loaders.gltf.primitives import (
@@ -30,7 +31,7 @@ from eclat.loaders.gltf.primitives import (
     transform_primitive,
 )
 from eclat.loaders.parts import Parts
-from eclat.scene import Camera, Material, Mesh, Scene
+from eclat.scene import Camera, Light, Material, Mesh, Scene
 
 
 def load_gltf(path: str | Path) -> Scene:
@@ -81,7 +82,7 @@ class _Builder:
             reference = node.extension("KHR_lights_punctual")
             if reference is not None:
                 with self._parts.one():
-                    self._add_light(reference, to_world)
+                    self._add_light(node, reference, to_world)
             self._add_camera(node, to_world)
         self._parts.finish()
         if not self._meshes:
@@ -125,7 +126,10 @@ class _Builder:
         for i, element in enumerate(elements):
             name = mesh.text("name") or node.text("name") or mesh.where.partition(", ")[2]
             with self._parts.one():
+                first = len(self._meshes)
                 self._add_primitive(element, weights, places, name if len(elements) == 1 else f"{name}.{i}")
+                lamp = node.text("name")
+                self._meshes[first:] = [replace(made, lamp=lamp) for made in self._meshes[first:]]
 
     def _add_primitive(self, element: Element, weights: tuple[float, ...], places: Matrix, name: str) -> None:
         key = (element.where, weights)
@@ -162,11 +166,12 @@ class _Builder:
             primitive.colors[:, 3] = 1
         return split_solids_and_sheets(primitive, material)
 
-    def _add_light(self, reference: Element, to_world: Matrix) -> None:
+    def _add_light(self, node: Element, reference: Element, to_world: Matrix) -> None:
         index = reference.index("light", len(self._known_lights), "lights")
         if index is None:
             raise EclatError(f"{reference.where}: expected the index of a light as 'light', but it is missing")
-        self._lights.append(read_light(self._known_lights[index], to_world))
+        light = self._known_lights[index]
+        self._lights.append(read_light(light, to_world, node.text("name") or light.text("name")))
 
     def _add_camera(self, node: Element, to_world: Matrix) -> None:
         camera = self._document.element(node, "camera", "cameras")

@@ -11,12 +11,10 @@ from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
 from eclat.loaders.gltf.element import Element
-from eclat.scene import DirectionalLight, PointLight, SpotLight
-
-Light = PointLight | SpotLight | DirectionalLight
+from eclat.scene import DirectionalLight, Light, PointLight, SpotLight
 
 
-def read_light(light: Element, to_world: NDArray[np.float64]) -> Light:
+def read_light(light: Element, to_world: NDArray[np.float64], name: str) -> Light:
     """Read a light, whose direction is −z of its node.
 
     The RGB intensity is the colour multiplied by the intensity in candela or, for directional lights, in lux.
@@ -25,6 +23,7 @@ def read_light(light: Element, to_world: NDArray[np.float64]) -> Light:
     ----------
     light : the element of the light.
     to_world : the 4×4 transform of the node that it belongs to.
+    name : the name that the light gets.
 
     Raises
     ------
@@ -41,12 +40,12 @@ def read_light(light: Element, to_world: NDArray[np.float64]) -> Light:
     x, y, z = (float(v) for v in to_world[:3, 3])
     kind = light.text("type")
     if kind == "point":
-        return PointLight((x, y, z), color)
+        return PointLight((x, y, z), color, name)
     if kind == "directional":
-        return DirectionalLight(_direction(light, to_world), color)
+        return DirectionalLight(_direction(light, to_world), color, name=name)
     if kind == "spot":
         inner, outer = _cone(light)
-        return SpotLight((x, y, z), _direction(light, to_world), color, inner, outer, "smooth")
+        return SpotLight((x, y, z), _direction(light, to_world), color, inner, outer, "smooth", name)
     raise EclatError(f"{light.at('type')}: expected point, spot or directional, got {kind[:20]!r}")
 
 

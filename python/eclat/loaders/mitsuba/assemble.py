@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections import defaultdict
 
 from eclat.errors import did_you_mean, warn
-from eclat.loaders.mitsuba.emitters import Light, make_emitter, merge_environments
+from eclat.loaders.mitsuba.emitters import make_emitter, merge_environments
 from eclat.loaders.mitsuba.kinds import IGNORED_TAGS, PLUGINS, SILENT_PROPERTIES
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
@@ -15,7 +15,7 @@ from eclat.loaders.mitsuba.settings import warn_about_settings
 from eclat.loaders.mitsuba.shapes import Shapes
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.parts import Parts
-from eclat.scene import Camera, Environment, Mesh, Scene
+from eclat.scene import Camera, Environment, Light, Mesh, Scene
 
 
 def assemble(tree: Node, name: str) -> Scene:

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any, Literal
 
 import numpy as np
@@ -20,9 +21,8 @@ from eclat.loaders.mitsuba.sun_position import sun_direction
 from eclat.loaders.mitsuba.textures import Textures, image_data
 from eclat.loaders.mitsuba.transforms import Matrix, normalize, transform_directions
 from eclat.measure.spectrum import srgb_to_linear
-from eclat.scene import DirectionalLight, Environment, PointLight, SpotLight
+from eclat.scene import DirectionalLight, Environment, Light, PointLight, SpotLight
 
-Light = PointLight | SpotLight | DirectionalLight
 Emission = tuple[list[Light], Environment | None]
 
 HALF_TURN = np.diag([-1.0, 1.0, -1.0])
@@ -46,7 +46,15 @@ def make_emitter(node: Node, textures: Textures) -> Emission:
         reason = "must be part of a shape" if node.type == "area" else f"is not supported{near}"
         warn(f"{node.where}: an emitter of type {node.type!r} {reason}; it is left out")
         return [], None
-    return _MAKERS[node.type](node, textures)
+    lights, environment = _MAKERS[node.type](node, textures)
+    if not node.id:
+        return lights, environment
+    # The sun and the sky of one emitter keep names of their own, so that they can be told apart.
+    one = len(lights) + (environment is not None) == 1
+    lights = [replace(light, name=node.id if one else f"{node.id} sun") for light in lights]
+    if environment is not None:
+        environment = replace(environment, name=node.id if one else f"{node.id} sky")
+    return lights, environment
 
 
 def merge_environments(first: Environment | None, second: Environment | None, where: str) -> Environment | None:

@@ -61,7 +61,8 @@ class Shapes:
             return []
         _check_coordinates(meshes, node)
         spend(sum(size_of(mesh) for mesh in meshes), node.where)
-        return [replace(mesh, material=self._lit(mesh.material, node)) for mesh in meshes]
+        lamp = _lamp(node)
+        return [replace(mesh, material=self._lit(mesh.material, node), lamp=lamp or mesh.lamp) for mesh in meshes]
 
     def _instance(self, node: Node) -> list[Mesh]:
         groups = [child for _, child in node.of_tag("shape")]
@@ -145,6 +146,13 @@ class Shapes:
                 material = replace(material, opacity=grey(1.0), two_sided=False)
             self.lit[key] = replace(material, emission=radiance), original
         return self.lit[key][0]
+
+
+def _lamp(node: Node) -> str:
+    """Return the name of a lamp: the id of the emitter, of the shape or of the BSDF; it is empty if none has one."""
+    emitters = [child.id for _, child in node.of_tag("emitter")]
+    bsdfs = [child.id for _, child in node.of_tag("bsdf")]
+    return next(filter(None, [*emitters, node.id, *bsdfs]), "")
 
 
 def _check_coordinates(meshes: list[Mesh], node: Node) -> None:

@@ -91,9 +91,9 @@ def test_points_spots_and_directions_as_in_mitsuba() -> None:
     assert a.position == (1, 2, 3) and a.falloff == "linear" and a.intensity == (1, 2, 3)
     assert (a.inner_angle, a.outer_angle) == (22.5, 30)
     assert np.allclose(a.direction, np.array([1, -2, -2]) / 3, atol=1e-6)
-    assert b == PointLight((1, 2, 3), (1, 2, 3))
+    assert b == PointLight((1, 2, 3), (1, 2, 3), name="b")
     assert np.allclose(c.direction, a.direction) and c.irradiance == (1, 1, 1)
-    assert d == DirectionalLight((0, -1, 0), (1, 2, 3))
+    assert d == DirectionalLight((0, -1, 0), (1, 2, 3), name="d")
     assert scene.environment is not None and np.allclose(scene.environment.image, 0.5)
     theirs = mi.load_dict(spot)
     for angle in (0, 20, 24, 28, 31):
