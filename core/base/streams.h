@@ -36,6 +36,8 @@ enum class Stream : uint32_t {
     point_arrivals = 71,    // light that rays from points given by the user find
     photon_places = 72,     // view directions at the points of precomputed irradiance
     focused_light = 73,     // photons that measure the light from mirrors
+    space_probes = 81,      // rays from probes in space
+    space_lights = 82,      // light samples of these probes
 };
 
 /// This does not compile if two streams have the same number.
@@ -65,7 +67,9 @@ constexpr bool is_stream(Stream stream) {
         case Stream::patch_importance:
         case Stream::point_arrivals:
         case Stream::photon_places:
-        case Stream::focused_light: return true;
+        case Stream::focused_light:
+        case Stream::space_probes:
+        case Stream::space_lights: return true;
     }
     return false;
 }

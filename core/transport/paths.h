@@ -68,6 +68,7 @@ struct PathRay {
 struct PathResult {
     Color radiance;  // the whole radiance
     Color direct;    // the part of paths with at most two edges
+    Color emitted;   // the part of paths with one edge: what a source sends along the ray, through panes too
     Color albedo;    // albedo of the first vertex
     Vec3 normal;     // shading normal at the first vertex
     // These are the albedo and the normal of the first vertex that is neither a mirror nor clear glass, which a
@@ -98,6 +99,7 @@ void describe(const World& world, const Vertex& vertex, bool first, PathState& p
 inline void deposit(const Vertex& vertex, int edges, PathResult& out) {
     out.radiance += vertex.arriving;
     if (edges <= 2) out.direct += vertex.arriving;
+    if (edges <= 1) out.emitted += vertex.arriving;
     if (vertex.missed()) return;
     out.radiance += vertex.read_matte;
     out.radiance += vertex.read_glossy;

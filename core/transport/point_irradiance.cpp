@@ -4,9 +4,8 @@
 #include "transport/point_irradiance.h"
 
 #include "base/parallel.h"
-#include "base/precision.h"
-#include "sampling/mis.h"
 #include "sampling/warp.h"
+#include "transport/arriving_light.h"
 
 namespace eclat {
 
@@ -50,112 +49,43 @@ Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t 
     return sum / static_cast<float>(options.samples);
 }
 
-/// Computes direct light from light samples and half as many cosine-distributed directions, which are weighted as two
-/// techniques [Veach97 §9]. Light samples alone are noisy close to large lights.
+/// Computes direct light from light samples and half as many cosine-distributed directions.
 class DirectSampler {
   public:
     DirectSampler(const World& world, const SurfacePoint& point, LightSet set, const PointIrradianceOptions& options)
-        : world_(world),
-          point_(point),
-          set_(set),
+        : receiver_{point},
           seed_(options.seed),
-          directions_(static_cast<float>((options.samples + samples_per_direction - 1) / samples_per_direction) /
-                      static_cast<float>(options.samples)) {}
+          light_(world, receiver_, set,
+                 static_cast<float>((options.samples + samples_per_direction - 1) / samples_per_direction) /
+                     static_cast<float>(options.samples)) {}
 
     /// For samples [first, end), as if each had all of its light and half a direction.
     Color sum(uint32_t index, int first, int end, Progress& progress) {
-        return sum_of_light_samples(index, first, end, progress) + sum_of_arrivals(index, first, end, progress);
-    }
-
-  private:
-    static constexpr int samples_per_direction = 2;
-
-    Color sum_of_light_samples(uint32_t index, int first, int end, Progress& progress) {
-        rays_.clear();
-        contributions_.clear();
-        queries_.clear();
-        for (int s = first; s < end; ++s) {
-            Sampler sampler(seed_, index, static_cast<uint32_t>(s));
-            const float u = sampler.next_1d();
-            queries_.push_back({point_.position, u, sampler.next_2d()});
-        }
-        lights_.resize(queries_.size());
-        world_.lights.sample(queries_, set_, lights_);
-        for (const LightSample& light : lights_) {
-            const float cosine = dot(light.wi, point_.normal);
-            if (!(light.pdf_solid_angle > 0) || cosine <= 0) continue;
-            const float weight =
-                light.delta ? 1 : power_heuristic(light.pdf_solid_angle, directions_ * cosine * inv_pi);
-            rays_.push_back(point_.ray(light.wi, light.distance * shadow_shortening));
-            contributions_.push_back(light.radiance * (cosine * weight / light.pdf_solid_angle));
-        }
-        std::vector<Color> passed(rays_.size());
-        world_.geometry.rays().transmitted(rays_, passed);
-        progress.count_rays(rays_.size());
         Color sum;
-        for (size_t i = 0; i < rays_.size(); ++i) sum += contributions_[i] * passed[i];
-        return sum;
-    }
-
-    Color sum_of_arrivals(uint32_t index, int first, int end, Progress& progress) {
-        rays_.clear();
+        const auto add = [&](Vec3 w, Color radiance) { sum += radiance * dot(w, receiver_.point.normal); };
+        samplers_.clear();
+        for (int s = first; s < end; ++s) samplers_.emplace_back(seed_, index, static_cast<uint32_t>(s));
+        light_.sample_lights(samplers_, progress, add);
+        directions_.clear();
         const uint32_t seed = stream_seed(seed_, Stream::point_arrivals);
         // Every second sample has a direction, and the number of the direction follows from that of the sample, so that
         // parts of the samples may begin anywhere.
         for (int s = first + first % samples_per_direction; s < end; s += samples_per_direction) {
             Sampler sampler(seed, index, static_cast<uint32_t>(s / samples_per_direction));
-            rays_.push_back(point_.ray(point_.frame.to_world(square_to_cosine_hemisphere(sampler.next_2d()))));
+            directions_.push_back(receiver_.direction(sampler.next_2d()));
         }
-        std::vector<Hit> hits(rays_.size());
-        world_.geometry.rays().intersect(rays_, hits);
-        progress.count_rays(rays_.size());
-        Color sum;
-        for (size_t i = 0; i < rays_.size(); ++i) sum += arriving_through_panes(rays_[i].direction, hits[i]);
-        return sum * (pi / directions_);
-    }
-
-    /// Follows the directions through panes, which light samples pass too.
-    Color arriving_through_panes(Vec3 w, Hit hit) const {
-        constexpr int most_panes = 64;
-        Color sum = arriving(w, hit), passed(1);
-        for (int i = 0; i < most_panes && !hit.missed() && world_.geometry.material_of(hit.triangle).pane; ++i) {
-            const SurfacePoint pane = world_.geometry.surface_point(hit, -w);
-            passed *= pane.bsdf.straight(pane.frame.to_local(-w));
-            if (is_black(passed)) break;
-            const Ray ray = pane.ray(w);
-            const float travelled = hit.t;
-            world_.geometry.rays().intersect({&ray, 1}, {&hit, 1});
-            if (!hit.missed()) hit.t += travelled;
-            sum += passed * arriving(w, hit);
-        }
+        light_.meet_lights(directions_, progress, add);
         return sum;
     }
 
-    /// Returns the radiance along a direction, without the share that light samples count.
-    Color arriving(Vec3 w, const Hit& hit) const {
-        Color radiance;
-        float pdf_of_lights = 0;
-        if (hit.missed()) {
-            const Lights::Infinite behind = world_.lights.infinite(w, set_);
-            radiance = behind.radiance;
-            pdf_of_lights = behind.pdf_solid_angle;
-        } else if (const uint32_t emitter = world_.emitter(hit.triangle); emitter != not_emitting) {
-            radiance = world_.lights.emitted(emitter, {hit.u, hit.v}, -w);
-            pdf_of_lights = world_.lights.pdf_solid_angle(emitter, point_.position, point_.position + w * hit.t, set_);
-        }
-        if (is_black(radiance)) return {};
-        return radiance * power_heuristic(directions_ * dot(w, point_.normal) * inv_pi, pdf_of_lights);
-    }
+  private:
+    static constexpr int samples_per_direction = 2;
 
-    const World& world_;
-    const SurfacePoint& point_;
-    LightSet set_;
+    HemisphereReceiver receiver_;
     uint32_t seed_;
-    float directions_;  // number of directions per light sample
-    std::vector<LightQuery> queries_;
-    std::vector<LightSample> lights_;
-    std::vector<Ray> rays_;
-    std::vector<Color> contributions_;
+    ArrivingLight<HemisphereReceiver> light_;
+    std::vector<Sampler> samplers_;
+    std::vector<Vec3> directions_;
 };
 
 bool may_bounce(int max_depth) { return max_depth < 0 || max_depth > 2; }

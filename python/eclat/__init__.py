@@ -31,6 +31,7 @@ if TYPE_CHECKING:
     from eclat.methods.photon_map import Photons
     from eclat.methods.radiosity import RadiositySolution
     from eclat.methods.records.solution import Solution
+    from eclat.probe_grid.grid import ProbeGrid
     from eclat.scene import Scene
     from eclat.stage.light_groups import light_groups
     from eclat.stage.material_overrides import override_materials
@@ -38,6 +39,7 @@ if TYPE_CHECKING:
     from eclat.verbs.compare import compare
     from eclat.verbs.denoise import denoise
     from eclat.verbs.irradiance import irradiance
+    from eclat.verbs.probes import probes
     from eclat.verbs.render import render
     from eclat.verbs.solve import refine, solve
     from eclat.viewer.showing import Viewer, export_view, view
@@ -51,6 +53,7 @@ _HOMES = {
     "render": "eclat.verbs.render",
     "irradiance": "eclat.verbs.irradiance",
     "bake": "eclat.verbs.bake",
+    "probes": "eclat.verbs.probes",
     "compare": "eclat.verbs.compare",
     "denoise": "eclat.verbs.denoise",
     "view": "eclat.viewer.showing",
@@ -71,6 +74,7 @@ _HOMES = {
     "Photons": "eclat.methods.photon_map",
     "RadiositySolution": "eclat.methods.radiosity",
     "Lightmap": "eclat.lightmap.lightmap",
+    "ProbeGrid": "eclat.probe_grid.grid",
     "Image": "eclat.images.image",
     "mix": "eclat.images.mixing",
     "light_groups": "eclat.stage.light_groups",
@@ -93,6 +97,7 @@ __all__ = [
     "Path",
     "PhotonMap",
     "Photons",
+    "ProbeGrid",
     "RadianceCache",
     "Radiosity",
     "RadiositySolution",
@@ -112,6 +117,7 @@ __all__ = [
     "merge",
     "mix",
     "override_materials",
+    "probes",
     "refine",
     "render",
     "solve",

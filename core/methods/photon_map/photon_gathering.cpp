@@ -77,7 +77,8 @@ class Gatherer {
             sample_lights(paths, vertices);
             read_photons(paths, vertices);
         }
-        for (size_t i = 0; i < vertices.size(); ++i) deposit(vertices[i], edges_, out_[paths[i].index]);
+        for (size_t i = 0; i < vertices.size(); ++i)
+            deposit(vertices[i], edges_ - paths[i].panes, out_[paths[i].index]);
         if (goes_on) continue_paths(paths, vertices, next);
     }
 

@@ -42,8 +42,8 @@ PathResult patch_picture(const World& world, const RadiosityField& field, int ma
     result.albedo = point.bsdf.albedo(point.frame.to_local(wo));
     result.rough_normal = result.normal, result.rough_albedo = result.albedo;
     if (const uint32_t emitter = world.emitter(hit.triangle); emitter != not_emitting)
-        result.direct = world.lights.emitted(emitter, {hit.u, hit.v}, wo);
-    result.radiance = result.direct;
+        result.emitted = world.lights.emitted(emitter, {hit.u, hit.v}, wo);
+    result.radiance = result.direct = result.emitted;
     if (max_depth == 1 || is_black(result.albedo)) return result;
     const Vec3 local = point.frame.to_local(wo);
     const auto add = [&](const SurfacePoint& side, Color albedo) {
@@ -70,7 +70,7 @@ void show_patches(const World& world, const RadiosityField& field, int max_depth
         const Vec3 wo = -seen[i].direction;
         out[i] = PathResult{};
         if (hits[i].missed()) {
-            out[i].radiance = out[i].direct = world.lights.environment(seen[i].direction);
+            out[i].radiance = out[i].direct = out[i].emitted = world.lights.environment(seen[i].direction);
             continue;
         }
         const SurfacePoint point = world.geometry.surface_point(hits[i], wo);

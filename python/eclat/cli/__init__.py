@@ -31,6 +31,7 @@ COMMANDS: dict[str, str] = {
     "irradiance": "eclat.cli.irradiance",
     "bake": "eclat.cli.bake",
     "view": "eclat.cli.view",
+    "probes": "eclat.cli.probes",
     "denoise": "eclat.cli.denoise",
     "mix": "eclat.cli.mix",
     "compare": "eclat.cli.compare",

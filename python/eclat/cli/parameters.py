@@ -98,6 +98,16 @@ class _Crop(Numbers):
         return 0 <= x0 < x1 and 0 <= y0 < y1
 
 
+class _Bounds(Numbers):
+    def accepts(self, numbers: tuple[float, ...]) -> bool:
+        return numbers[:3] != numbers[3:] and all(a <= b for a, b in zip(numbers[:3], numbers[3:], strict=True))
+
+
+class _Grid(Numbers):
+    def accepts(self, numbers: tuple[float, ...]) -> bool:
+        return min(numbers) >= 1
+
+
 class _Sun(Numbers):
     def accepts(self, numbers: tuple[float, ...]) -> bool:
         return -90 <= numbers[1] <= 90
@@ -197,6 +207,8 @@ def _number(text: Any, kind: type[int] | type[float]) -> float | None:
 
 SIZE = _Size()
 CROP = _Crop("x0,y0,x1,y1", "x0,y0,x1,y1 in pixels with x0 < x1 and y0 < y1, such as 100,50,300,200", 4, int)
+BOUNDS = _Bounds("x0,y0,z0,x1,y1,z1", "a box x0,y0,z0,x1,y1,z1 in metres, such as 0,0,0,6,2.5,8", 6)
+GRID = _Grid("X,Y,Z", "three numbers of probes X,Y,Z of at least 1, such as 16,6,12", 3, int)
 POINT = Numbers("x,y,z", "three numbers x,y,z", 3)
 SUN = _Sun("AZIMUTH,ELEVATION", "azimuth,elevation in degrees with an elevation from -90 to 90, such as 135,40", 2)
 REPLAY = _Replay("x,y,SAMPLE", "a pixel and the index of one of its samples, x,y,sample, such as 412,77,19", 3, int)

@@ -145,6 +145,15 @@ def sky_above(scene: Scene, camera: Camera) -> bool:
     return bool(np.isinf(distance).sum() > 0.005 * max(len(distance), 1))
 
 
+def usual_bounds(scene: Scene) -> tuple[FloatArray, FloatArray] | None:
+    """Return the corners (3,) of the box around the scene's surfaces without its stray parts; None if it has none."""
+    corners = _without_strays(surface(scene))
+    if len(corners) == 0:
+        return None
+    low, high = corners.min(axis=(0, 1)), corners.max(axis=(0, 1))
+    return (low, high) if (low < high).any() else None
+
+
 def _placed(upright: FloatArray, origin: FloatArray, target: FloatArray) -> FloatArray:
     o, t = (tuple(float(c) for c in p) for p in (origin, target))
     matrix = np.eye(4)

@@ -503,6 +503,39 @@ def test_mistakes_when_baking(flags: str, message: str, capsys: Output) -> None:
     assert not list(Path().iterdir())
 
 
+def test_probes_write_a_grid_and_say_how_good_it_is(capsys: Output) -> None:
+    flags = ["--grid", "2,3,2", "--samples", "64", "--window", "nonnegative", "--component", "direct"]
+    assert main(["probes", "cornell-box", *flags]) == 0
+    said = capsys.readouterr().out
+    assert said.startswith("cornell-box.probes.json: 2 x 3 x 2 probes, ") and "estimated error" in said
+    grid = eclat.ProbeGrid.load("cornell-box.probes.json")
+    assert (grid.counts, grid.window, grid.component) == ((2, 3, 2), "nonnegative", "direct")
+    assert main(["probes", "cornell-box", *flags, "-o", "a.npz", "--json", "--quiet"]) == 0
+    result = json.loads(capsys.readouterr().out)
+    assert result["counts"] == [2, 3, 2] and result["statistics"]["probes"] == 12
+    assert (eclat.ProbeGrid.load("a.npz").coefficients == grid.coefficients).all()
+
+
+@pytest.mark.parametrize(
+    ("flags", "message"),
+    [
+        ("--grid 2,2", "--grid: expected three numbers of probes X,Y,Z of at least 1, such as 16,6,12, got '2,2'"),
+        ("--grid 0,2,2", "--grid: expected three numbers of probes"),
+        ("--grid 9999,9999,9999", "with a product of at most"),
+        ("--bounds 0,0,0,1,1", "--bounds: expected a box x0,y0,z0,x1,y1,z1 in metres"),
+        ("--bounds 1,0,0,0,1,1", "--bounds: expected a box"),
+        ("--window han", "--window: expected one of none, nonnegative, sloan, hanning, lanczos, got 'han'"),
+        ("-o probes.txt", "probes.txt: expected a name that ends in .json or .npz"),
+        ("-o none/probes.json", "none/probes.json"),
+        ("--cache room.npz --method path", "--cache cannot be combined with --method or --set"),
+    ],
+)
+def test_mistakes_with_probes(flags: str, message: str, capsys: Output) -> None:
+    assert main(["probes", "cornell-box", *flags.split()]) == 2
+    assert message in errors(capsys)
+    assert not list(Path().iterdir())
+
+
 # A shell gives its background jobs an ignored SIGINT; a terminal does not, and it is the terminal that is tested.
 RUN_MAIN = (
     "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
@@ -540,6 +573,19 @@ def test_ctrl_c_while_baking_leaves_the_output() -> None:
     assert process.returncode == 130 and "interrupted" in complaint
     assert [path.name for path in Path().iterdir()] == ["cornell-box_lit.glb"]
     assert Path("cornell-box_lit.glb").read_bytes() == b"old"
+
+
+def test_ctrl_c_among_probes_leaves_the_output() -> None:
+    Path("a.json").write_bytes(b"old")
+    with start(["probes", "cornell-box", "--json", "--samples", "1000000", "-o", "a.json"]) as process:
+        assert process.stdout is not None
+        for line in process.stdout:
+            if json.loads(line).get("phase") == "probes":
+                break
+        process.send_signal(signal.SIGINT)
+        _, complaint = process.communicate(timeout=20)
+    assert process.returncode == 130 and complaint == "eclat: interrupted\n"
+    assert os.listdir() == ["a.json"] and Path("a.json").read_bytes() == b"old"
 
 
 @pytest.mark.parametrize("phase", ["solve", "render"])

@@ -60,10 +60,20 @@ VALUES: dict[str, list[str]] = {
     "--reference": ["reference.exr"],
     "--root": ["."],
     "--light-groups": ["each"],
+    "--grid": ["2,3,4"],
+    "--bounds": ["0,0,0,1,1,2"],
+    "--window": ["hanning"],
 }
 """A value unlike the default for each flag that takes one."""
 
-ENDING = {"render": ".png", "solve": ".npz", "irradiance": ".npy", "bake": ".glb", "compare": ".html"}
+ENDING = {
+    "render": ".png",
+    "solve": ".npz",
+    "irradiance": ".npy",
+    "bake": ".glb",
+    "probes": ".json",
+    "compare": ".html",
+}
 BESIDE = {
     "render": {"--camera-up": ["--camera-from", "0,0,3"]},
     "bake": {"--exposure": ["--flatten"], "--no-denoise": ["--denoise"]},
@@ -77,7 +87,7 @@ class Recorder:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.said: list[str] = []
-        for verb in ("render", "solve", "refine", "irradiance", "bake", "load_solved"):
+        for verb in ("render", "solve", "refine", "irradiance", "bake", "probes", "load_solved"):
             monkeypatch.setitem(vars(eclat), verb, self.verb(verb))
         monkeypatch.setattr("eclat.verbs.compare.render", self.verb("render"))
 
@@ -106,7 +116,9 @@ class Result:
     def __init__(self, said: list[str]) -> None:
         self._said = said
         self.irradiance = np.ones((4, 4, 3))
-        self.statistics = {"charts": 1.0, "seconds": 1.0}
+        self.statistics = {"charts": 1.0, "seconds": 1.0, "inside": 1.0, "windowed": 1.0}
+        self.statistics |= {"noise_error": 0.1}
+        self.counts = (1, 1, 1)
         self.texel_size, self.unit = 0.1, "lux"
 
     def __repr__(self) -> str:
