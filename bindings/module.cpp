@@ -2,6 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 #include <nanobind/nanobind.h>
+#include <nanobind/stl/map.h>
+#include <nanobind/stl/string.h>
+
+#include "base/versions.h"
+#include "scene/ray_tracer.h"
 
 namespace nb = nanobind;
 
@@ -23,4 +28,14 @@ NB_MODULE(_core, m) {
     bind_cache(m);
     bind_photons(m);
     bind_radiosity(m);
+    m.def(
+        "versions",
+        [] {
+            return std::map<std::string, std::string>{{"embree", eclat::ray_tracer_version()},
+                                                      {"onetbb", eclat::threads_version()}};
+        },
+        "The versions of the libraries that run, by name.");
+    m.def("instruction_set", &eclat::core_instruction_set, "The name of the instruction set of this core.");
+    m.def("built_for_one_machine", &eclat::built_for_one_machine,
+          "Whether this core was compiled for the machine that compiled it.");
 }

@@ -18,6 +18,7 @@ from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
 PACKAGE = ROOT / "python/eclat"
+COMPILED = ("_core", "_processor")
 INCLUDE = re.compile(r'^\s*#\s*include\s*(["<])([^">]+)[">]', re.MULTILINE)
 
 
@@ -99,7 +100,7 @@ def check_imports(layers: list[list[str]], front_door_after: str) -> Iterator[st
             continue
         tree = ast.parse(path.read_text(encoding="utf-8"), filename=name)
         graph[module] = set()
-        for line, target in imported_modules(tree, {*paths, "_core"}):
+        for line, target in imported_modules(tree, {*paths, *COMPILED}):
             theirs = rank_of(target, rank)
             if target == "?":
                 yield f"{name}:{line}: relative import; write the module's full name"

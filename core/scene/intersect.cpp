@@ -17,6 +17,7 @@
 
 #include "base/error.h"
 #include "sampling/rng.h"
+#include "scene/ray_tracer.h"
 
 namespace eclat {
 
@@ -199,15 +200,37 @@ constexpr auto coherent = RTC_INTERSECT_CONTEXT_FLAG_COHERENT, incoherent = RTC_
 using QueryFlags = RTCIntersectContextFlags;
 #endif
 
+#ifdef ECLAT_EMBREE_OPTIONS
+/// A core for one instruction set has Embree use the same set, so that its bits do not depend on what else the machine
+/// can do.
+constexpr const char* device_options = ECLAT_EMBREE_OPTIONS;
+#else
+constexpr const char* device_options = nullptr;
+#endif
+
+RTCDevice new_device() {
+    const RTCDevice device = rtcNewDevice(device_options);
+    require(device != nullptr, "the ray tracer (Embree) could not start on this machine");
+    return device;
+}
+
 }  // namespace
+
+std::string ray_tracer_version() {
+    const RTCDevice device = new_device();
+    std::string version = std::to_string(rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_VERSION_MAJOR));
+    for (const auto part : {RTC_DEVICE_PROPERTY_VERSION_MINOR, RTC_DEVICE_PROPERTY_VERSION_PATCH})
+        version.append(".").append(std::to_string(rtcGetDeviceProperty(device, part)));
+    rtcReleaseDevice(device);
+    return version;
+}
 
 Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangle> triangles,
                          std::span<const Sieve> sieves, OpacityFunction opacity, PaneFunction pane)
     : impl_(std::make_unique<Impl>()) {
     impl_->opacity = std::move(opacity);
     impl_->pane = std::move(pane);
-    impl_->device = rtcNewDevice(nullptr);
-    require(impl_->device != nullptr, "the ray tracer (Embree) could not start on this machine");
+    impl_->device = new_device();
     impl_->scene = rtcNewScene(impl_->device);
     // Robust: no ray slips through the edge between two triangles. Medium quality builds are deterministic, high ones
     // (with spatial splits) are not.

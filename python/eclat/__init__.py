@@ -13,6 +13,7 @@ if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
     from eclat.images.image import Image
     from eclat.images.mixing import mix
+    from eclat.instruction_set import use_instruction_set
     from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
     from eclat.methods import (
@@ -81,6 +82,7 @@ _HOMES = {
     "Scene": "eclat.scene",
     "EclatError": "eclat.errors",
     "EclatWarning": "eclat.errors",
+    "use_instruction_set": "eclat.instruction_set",
 }
 """Maps public names to their modules, which are imported when a name is first used, so that `eclat --help` does not
 load the core."""
@@ -121,6 +123,7 @@ __all__ = [
     "refine",
     "render",
     "solve",
+    "use_instruction_set",
     "view",
 ]
 

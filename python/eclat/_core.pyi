@@ -935,3 +935,9 @@ def solve_radiosity(
 ) -> tuple[NDArray[numpy.uint32], NDArray[numpy.float32], NDArray[numpy.float32], dict[str, float]]: ...
 def radiosity_estimator(scene: Scene, field: RadiosityField, *, gather_rays: int, max_depth: int) -> Estimator: ...
 def radiosity_point_estimator(scene: Scene, field: RadiosityField) -> PointEstimator: ...
+def versions() -> dict[str, str]:
+    """The versions of the libraries that run, by name."""
+
+instruction_set: str = "x86-64-v4"
+
+native: bool = True

@@ -14,6 +14,7 @@ from eclat import _core
 from eclat.bridge.frame import center_of, warn_of_rounding
 from eclat.bridge.reach import check_areas, check_length, check_reach
 from eclat.errors import EclatError
+from eclat.instruction_set import check_variable
 from eclat.scene import (
     DEFAULTS,
     MATERIAL_KINDS,
@@ -80,6 +81,7 @@ def compiled(scene: Scene) -> Compiled:
     it."""
     found = _cache.get(scene)
     if found is None:
+        check_variable()
         try:
             found = _cache[scene] = _Compiler(scene).compile()
         except ValueError as error:

@@ -2,9 +2,8 @@
 # SPDX-License-Identifier: Apache-2.0
 """The command line: the table of commands, and the handling of errors.
 
-The exit codes are 0 for success, 1 if standard output was closed early, 2 for a mistake of the user (reported on
-standard error), 130 for Ctrl-C, 143 for SIGTERM, 129 for SIGHUP and 152 for SIGXCPU (the soft limit of processor time).
-Ctrl-C and these signals stop a command in the same way, without leaving a half-written file.
+`EXIT_CODES` lists the exit codes. Ctrl-C and the signals that it names stop a command in the same way, without leaving a
+half-written file.
 """
 
 from __future__ import annotations
@@ -19,9 +18,10 @@ from types import FrameType
 from typing import Any
 
 import click
+from click.shell_completion import shell_complete
 
-import eclat
-from eclat.cli.command import Group
+from eclat.cli.build_facts import build_facts, isa_option
+from eclat.cli.command import COMPLETION_VARIABLE, Group
 from eclat.cli.reporting import message_of, say_error
 from eclat.errors import EclatError, printable
 
@@ -37,6 +37,8 @@ COMMANDS: dict[str, str] = {
     "compare": "eclat.cli.compare",
     "info": "eclat.cli.info",
     "scenes": "eclat.cli.scenes",
+    "convert": "eclat.cli.convert",
+    "completion": "eclat.cli.completion",
 }
 """Maps the name of each command to the module that defines it as `command`."""
 
@@ -44,15 +46,30 @@ CONTEXT = {"help_option_names": ["-h", "--help"], "max_content_width": 110}
 
 DONE, BROKEN_PIPE, MISTAKE, INTERRUPTED = 0, 1, 2, 130
 
+EXIT_CODES: dict[int, str] = {
+    DONE: "the work is done",
+    BROKEN_PIPE: "standard output was closed early, by `| head` for example; or a fault of Éclat, with a traceback",
+    MISTAKE: "a mistake in the command, a file or an option, which the message names; or not enough memory",
+    INTERRUPTED: "stopped by Ctrl-C (SIGINT)",
+    143: "stopped by SIGTERM",
+    129: "stopped by SIGHUP, when the terminal was closed",
+    152: "stopped by SIGXCPU, at the soft limit of processor time",
+}
+"""Maps the exit codes of all commands to their meanings, for the help."""
+
 
 def _version(context: click.Context, parameter: click.Parameter, wanted: bool) -> Any:
-    if wanted:
-        click.echo(f"eclat {eclat.__version__}")
+    if wanted and not context.resilient_parsing:
+        for name, value in build_facts().items():
+            click.echo(f"{name} {value}" if name == "eclat" else f"  {name:<16}{value}")
         context.exit()
 
 
-@click.group(cls=Group, table=COMMANDS, context_settings=CONTEXT)
-@click.option("--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the version.")
+@click.group(cls=Group, table=COMMANDS, context_settings=CONTEXT, exit_codes=EXIT_CODES)
+@click.option(
+    "--version", is_flag=True, is_eager=True, expose_value=False, callback=_version, help="Show the versions."
+)
+@isa_option
 def group() -> None:
     """Render global illumination by irradiance caching, path tracing and other methods.
 
@@ -69,6 +86,10 @@ def group() -> None:
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command line and return its exit code; errors that a user can cause are reported, not raised."""
+    instruction = os.environ.get(COMPLETION_VARIABLE)
+    if arguments is None and instruction:
+        # The shell asks for completions; it cannot show errors.
+        return shell_complete(group, {}, "eclat", COMPLETION_VARIABLE, instruction)
     arguments = list(sys.argv[1:] if arguments is None else arguments)
     with _stopped_by_signals() as received:
         try:
@@ -95,8 +116,9 @@ def _stopped_by_signals() -> Iterator[list[int]]:
 
     mine = []
     if threading.current_thread() is threading.main_thread():
-        stopping = (signal.SIGTERM, signal.SIGHUP, signal.SIGXCPU)
-        mine = [number for number in stopping if signal.getsignal(number) is signal.SIG_DFL]
+        # Windows has SIGTERM only.
+        stopping = [getattr(signal, name, None) for name in ("SIGTERM", "SIGHUP", "SIGXCPU")]
+        mine = [number for number in stopping if number and signal.getsignal(number) is signal.SIG_DFL]
     for number in mine:
         signal.signal(number, interrupt)
     try:

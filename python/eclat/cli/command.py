@@ -9,8 +9,12 @@ from collections.abc import Callable, Mapping
 from typing import Any, TypeVar
 
 import click
+from click.shell_completion import CompletionItem
 
 from eclat.errors import did_you_mean
+
+COMPLETION_VARIABLE = "_ECLAT_COMPLETE"
+"""The environment variable by which shells ask for completions."""
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -24,8 +28,20 @@ class Option(click.Option):
 
 
 def option(*names: str, section: str, **keywords: Any) -> Callable[[F], F]:
-    """Make a `click.option` that the help lists under the heading `section`."""
+    """Make a `click.option` that the help lists under the heading `section`.
+
+    Shells complete the value as a file or a folder if its name in the help begins with FILE or DIR.
+    """
+    metavar = str(keywords.get("metavar") or getattr(keywords.get("type"), "name", ""))
+    for begin, kind in (("FILE", "file"), ("DIR", "dir")):
+        if metavar.startswith(begin):
+            keywords.setdefault("shell_complete", completes(kind))
     return click.option(*names, cls=Option, section=section, **keywords)
+
+
+def completes(kind: str) -> Callable[[click.Context, click.Parameter, str], list[CompletionItem[str]]]:
+    """Make the completion of a value that is the name of a file ("file") or of a folder ("dir"); the shell finds them."""
+    return lambda context, parameter, incomplete: [CompletionItem(incomplete, type=kind)]
 
 
 def together(*decorators: Callable[[F], F]) -> Callable[[F], F]:
@@ -96,11 +112,21 @@ def _unknown_option(error: click.NoSuchOption, command: click.Command, context: 
 
 
 class Group(click.Group):
-    """The group of all commands, each of which is imported only when it is run or listed."""
+    """The group of all commands, each of which is imported only when it is run or listed.
 
-    def __init__(self, *arguments: Any, table: Mapping[str, str], **keywords: Any) -> None:
+    `table` maps the names of commands to modules, and `exit_codes` exit codes to meanings.
+    """
+
+    def __init__(
+        self, *arguments: Any, table: Mapping[str, str], exit_codes: Mapping[int, str], **keywords: Any
+    ) -> None:
         super().__init__(*arguments, **keywords)
         self.table = dict(table)
+        self.exit_codes = dict(exit_codes)
+
+    def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        with formatter.section("Exit codes"):
+            formatter.write_dl([(str(code), meaning) for code, meaning in self.exit_codes.items()])
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
         try:

@@ -40,7 +40,7 @@ EXAMPLES = {
     error. An error that both pictures share, such as the error of a cache that both read, is not measured.""",
 )
 @click.argument("pictures", metavar="PICTURE [OTHER]", nargs=-1, required=True)
-@output_option("File to write: .exr, .png, .pfm or .npy; repeatable [PICTURE_denoised.exr].", multiple=True)
+@output_option("File to write: .exr, .png, .hdr, .pfm or .npy; repeatable [PICTURE_denoised.exr].", multiple=True)
 @exposure_option("Exposure of a .png in stops; each doubles the brightness [0].", 0.0)
 @reporting_options
 def command(**flags: Any) -> None:

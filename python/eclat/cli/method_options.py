@@ -13,7 +13,9 @@ from collections.abc import Sequence
 from dataclasses import fields, is_dataclass
 from typing import TYPE_CHECKING, Any
 
+import click
 import msgspec
+from click.shell_completion import CompletionItem
 
 from eclat.cli.command import F, option
 from eclat.errors import EclatError, did_you_mean
@@ -33,6 +35,7 @@ def set_option(function: F) -> F:
         metavar="NAME=VALUE",
         multiple=True,
         section=METHOD,
+        shell_complete=_complete_setting,
         help="Set an option of the method to a value; repeatable. All options are listed below; their defaults suit most "
         "scenes.",
     )(function)
@@ -45,8 +48,24 @@ def method_option(function: F) -> F:
         metavar="NAME",
         default=DEFAULT_METHOD,
         section=METHOD,
+        shell_complete=_complete_method,
         help=f"Method that computes the light; all methods are listed below [{DEFAULT_METHOD}].",
     )(function)
+
+
+def _complete_method(context: click.Context, parameter: click.Parameter, begun: str) -> list[CompletionItem[str]]:
+    from eclat.methods import METHODS
+
+    return [CompletionItem(name, help=_first_sentence(METHODS[name])) for name in METHODS if name.startswith(begun)]
+
+
+def _complete_setting(context: click.Context, parameter: click.Parameter, begun: str) -> list[CompletionItem[str]]:
+    """Complete the names of the options of the method that stands on the command line so far."""
+    from eclat.methods import METHODS
+
+    method = METHODS.get(context.params.get("method") or DEFAULT_METHOD)
+    names = [] if method is None else [f"{field.name.replace('_', '-')}=" for field in fields(method)]
+    return [CompletionItem(name) for name in names if name.startswith(begun)]
 
 
 def options_of(method: str, settings: Sequence[str] = (), **defaults: object) -> Method:

@@ -9,6 +9,7 @@ from collections.abc import Sequence
 from typing import Any, NoReturn
 
 import click
+from click.shell_completion import CompletionItem
 
 from eclat.errors import EclatError, did_you_mean
 
@@ -159,6 +160,9 @@ class Name(_Type):
         if text not in self.names:
             self.fail(f"expected {self.expected}, got {text!r}{did_you_mean(text, self.names)}", param, ctx)
         return text
+
+    def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem[str]]:
+        return [CompletionItem(name) for name in self.names if name.startswith(incomplete)]
 
 
 class LightGroups(_Type):

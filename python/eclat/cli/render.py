@@ -102,7 +102,7 @@ EXAMPLES = {
 
 _output_options = together(
     output_option(
-        "File to write: .png, .exr (with all layers and metadata), .pfm or .npy; repeatable [SCENE.png].",
+        "File to write: .png, .exr (with all layers and metadata), .hdr, .pfm or .npy; repeatable [SCENE.png].",
         multiple=True,
     ),
     exposure_option(

@@ -4,11 +4,14 @@
 
 Results go to standard output; the bar (plain lines without a terminal), warnings and errors go to standard error. With
 `--json`, standard output holds only events (`eclat.cli.progress.JsonEvents`), one per line, and errors are also printed
-on standard error.
+on standard error. `--log-level` says how much is reported.
 """
 
 from __future__ import annotations
 
+import os
+import time
+import traceback
 import warnings
 from collections.abc import Callable
 from contextlib import ExitStack, suppress
@@ -17,9 +20,20 @@ from typing import Any, Self, TextIO
 
 import click
 
+from eclat.cli.build_facts import build_facts
 from eclat.cli.command import option, together
+from eclat.cli.parameters import Name
 from eclat.cli.progress import JsonEvents, ProgressBar
 from eclat.errors import EclatError, EclatWarning, printable
+
+LOG_LEVELS = ("debug", "info", "warning", "error")
+"""The values of `--log-level`: each shows what the following ones show, and more."""
+_LEVEL = "eclat.log_level"
+
+
+def _keep_level(context: click.Context, parameter: click.Parameter, level: str) -> None:
+    context.meta[_LEVEL] = level
+
 
 reporting_options = together(
     option(
@@ -36,8 +50,18 @@ reporting_options = together(
         section="Reporting",
         help="Write progress, warnings and results to standard output as JSON, one object per line.",
     ),
+    option(
+        "--log-level",
+        type=Name("LEVEL", *LOG_LEVELS),
+        default="info",
+        section="Reporting",
+        expose_value=False,
+        callback=_keep_level,
+        help="How much to report: error for errors only, warning as --quiet, info for progress and summary too, debug for "
+        "versions, the time of each phase, processor time and memory, and the traceback of errors [info].",
+    ),
 )
-"""Adds the options `--quiet` and `--json`."""
+"""Adds the options `--quiet`, `--json` and `--log-level`."""
 
 
 class Reporter:
@@ -47,18 +71,30 @@ class Reporter:
     """
 
     def __init__(self, quiet: bool = False, as_json: bool = False) -> None:
-        self.quiet = quiet
+        context = click.get_current_context(silent=True)
+        self.level = "info" if context is None else context.meta.get(_LEVEL, "info")
+        self.quiet = quiet or self.level in ("warning", "error")
         self.events = JsonEvents() if as_json else None
-        self._bar = None if quiet or as_json else ProgressBar()
+        self._bar = None if self.quiet or as_json else ProgressBar()
+        self._begun, self._phase = time.monotonic(), ""
         self._said: set[str] = set()
         self._stack = ExitStack()
 
     @property
     def progress(self) -> Callable[[str, float, dict[str, float]], None] | None:
         """The function to pass as the argument `progress` of long calls; None if progress is not shown."""
-        if self.events is not None:
-            return None if self.quiet else self.events
-        return self._bar
+        shown = None if self.quiet else self.events or self._bar
+        if self.level != "debug":
+            return shown
+
+        def report(phase: str, fraction: float, statistics: dict[str, float]) -> None:
+            if phase != self._phase:
+                self._phase = phase
+                self.debug(f"phase: {phase}")
+            if shown is not None:
+                shown(phase, fraction, statistics)
+
+        return report
 
     def end_progress(self) -> None:
         """Remove the bar from the screen, before something else is written there."""
@@ -79,9 +115,19 @@ class Reporter:
         if not self.quiet and self.events is None:
             click.echo(f"eclat: {printable(text)}", err=True)
 
+    def debug(self, text: str) -> None:
+        """Print a remark for whoever looks for a fault, with the time since the start; only with `--log-level debug`."""
+        if self.level != "debug":
+            return
+        self.end_progress()
+        if self.events is not None:
+            self.events.emit("debug", message=text)
+        else:
+            click.echo(f"eclat: debug: {time.monotonic() - self._begun:.2f} s: {printable(text)}", err=True)
+
     def warn(self, message: str) -> None:
-        """Print a warning, unless it was printed before."""
-        if message in self._said:
+        """Print a warning, unless it was printed before; not with `--log-level error`."""
+        if message in self._said or self.level == "error":
             return
         self._said.add(message)
         if self.events is not None:
@@ -108,12 +154,16 @@ class Reporter:
                 show(message, category, filename, lineno, file, line)
 
         warnings.showwarning = show_ours
+        if self.level == "debug":
+            self.debug(", ".join(f"{name} {value}" for name, value in build_facts().items()))
         return self
 
     def __exit__(
         self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
     ) -> None:
         self.end_progress()
+        if self.level == "debug":
+            self._debug_end(error)
         self._stack.close()
         if self.events is None:
             return
@@ -121,6 +171,20 @@ class Reporter:
             self.events.emit("error", message=message_of(error))
         elif isinstance(error, KeyboardInterrupt):
             self.events.emit("error", message="interrupted")
+
+    def _debug_end(self, error: BaseException | None) -> None:
+        if error is not None:
+            for line in "".join(traceback.format_exception(error)).rstrip().splitlines():
+                self.debug(line)
+        used = os.times()
+        facts = f"processor time {used.user + used.system:.2f} s"
+        with suppress(ImportError):  # Windows has no such module.
+            import resource
+
+            # Linux counts in KiB, macOS in bytes.
+            unit = 1 if os.uname().sysname == "Darwin" else 1024
+            facts += f", memory at its peak {resource.getrusage(resource.RUSAGE_SELF).ru_maxrss * unit / 2**20:.0f} MiB"
+        self.debug(facts)
 
 
 def message_of(error: EclatError | click.ClickException) -> str:

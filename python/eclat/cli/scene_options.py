@@ -9,8 +9,10 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal
 
 import click
+from click.shell_completion import CompletionItem
 
 import eclat
+from eclat.cli.build_facts import isa_option
 from eclat.cli.command import F, option, together
 from eclat.cli.parameters import ENVIRONMENT, POINT, SIZE, SUN, Number
 from eclat.errors import EclatError, did_you_mean
@@ -82,8 +84,9 @@ work_options = together(
         section=WORK,
         help="Number of threads; it does not change the result [all processors].",
     ),
+    isa_option,
 )
-"""Adds the options `--seed` and `--threads`."""
+"""Adds the options `--seed`, `--threads` and `--isa`."""
 
 
 def scene_argument(function: F) -> F:
@@ -95,7 +98,15 @@ def scene_argument(function: F) -> F:
         help="Refuse every file that the scene reads, itself included, if it lies outside this folder [files may lie "
         "anywhere].",
     )(function)
-    return click.argument("scene", metavar="SCENE")(function)
+    return click.argument("scene", metavar="SCENE", shell_complete=_complete_scene)(function)
+
+
+def _complete_scene(context: click.Context, parameter: click.Parameter, incomplete: str) -> list[CompletionItem[str]]:
+    """Complete the names of built-in scenes, and files where no name begins so."""
+    from eclat.scenes import NAMES
+
+    named = [CompletionItem(name, help=text) for name, text in NAMES.items() if name.startswith(incomplete)]
+    return [CompletionItem(incomplete, type="file"), *named]
 
 
 def scene_stem(name: str) -> str:

@@ -126,6 +126,7 @@ class Image:
         ======  ===========================================================================================
         .exr    float32 radiance with all layers, and the metadata as JSON in attributes `eclat.<key>`
         .png    8-bit sRGB for display, with exposure and tone mapping; the metadata are in the text `eclat`
+        .hdr    radiance only, with 8 bits for the largest channel (Radiance RGBE); negative channels become 0
         .pfm    float32 radiance only
         .npy    float32 radiance only, for NumPy
         ======  ===========================================================================================
@@ -183,7 +184,7 @@ class Image:
     @staticmethod
     @typed
     def load(path: str | os.PathLike[str]) -> Image:
-        """Read an image from an .exr, .pfm or .npy file.
+        """Read an image from an .exr, .hdr, .pfm or .npy file.
 
         Raises
         ------

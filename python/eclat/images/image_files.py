@@ -20,6 +20,7 @@ from PIL import PngImagePlugin
 from eclat.errors import EclatError, did_you_mean
 from eclat.files.arrays import array_from, read_file
 from eclat.images.exr import decode_exr, encode_exr
+from eclat.images.radiance_hdr import decode_hdr, encode_hdr
 from eclat.images.tone import to_display
 
 CheckSize = Callable[[int, int, str], None]
@@ -71,7 +72,7 @@ def read(path: str | os.PathLike[str], check_size: CheckSize) -> Content:
     decode = format_of(path).decode
     if decode is None:
         raise EclatError(
-            f"{name}: expected a file with radiance (.exr, .pfm or .npy), got a format that only contains display values"
+            f"{name}: expected a file with radiance (.exr, .hdr, .pfm or .npy), got a format that only contains display values"
         )
     data = read_file(path, where=name)
     return decode(data, name, check_size)
@@ -124,6 +125,17 @@ def _decode_exr(data: bytes, name: str, check_size: CheckSize) -> Content:
     return Content(*decode_exr(data, name, check_size))
 
 
+def _encode_hdr(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
+    return encode_hdr(content.pixels)
+
+
+def _decode_hdr(data: bytes, name: str, check_size: CheckSize) -> Content:
+    try:
+        return Content(decode_hdr(data, lambda width, height: check_size(width, height, name)))
+    except EclatError as error:
+        raise EclatError(f"{name}: {str(error).removeprefix(name + ': ')}") from None
+
+
 def _encode_pfm(content: Content, layers: Mapping[str, str], exposure: float, tone_mapping: str) -> bytes:
     """Encode a portable float map. Its rows are from bottom to top, and a negative scale means little-endian."""
     height, width, _ = content.pixels.shape
@@ -170,6 +182,7 @@ def _decode_npy(data: bytes, name: str, check_size: CheckSize) -> Content:
 FORMATS: dict[str, Format] = {
     ".exr": Format(_encode_exr, _decode_exr),
     ".png": Format(encode_png, None, "they are shown in magenta"),
+    ".hdr": Format(_encode_hdr, _decode_hdr, "NaN is written as 0, and infinity as the largest value of the format"),
     ".pfm": Format(_encode_pfm, _decode_pfm),
     ".npy": Format(_encode_npy, _decode_npy),
 }

@@ -237,7 +237,7 @@ BAD_VALUES = {
         "--cache cannot be combined with --method or --set: the file holds the method and its options"
     ),
     "--cache a.npz": "a.npz: file not found",
-    "-o a.tiff": "a.tiff: expected an image file with one of the suffixes .exr, .png, .pfm, .npy, got '.tiff'",
+    "-o a.tiff": "a.tiff: expected an image file with one of the suffixes .exr, .png, .hdr, .pfm, .npy, got '.tiff'",
     "--replay-settings none.exr": "none.exr: file not found",
 }
 

@@ -63,6 +63,7 @@ VALUES: dict[str, list[str]] = {
     "--grid": ["2,3,4"],
     "--bounds": ["0,0,0,1,1,2"],
     "--window": ["hanning"],
+    "--isa": ["x86-64-v2"],
 }
 """A value unlike the default for each flag that takes one."""
 
@@ -79,7 +80,7 @@ BESIDE = {
     "bake": {"--exposure": ["--flatten"], "--no-denoise": ["--denoise"]},
 }
 """Flags that say something only beside others."""
-ONLY_TERMINALS = ("--quiet", "--help")
+ONLY_TERMINALS = ("--quiet", "--help", "--log-level")
 
 
 class Recorder:

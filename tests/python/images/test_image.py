@@ -133,7 +133,7 @@ def test_unknown_suffixes(tmp_path: Path) -> None:
             picture().save(tmp_path / name)
         assert (
             str(caught.value)
-            == f"{tmp_path / name}: expected an image file with one of the suffixes .exr, .png, .pfm, .npy, got {got}"
+            == f"{tmp_path / name}: expected an image file with one of the suffixes .exr, .png, .hdr, .pfm, .npy, got {got}"
         )
 
 

@@ -71,7 +71,7 @@ def test_files_that_cannot_be_read(tmp_path: Path) -> None:
     (tmp_path / "folder.exr").mkdir()
     assert message_of(tmp_path / "folder.exr") == "expected a file, got a folder"
     assert message_of(tmp_path / "a.png") == (
-        "expected a file with radiance (.exr, .pfm or .npy), got a format that only contains display values"
+        "expected a file with radiance (.exr, .hdr, .pfm or .npy), got a format that only contains display values"
     )
 
 
