@@ -938,6 +938,8 @@ def radiosity_point_estimator(scene: Scene, field: RadiosityField) -> PointEstim
 def versions() -> dict[str, str]:
     """The versions of the libraries that run, by name."""
 
-instruction_set: str = "x86-64-v4"
+def instruction_set() -> str:
+    """The name of the instruction set of this core."""
 
-native: bool = True
+def built_for_one_machine() -> bool:
+    """Whether this core was compiled for the machine that compiled it."""
