@@ -32,6 +32,7 @@ if TYPE_CHECKING:
     from eclat.methods.photon_map import Photons
     from eclat.methods.radiosity import RadiositySolution
     from eclat.methods.records.solution import Solution
+    from eclat.motion.camera_path import with_camera_path
     from eclat.probe_grid.grid import ProbeGrid
     from eclat.scene import Scene
     from eclat.stage.light_groups import light_groups
@@ -48,6 +49,7 @@ if TYPE_CHECKING:
 _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
+    "with_camera_path": "eclat.motion.camera_path",
     "override_materials": "eclat.stage.material_overrides",
     "solve": "eclat.verbs.solve",
     "refine": "eclat.verbs.solve",
@@ -125,6 +127,7 @@ __all__ = [
     "solve",
     "use_instruction_set",
     "view",
+    "with_camera_path",
 ]
 
 

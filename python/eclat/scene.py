@@ -14,7 +14,7 @@ The conventions, which the core shares, are:
 from __future__ import annotations
 
 from dataclasses import dataclass, field
-from typing import Any, Literal
+from typing import Any, Literal, Protocol
 
 import numpy as np
 from numpy.typing import NDArray
@@ -347,6 +347,26 @@ def look_at(
     return matrix
 
 
+class Animation(Protocol):
+    """The motion of a scene over time. `start` and `end` are the times of its first and last key in seconds; `objects`,
+    `lights` and `cameras` are the names of what moves or changes."""
+
+    @property
+    def start(self) -> float: ...
+    @property
+    def end(self) -> float: ...
+    @property
+    def objects(self) -> tuple[str, ...]: ...
+    @property
+    def lights(self) -> tuple[str, ...]: ...
+    @property
+    def cameras(self) -> tuple[str, ...]: ...
+
+    def at(self, scene: Scene, time: float) -> Scene:
+        """Return `scene`, which has this animation, as it is at a time in seconds, without animation."""
+        ...
+
+
 @dataclass(frozen=True, eq=False)
 class Scene:
     """A scene: meshes, lights, environment and cameras. `eclat.load` makes a scene; `dataclasses.replace` makes a
@@ -363,6 +383,22 @@ class Scene:
     """Whether lights are in candela, lux and cd·m⁻², so that radiance means luminance and irradiance is in lux."""
     warnings: tuple[str, ...] = ()
     """The warnings of the loader, about what it replaced, ignored or guessed."""
+    animation: Animation | None = None
+    """What moves over time; None if nothing does. The scene itself is in its rest pose."""
+
+    def at(self, time: float) -> Scene:
+        """Return the scene as it is at a time in seconds: a scene of its own, without animation.
+
+        Before its first key everything is as at that key, and after the last as at the last. A scene without animation
+        is returned as it is.
+
+        Raises
+        ------
+        EclatError : the time is not finite, or a value at that time is invalid.
+        """
+        if not np.isfinite(time):
+            raise EclatError(f"at: expected a finite time in seconds, got {time!r}")
+        return self if self.animation is None else self.animation.at(self, float(time))
 
     def __repr__(self) -> str:
         triangles = sum(len(mesh.triangles) for mesh in self.meshes)
@@ -374,6 +410,8 @@ class Scene:
             _counted(len(self.cameras), "camera"),
             _counted(len(self.warnings), "warning"),
         ]
+        if self.animation is not None:
+            parts.append(f"moves until {self.animation.end:g} s")
         return f"<Scene {self.name!r}: {', '.join(parts)}>"
 
 

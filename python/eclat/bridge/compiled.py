@@ -214,7 +214,7 @@ def fingerprint(scene: Scene) -> str:
             digest.update(np.ascontiguousarray(x).tobytes())
         elif hasattr(x, "__dataclass_fields__"):
             for name in x.__dataclass_fields__:
-                if name not in ("name", "lamp", "cameras", "warnings"):
+                if name not in ("name", "lamp", "cameras", "warnings", "animation"):
                     digest.update(name.encode())
                     feed(getattr(x, name))
         elif isinstance(x, dict):

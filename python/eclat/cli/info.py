@@ -9,10 +9,9 @@ from typing import TYPE_CHECKING, Any
 
 import click
 
-import eclat
 from eclat.cli.command import Command
 from eclat.cli.reporting import Reporter, reporting_options
-from eclat.cli.scene_options import scene_argument
+from eclat.cli.scene_options import load_file, posed, scene_argument
 from eclat.errors import printable
 from eclat.scene import DirectionalLight, PointLight, SpotLight
 from eclat.stage.material_overrides import material_names
@@ -40,7 +39,8 @@ _LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalL
 def command(**flags: Any) -> None:
     """Load the scene and describe it."""
     with Reporter(flags["quiet"], flags["as_json"]) as reporter:
-        description = describe(eclat.load(flags["scene"], root=flags["root"]))
+        scene = load_file(flags)
+        description = describe(posed(scene, flags)) | {"animation": _animation(scene)}
         reporter.result(_text(description), **description)
 
 
@@ -72,9 +72,19 @@ def describe(scene: Scene) -> dict[str, Any]:
         "cameras": [_camera(camera) for camera in scene.cameras],
         "bounds": bounds,
         "up": list(scene.up),
+        "animation": _animation(scene),
         "unit": "photometric" if scene.photometric else "radiometric",
         "warnings": list(scene.warnings),
     }
+
+
+def _animation(scene: Scene) -> dict[str, Any] | None:
+    """Describe what moves, or return None if nothing does."""
+    found = scene.animation
+    if found is None:
+        return None
+    moving = {"objects": list(found.objects), "lights": list(found.lights), "cameras": list(found.cameras)}
+    return {"start": found.start, "end": found.end, "duration": found.end - found.start, **moving}
 
 
 def _camera(camera: Camera) -> dict[str, Any]:
@@ -106,12 +116,21 @@ def _text(description: dict[str, Any]) -> str:
         *(_camera_line(i, camera) for i, camera in enumerate(description["cameras"])),
         ("bounds", _bounds(description["bounds"])),
         ("up", _numbers(description["up"])),
+        *_animation_lines(description["animation"]),
         ("units", "candela and lux" if description["unit"] == "photometric" else "W·sr⁻¹·m⁻²"),
         ("warnings", f"{len(description['warnings'])}"),
     ]
     if not description["cameras"]:
         lines.insert(7, ("cameras", "none"))
     return "\n".join(f"{label:<10}  {printable(value)}" for label, value in lines)
+
+
+def _animation_lines(animation: dict[str, Any] | None) -> list[tuple[str, str]]:
+    if animation is None:
+        return []
+    span = f"{animation['start']:g} s to {animation['end']:g} s"
+    moving = [f"{kind} {', '.join(animation[kind])}" for kind in ("objects", "lights", "cameras") if animation[kind]]
+    return [("animation", span), ("moving", "; ".join(moving) or "none")]
 
 
 def _camera_line(index: int, camera: dict[str, Any]) -> tuple[str, str]:

@@ -37,9 +37,13 @@ REPEATED = (
         "light_groups",
     ),
     *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "materials"),
+    *("at", "camera_path"),
 )
 """Names of the flags that determine the values of a picture. The scene is not among them: it is given again, since
 files are moved."""
+
+_NEWER = ("at", "camera_path")
+"""Names of the flags that pictures of older versions do not hold. They had no effect then."""
 
 _WITH_SETTINGS = (".exr", ".png")
 """Suffixes of picture files that store metadata."""
@@ -107,6 +111,8 @@ def replayed_flags(
             flag = next(parameter.opts[-1] for parameter in context.command.params if parameter.name == name)
             raise EclatError(f"{by} cannot be combined with {flag}: the file holds the value to use")
     settings = _metadata(path).get("settings")
+    if isinstance(settings, dict):
+        settings = dict.fromkeys(_NEWER) | settings
     if not isinstance(settings, dict) or not set(REPEATED) <= set(settings):
         raise EclatError(
             f"{path}: expected a picture that `eclat render` wrote, with the settings of its run in the metadata, got none"

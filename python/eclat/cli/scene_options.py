@@ -90,7 +90,26 @@ work_options = together(
 
 
 def scene_argument(function: F) -> F:
-    """Add the argument SCENE and the option `--root`."""
+    """Add the argument SCENE and the options `--root`, `--camera-path` and `--at`."""
+    return moving_scene_argument(
+        option(
+            "--at",
+            type=Number(float, -1e6, 1e6),
+            metavar="SECONDS",
+            section="Other",
+            help="Take a scene that moves as it is at this time; `eclat info` tells its duration [its rest pose].",
+        )(function)
+    )
+
+
+def moving_scene_argument(function: F) -> F:
+    """Add the argument SCENE and the options `--root` and `--camera-path`."""
+    function = option(
+        "--camera-path",
+        metavar="FILE",
+        section="Other",
+        help="Add a camera that follows the path in this JSON file; it becomes camera 0.",
+    )(function)
     function = option(
         "--root",
         metavar="DIR",
@@ -130,7 +149,7 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
     """
     from eclat.stage.defaults import complete, wants_exposure
 
-    scene = eclat.load(flags["scene"], root=flags["root"])
+    scene = load_file(flags)
     if flags["materials"]:
         scene = eclat.override_materials(scene, _overrides(flags["materials"]))
     exposure: float | Literal["auto"] | None = flags.get("exposure")
@@ -138,7 +157,23 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
         made_up = wants_exposure(scene, sun=flags.get("sun"), environment=flags.get("environment"))
         exposure = "auto" if made_up else 0.0
     names = ("camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "size")
-    return complete(scene, **{name: flags[name] for name in names if flags.get(name) is not None}), exposure
+    scene = complete(scene, **{name: flags[name] for name in names if flags.get(name) is not None})
+    return posed(scene, flags), exposure
+
+
+def load_file(flags: Mapping[str, Any]) -> Scene:
+    """Load the scene without changes, except for the camera of `--camera-path`."""
+    scene = eclat.load(flags["scene"], root=flags["root"])
+    return eclat.with_camera_path(scene, flags["camera_path"]) if flags.get("camera_path") else scene
+
+
+def posed(scene: Scene, flags: Mapping[str, Any]) -> Scene:
+    """Return the scene at the time of `--at`, if it is given. What was added by default stays where it is at rest."""
+    if flags.get("at") is None:
+        return scene
+    if scene.animation is None:
+        raise EclatError(f"--at: expected a scene that moves, but nothing moves in {flags['scene']}")
+    return scene.at(flags["at"])
 
 
 def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:

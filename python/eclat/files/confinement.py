@@ -44,6 +44,11 @@ def confined_to(root: str | os.PathLike[str] | None) -> Iterator[None]:
         _root.reset(token)
 
 
+def current_root() -> str | None:
+    """Return the folder that files are confined to, or None if they may lie anywhere."""
+    return _root.get()
+
+
 def is_outside(path: str | os.PathLike[str]) -> bool:
     """Return whether `path`, with all symbolic links and `..` resolved, lies outside the folder. The file need not
     exist.

@@ -64,6 +64,8 @@ VALUES: dict[str, list[str]] = {
     "--bounds": ["0,0,0,1,1,2"],
     "--window": ["hanning"],
     "--isa": ["x86-64-v2"],
+    "--at": ["1"],
+    "--camera-path": ["walk.json"],
 }
 """A value unlike the default for each flag that takes one."""
 
@@ -182,6 +184,7 @@ def test_every_flag_reaches_its_verb_or_is_refused(
         vars(eclat), "load", lambda name, root: replace(room, cameras=(replace(cameras[0], name=str(root)), cameras[1]))
     )
     Path("here.csv").write_text("0 0.5 0 0 1 0\n")
+    Path("walk.json").write_text('{"keys": [{"time": 0, "from": [0, 1, 4], "to": [0, 1, 0]}]}')
     Path("points.csv").write_text("0 0.7 0 0 1 0\n")
     Image(np.ones((9, 12, 3), np.float32)).save("reference.exr")
     Path("other").mkdir()

@@ -25,7 +25,7 @@ COMPONENT_TYPES: dict[int, np.dtype] = {
     5126: np.dtype("<f4"),
 }
 """The NumPy type of each componentType."""
-WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4}
+WIDTHS = {"SCALAR": 1, "VEC2": 2, "VEC3": 3, "VEC4": 4, "MAT4": 16}
 """The number of components of each type of element."""
 
 MAX_ZEROS = 1 << 20

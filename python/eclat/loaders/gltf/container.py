@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import base64
 import binascii
+import copy
 import json
 import struct
 from pathlib import Path
@@ -46,6 +47,13 @@ class Document:
         self.eclat_extras = asset.eclat_extras() if asset is not None else None
         # In a file that `eclat bake` wrote, TEXCOORD_1 belongs to the light map.
         self.second_uv_set = 1 if self.eclat_extras is None or self.eclat_extras.data.get("lightmap") is None else 2
+
+    def changed(self, root: dict[str, Any]) -> Document:
+        """Return the same file with another JSON object, which refers to the same buffers."""
+        document = copy.copy(self)
+        document.root = Element(root, self.name)
+        document._elements = {}
+        return document
 
     def elements(self, kind: str) -> list[Element]:
         """Return the elements of the top-level list `kind`, such as "nodes" or "meshes"."""

@@ -12,6 +12,7 @@ from eclat.loaders.gltf.element import printable
 
 SUPPORTED = frozenset(
     {
+        "KHR_animation_pointer",
         "KHR_lights_punctual",
         "KHR_materials_diffuse_transmission",
         "KHR_materials_emissive_strength",
@@ -49,7 +50,7 @@ IGNORED_SILENTLY = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
 
 
 def warn_about_unsupported(document: Document) -> None:
-    """Warn about the extensions and animations in the file that are ignored."""
+    """Warn about the extensions in the file that are ignored."""
     used, required = (set(document.root.texts(name)) for name in ("extensionsUsed", "extensionsRequired"))
     known = SUPPORTED | COMPRESSIONS | IGNORED_SILENTLY
     essential = sorted(required - known)
@@ -61,8 +62,6 @@ def warn_about_unsupported(document: Document) -> None:
         )
     if optional:
         warn(f"{document.name}: these extensions are not supported and are ignored: {_shown(optional)}")
-    if document.root.data.get("animations"):
-        warn(f"{document.name}: animations are not supported and are ignored")
 
 
 def _found(root: dict[str, Any]) -> set[str]:

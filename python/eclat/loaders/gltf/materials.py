@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import copy
 from dataclasses import replace
 
 from eclat.errors import EclatError, warn
@@ -31,6 +32,15 @@ class Materials:
         self._document = document
         self._textures = Textures(document)
         self._made: dict[tuple[int | None, bool], Material] = {}
+
+    def changed(self, document: Document, changed: set[int]) -> Materials:
+        """Return the materials of a document in which those with the indices `changed` have other values. The others and
+        all textures are shared.
+        """
+        materials = copy.copy(self)
+        materials._document = document
+        materials._made = {key: made for key, made in self._made.items() if key[0] not in changed}
+        return materials
 
     def of(self, primitive: Element, vertex_colors: bool) -> Material:
         """Return the material of a primitive. If it refers to none, this is the default material of the specification.

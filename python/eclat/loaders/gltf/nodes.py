@@ -21,8 +21,9 @@ _INSTANCE_SIZE = 512
 """The number of bytes that a transform takes while it is computed: four 4×4 matrices of float64."""
 
 
-def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
-    """Yield the visible nodes of the default scene, and the 4×4 matrix from the space of each to world space.
+def scene_nodes(document: Document) -> Iterator[tuple[int, Element, Matrix]]:
+    """Yield the index of each visible node of the default scene, the node, and the 4×4 matrix from its space to world
+    space.
 
     Parents come before their children, and siblings are in the order of the file.
 
@@ -53,7 +54,7 @@ def scene_nodes(document: Document) -> Iterator[tuple[Element, Matrix]]:
                 f"{node.where}: expected a finite transform, got an overflow: the product of the scales of this node and "
                 "its ancestors is too large"
             )
-        yield node, to_world
+        yield index, node, to_world
         stack.extend((child, to_world) for child in reversed(children[index]))
 
 
@@ -127,6 +128,19 @@ def _trs(translation: Matrix, rotation: Matrix, scale: Matrix, owner: Element) -
     matrices[:, :3, 3] = translation
     matrices[:, 3, 3] = 1
     return matrices
+
+
+def moving_with(document: Document, moved: set[int]) -> set[int]:
+    """Return the nodes that move if the nodes `moved` do: these and all nodes below them."""
+    nodes = document.elements("nodes")
+    found: set[int] = set()
+    stack = [index for index in moved if index < len(nodes)]
+    while stack:
+        index = stack.pop()
+        if index not in found:
+            found.add(index)
+            stack.extend(nodes[index].indices("children", len(nodes), "nodes"))
+    return found
 
 
 def _parents(nodes: list[Element], children: list[list[int]]) -> list[int | None]:

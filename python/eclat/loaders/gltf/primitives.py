@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,6 +15,7 @@ from eclat.errors import EclatError, warn
 from eclat.loaders.budget import check, spend
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.element import Element
+from eclat.loaders.gltf.skins import read_skinning
 from eclat.loaders.gltf.topology import read_triangles
 from eclat.loaders.sheets import bounding_triangles
 from eclat.scene import Material, Mesh
@@ -43,10 +45,14 @@ class Primitive:
     uvs: Floats | None
     uvs2: Floats | None
     colors: Floats | None
+    joints: NDArray[np.int64] | None = None
+    """(V, N) the joints of a skin that each vertex follows."""
+    weights: NDArray[np.float64] | None = None
+    """(V, N) how much it follows each of them; the sum is 1."""
 
 
 def read_primitive(
-    element: Element, accessors: Accessors, weights: Sequence[float], second_uv_set: int = 1
+    element: Element, accessors: Accessors, weights: Sequence[float], second_uv_set: int = 1, skinned: bool = False
 ) -> Primitive | None:
     """Read the triangles of a primitive, and apply its morph targets.
 
@@ -56,6 +62,7 @@ def read_primitive(
     accessors : the accessors of the file.
     weights : the weights of the morph targets.
     second_uv_set : the number of the attribute TEXCOORD that becomes `uvs2`.
+    skinned : whether joints and weights are read.
 
     Returns
     -------
@@ -85,23 +92,35 @@ def read_primitive(
     if normals is not None:
         # This is the last step, because it takes long, and an invalid attribute above makes it useless.
         normals = _unit_normals(normals, reader.positions, triangles, element.where)
-    primitive = _compact(Primitive(element.where, reader.positions, triangles, normals, tangents, uvs, uvs2, colors))
+    skinning = read_skinning(element, accessors, reader.count) if skinned else (None, None)
+    primitive = _compact(
+        Primitive(element.where, reader.positions, triangles, normals, tangents, uvs, uvs2, colors, *skinning)
+    )
     arrays = (primitive.positions, primitive.triangles, primitive.normals, primitive.tangents)
-    others = (primitive.uvs, primitive.uvs2, primitive.colors)
+    others = (primitive.uvs, primitive.uvs2, primitive.colors, primitive.joints, primitive.weights)
     spend(sum(array.nbytes for array in (*arrays, *others) if array is not None), element.where)
     return primitive
 
 
-def split_solids_and_sheets(primitive: Primitive, material: Material) -> list[tuple[Primitive, Material]]:
-    """Split a refractive primitive into the solids and the thin sheets among its connected pieces.
+Pieces = NDArray[np.bool_]
+
+
+def solid_triangles(primitive: Primitive, material: Material) -> Pieces | None:
+    """Return which triangles of a refractive primitive bound solids, or None if its material does not refract."""
+    if material.thin_walled or "transmission" not in material.parameters:
+        return None
+    return bounding_triangles(Mesh(primitive.positions, primitive.triangles, material))
+
+
+def split_solids_and_sheets(
+    primitive: Primitive, material: Material, bodies: Pieces | None
+) -> list[tuple[Primitive, Material]]:
+    """Split a refractive primitive into the solids, which `bodies` marks, and the thin sheets among its pieces.
 
     KHR_materials_volume requires a closed mesh. Pieces that enclose no volume get a thin-walled material instead, with a
     warning. A primitive whose material does not refract is not split.
     """
-    if material.thin_walled or "transmission" not in material.parameters:
-        return [(primitive, material)]
-    bodies = bounding_triangles(Mesh(primitive.positions, primitive.triangles, material))
-    if bodies.all():
+    if bodies is None or bodies.all():
         return [(primitive, material)]
     warn(
         f"{primitive.where}: KHR_materials_volume requires a closed mesh, but parts of this one enclose no volume; they "
@@ -134,10 +153,10 @@ def transform_primitive(primitive: Primitive, to_world: NDArray[np.float64], mat
     if normals is not None:
         # The cofactor matrix is the inverse transpose times the determinant. It exists for singular matrices too.
         cofactors = np.column_stack([np.cross(shape[:, (i + 1) % 3], shape[:, (i + 2) % 3]) for i in range(3)])
-        normals = _normalized(normals @ cofactors.T * (-1 if mirrored else 1))
+        normals = unit_vectors(normals @ cofactors.T * (-1 if mirrored else 1))
     if tangents is not None:
         # The sign w orients the bitangent w · normal × tangent. A reflection reverses it.
-        turned = _normalized(tangents[:, :3] @ shape.T)
+        turned = unit_vectors(tangents[:, :3] @ shape.T)
         tangents = np.column_stack((turned, tangents[:, 3] * (-1 if mirrored else 1))).astype(np.float32)
     return Mesh(
         positions=positions,
@@ -204,7 +223,7 @@ class _Attributes:
                 "instead"
             )
             return None
-        return np.column_stack((_normalized(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
+        return np.column_stack((unit_vectors(values[:, :3]), np.where(values[:, 3] < 0, -1, 1))).astype(np.float32)
 
     def colors(self) -> Floats | None:
         """Return the linear RGBA vertex colours (V, 4), or None if they are absent [glTF 2.0, 3.7.2.1].
@@ -266,7 +285,7 @@ def _compact(primitive: Primitive) -> Primitive:
         return primitive
     renumbered = np.cumsum(used, dtype=np.int32) - 1
 
-    def kept(values: Floats | None) -> Floats | None:
+    def kept(values: NDArray[Any] | None) -> Any:
         return None if values is None else values[used]
 
     return replace(
@@ -278,6 +297,8 @@ def _compact(primitive: Primitive) -> Primitive:
         uvs=kept(primitive.uvs),
         uvs2=kept(primitive.uvs2),
         colors=kept(primitive.colors),
+        joints=kept(primitive.joints),
+        weights=kept(primitive.weights),
     )
 
 
@@ -288,7 +309,7 @@ def _unit_normals(normals: Floats, positions: NDArray[np.float64], triangles: ND
     """
     bad = ~(_lengths(normals) > 1e-12)
     if not bad.any():
-        return _normalized(normals)
+        return unit_vectors(normals)
     warn(f"{where}: {int(bad.sum())} normals have length 0; they are computed from the adjacent triangles instead")
     a, b, c = (positions[triangles[:, i]] for i in range(3))
     with np.errstate(all="ignore"):
@@ -297,7 +318,7 @@ def _unit_normals(normals: Floats, positions: NDArray[np.float64], triangles: ND
     for corner in range(3):
         np.add.at(sums, triangles[:, corner], faces)
     sums[~(_lengths(sums) > 0)] = (0, 0, 1)
-    return _normalized(np.where(bad[:, None], sums, normals))
+    return unit_vectors(np.where(bad[:, None], sums, normals))
 
 
 def _lengths(vectors: NDArray[np.floating]) -> NDArray[np.float64]:
@@ -306,8 +327,8 @@ def _lengths(vectors: NDArray[np.floating]) -> NDArray[np.float64]:
     return lengths
 
 
-def _normalized(vectors: NDArray[np.floating]) -> Floats:
-    """Normalise vectors, as float32. Those of length 0 become +z."""
+def unit_vectors(vectors: NDArray[np.floating]) -> Floats:
+    """Normalise vectors (N, 3), as float32. Those of length 0 become +z."""
     lengths = _lengths(vectors)
     with np.errstate(all="ignore"):
         result = vectors / lengths[:, None]

@@ -5,17 +5,25 @@
 from __future__ import annotations
 
 from collections import defaultdict
+from collections.abc import Hashable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import TypeVar
 
 from eclat.errors import did_you_mean, warn
 from eclat.loaders.mitsuba.emitters import make_emitter, merge_environments
 from eclat.loaders.mitsuba.kinds import IGNORED_TAGS, PLUGINS, SILENT_PROPERTIES
+from eclat.loaders.mitsuba.moving import MovingTransform, at_time
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
 from eclat.loaders.mitsuba.settings import warn_about_settings
 from eclat.loaders.mitsuba.shapes import Shapes
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.parts import Parts
+from eclat.loaders.posing import later
+from eclat.motion.animation import Motion, Pose
 from eclat.scene import Camera, Environment, Light, Mesh, Scene
+
+T = TypeVar("T")
 
 
 def assemble(tree: Node, name: str) -> Scene:
@@ -23,31 +31,108 @@ def assemble(tree: Node, name: str) -> Scene:
 
     A shape or an emitter that is invalid is left out with a warning. Raises EclatError if all of them are invalid.
     """
-    shapes = Shapes(tessellation=Tessellation(tree))
-    meshes: list[Mesh] = []
-    lights: list[Light] = []
-    cameras: list[Camera] = []
-    environment: Environment | None = None
+    moving = moving_nodes(tree)
+    shapes = Shapes(tessellation=Tessellation(tree), moving=frozenset(moving))
+    found = _Found()
     parts = Parts()
-    for _, node in tree.children:
-        if node.tag == "shape":
+    for number, (_, node) in enumerate(tree.children):
+        if node.tag in ("shape", "emitter"):
             with parts.one():
-                meshes.extend(shapes.of(node))
-        elif node.tag == "emitter":
-            with parts.one():
-                found, surrounding = make_emitter(node, shapes.materials.textures)
-                lights.extend(found)
-                environment = merge_environments(environment, surrounding, node.where)
+                found.add(number, node, shapes)
         elif node.tag == "sensor":
-            camera = make_camera(node)
-            cameras.extend([camera] if camera is not None else [])
+            found.add(number, node, shapes)
         else:
             _report_object(node)
     parts.finish()
     _report_unread(tree)
     warn_about_settings(tree)
+    rest = found.pose()
+    cameras = tuple(rest.cameras.values())
     up = up_axis(cameras[0]) if cameras else (0.0, 1.0, 0.0)
-    return Scene(tuple(meshes), tuple(lights), environment, tuple(cameras), name, up)
+    return Scene(
+        tuple(rest.meshes.values()), tuple(rest.lights.values()), rest.environment, cameras, name, up,
+        animation=_motion(tree, shapes, moving, rest),
+    )  # fmt: skip
+
+
+@dataclass
+class _Found:
+    """The objects of the nodes that have been converted, by the number of the node among the children of the scene."""
+
+    meshes: dict[Hashable, Mesh] = field(default_factory=dict)
+    lights: dict[Hashable, Light] = field(default_factory=dict)
+    cameras: dict[Hashable, Camera] = field(default_factory=dict)
+    environment: Environment | None = None
+
+    def add(self, number: int, node: Node, shapes: Shapes) -> None:
+        """Convert a shape, an emitter or a sensor."""
+        if node.tag == "shape":
+            self.meshes |= {(number, part): mesh for part, mesh in enumerate(shapes.of(node))}
+        elif node.tag == "emitter":
+            lights, surrounding = make_emitter(node, shapes.materials.textures)
+            self.lights |= {(number, part): light for part, light in enumerate(lights)}
+            self.environment = merge_environments(self.environment, surrounding, node.where)
+        else:
+            camera = make_camera(node)
+            self.cameras |= {} if camera is None else {(number, 0): camera}
+
+    def pose(self) -> Pose:
+        return Pose(self.meshes, self.lights, self.cameras, self.environment)
+
+
+def moving_nodes(tree: Node) -> dict[int, tuple[float, float]]:
+    """Return the nodes below `tree` that move or contain a node that does, by `id`, and the times of their first and last
+    key in seconds.
+    """
+    known: dict[int, tuple[float, float] | None] = {}
+
+    def span_of(node: Node) -> tuple[float, float] | None:
+        if id(node) not in known:
+            own = [value.span for value in node.properties.values() if isinstance(value, MovingTransform)]
+            spans = own + [span for _, child in node.children if (span := span_of(child)) is not None]
+            known[id(node)] = (min(s[0] for s in spans), max(s[1] for s in spans)) if spans else None
+        return known[id(node)]
+
+    span_of(tree)
+    return {key: span for key, span in known.items() if span is not None}
+
+
+def _motion(tree: Node, shapes: Shapes, moving: dict[int, tuple[float, float]], rest: Pose) -> Motion | None:
+    """Return the motion of the scene, whose rest pose is given, or None if nothing moves."""
+    nodes = {number: node for number, (_, node) in enumerate(tree.children) if id(node) in moving}
+    nodes = {number: node for number, node in nodes.items() if node.tag in ("shape", "emitter", "sensor")}
+    if not nodes:
+        return None
+
+    def pose(time: float) -> Pose:
+        found, again = _Found(), shapes.later()
+        with at_time(time):
+            for number, node in nodes.items():
+                found.add(number, node, again)
+
+        # Materials do not change over time, but those without a BSDF in the file are made for each shape.
+        kept = {key: rest.meshes[key].material for key in found.meshes.keys() & rest.meshes.keys()}
+        found.meshes |= {key: replace(found.meshes[key], material=material) for key, material in kept.items()}
+
+        def joined(old: Mapping[Hashable, T], new: Mapping[Hashable, T]) -> dict[Hashable, T]:
+            return {key: value for key, value in old.items() if key[0] not in nodes} | dict(new)  # type: ignore[index]
+
+        return Pose(
+            joined(rest.meshes, found.meshes), joined(rest.lights, found.lights), joined(rest.cameras, found.cameras),
+            found.environment or rest.environment,
+        )  # fmt: skip
+
+    spans = [moving[id(node)] for node in nodes.values()]
+    names = {number: node.id or node.type for number, node in nodes.items()}
+    return Motion(
+        rest=rest,
+        pose=later(pose),
+        start=min(first for first, _ in spans),
+        end=max(last for _, last in spans),
+        objects=tuple(name for number, name in names.items() if nodes[number].tag == "shape"),
+        lights=tuple(name for number, name in names.items() if nodes[number].tag == "emitter"),
+        cameras=tuple(name for number, name in names.items() if nodes[number].tag == "sensor"),
+    )
 
 
 def _report_object(node: Node) -> None:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError, shown
 from eclat.files.confinement import is_outside
 from eclat.loaders.files import resolve
+from eclat.loaders.mitsuba.moving import MovingTransform
 
 MAX_DEPTH = 50
 """The largest depth of nested elements, included files and references together. Real scenes stay below 15."""
@@ -168,13 +169,15 @@ class Node:
         raise self.mismatch(names[0], "three numbers", value)
 
     def transform(self, *names: str) -> NDArray[np.float64]:
-        """Return the 4×4 matrix in the first property that exists, or the identity if none exists.
+        """Return the 4×4 matrix in the first property that exists, at the time of `moving.at_time`, or the identity.
 
         Raises EclatError if it is anything else.
         """
         value = self.get(*names)
         if value is None:
             return np.eye(4)
+        if isinstance(value, MovingTransform):
+            return value.now()
         if isinstance(value, np.ndarray) and value.shape == (4, 4):
             return value
         raise self.mismatch(names[0], "a transform", value)

@@ -16,6 +16,7 @@ import numpy as np
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.loaders.budget import spend
 from eclat.loaders.mitsuba.elements import Element, read_elements
+from eclat.loaders.mitsuba.moving import MovingTransform
 from eclat.loaders.mitsuba.node import MAX_DEPTH, Node, parse_boolean, parse_number, parse_vector, snake_case
 from eclat.loaders.mitsuba.references import Identifiers, resolve_references
 from eclat.loaders.mitsuba.spectra import parse_blackbody, parse_rgb, parse_spectrum, read_spd
@@ -154,9 +155,7 @@ class _Parser:
 
     def value(self, element: Element) -> Any:
         if element.tag == "animation":
-            frames = [child for child in element.children if child.tag == "transform"]
-            warn(f"{element.where}: animated transforms are not supported; the first keyframe is used")
-            return self.value(frames[0]) if frames else np.eye(4)
+            return self.animation(element)
         if element.tag == "transform":
             for step in element.children:
                 step.attributes = {key: self.expand(value, step) for key, value in step.attributes.items()}
@@ -165,6 +164,24 @@ class _Parser:
             holder = Node("spectrum", "", element.where, self.folders, properties=dict(element.attributes))
             return read_spd(holder.file("filename"), element.where)
         return _PROPERTIES[element.tag](element)
+
+    def animation(self, element: Element) -> Any:
+        """Read an animated transform, or a matrix if only one key is valid. Keys are sorted by time, as in Mitsuba."""
+        keys: dict[float, Any] = {}
+        for frame in (child for child in element.children if child.tag == "transform"):
+            try:
+                text = self.expand(_needed(frame, "time"), frame)
+                matrix = self.value(frame)
+                if keys.setdefault(parse_number(text, frame.where), matrix) is not matrix:
+                    raise EclatError(f"{frame.where}: expected keys at different times, got another one at {text} s")
+            except EclatError as error:
+                warn(f"{error}; this key of the animation is left out")
+        if not keys:
+            warn(f"{element.where}: the animation has no valid key; the object is not transformed")
+            return np.eye(4)
+        times = sorted(keys)
+        moving = MovingTransform.of(times, [keys[time] for time in times])
+        return moving if moving.moves else keys[times[0]]
 
     def expand(self, text: str, element: Element) -> str:
         """Replace every `$name` in `text` by its value. Raises EclatError if a name has no value."""

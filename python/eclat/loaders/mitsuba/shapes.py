@@ -36,6 +36,14 @@ class Shapes:
     original one. It is kept alive here, so that no other object gets its `id`."""
     tessellation: Tessellation | None = None
     """The number of segments of each round shape. If it is None, all have the default number."""
+    moving: frozenset[int] = frozenset()
+    """The nodes, by `id`, that move over time. The files of their meshes are read once and kept."""
+    loaded: dict[int, list[Mesh]] = field(default_factory=dict)
+    """The meshes from files of moving nodes, by the `id` of the node, before they are transformed."""
+
+    def later(self) -> Shapes:
+        """Return a converter for another time, which shares all that does not move."""
+        return replace(self, groups={key: made for key, made in self.groups.items() if key not in self.moving})
 
     def of(self, node: Node) -> list[Mesh]:
         """Convert a shape to meshes. A shape whose type is not supported gives none, with a warning.
@@ -52,7 +60,7 @@ class Shapes:
         if node.type == "merge":
             return [mesh for _, child in node.of_tag("shape") for mesh in self.of(child)]
         if node.type in MESH_FILES:
-            meshes = [self._in_world(mesh, node) for mesh in load_mesh_file(node, self.materials)]
+            meshes = [self._in_world(mesh, node) for mesh in self._from_file(node)]
         elif node.type in _PRIMITIVES:
             meshes = self._primitive(node)
         else:
@@ -102,6 +110,13 @@ class Shapes:
         if node.boolean("face_normals", default=False):
             mesh = replace(mesh, normals=None)
         return [self._flipped(mesh, node)]
+
+    def _from_file(self, node: Node) -> list[Mesh]:
+        if id(node) not in self.moving:
+            return load_mesh_file(node, self.materials)
+        if id(node) not in self.loaded:
+            self.loaded[id(node)] = load_mesh_file(node, self.materials)
+        return self.loaded[id(node)]
 
     def _in_world(self, mesh: Mesh, node: Node) -> Mesh:
         name = node.id or mesh.name
