@@ -336,6 +336,20 @@ def cached_point_estimator(scene: Scene, caches: SolvedCaches, options: Irradian
 def called_estimator(scene: Scene, function: object) -> Estimator: ...
 def called_point_estimator(function: object) -> PointEstimator: ...
 
+class ProbeOptions:
+    def __init__(self, *, component: Component, order: int, samples: int, seed: int, threads: int) -> None: ...
+
+def probes(
+    scene: Scene,
+    positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    estimator: Estimator,
+    options: ProbeOptions,
+    progress: Progress,
+) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32], int]:
+    """
+    Coefficients of the incident radiance and half the differences of its halves, (probes, order², 3) each; number of dropped radiances.
+    """
+
 max_harmonic_order: int = 48
 
 class Basis(enum.Enum):
