@@ -26,7 +26,7 @@ PathOptions gather_options(int max_depth, const CachedIrradiance& end) {
 
 /// Returns the far records in which paths may end, if these contain all further light.
 CachedIrradiance end_in(const RecordCache& far, int max_depth) {
-    return max_depth < 0 && !far.records().empty() ? read_far(far) : nullptr;
+    return max_depth < 0 && !far.records().empty() ? read_beyond_radius(far) : nullptr;
 }
 
 /// Returns the sum of throughput times radiance over the paths.

@@ -3,14 +3,17 @@
 
 // A gather ray that hits a surface can end there if a coarse cache of irradiance, or photons, gives the light of that surface.
 // Only averages over whole hemispheres use these values, so they may be inaccurate. But a short ray, as in a corner, hits a
-// surface that fills a large part of the hemisphere, where inaccuracy would be visible: it is continued instead.
+// surface that fills a large part of the hemisphere, where inaccuracy would be visible. It reads a cell of those of
+// records/far_cells.cpp, or the near records that earlier passes made there, whose radii are small in corners; where neither
+// serves, it is continued. One path finds a window by chance only, while each near record has averaged hundreds: without them,
+// the records between the cushions of `living-room` deviate by 10 % (with them, 9), and the picture by 3.1 % (2.9).
 //
 // Symbol     name here     meaning                                                                   unit
 //   κ        relaxation    how much farther than its radius a record is read                         1
 //   t        distance      length of the gather ray                                                  m
 //   R        radius        mean radius of the records that serve the point; read only where t ≥ R    m
 //
-// References   [Christensen99] gather rays that end in precomputed irradiance
+// References   [Christensen99] gather rays that end in precomputed irradiance, [Ward88] records of earlier passes
 // Bias         Gather rays see light that varies over distances below R only blurred.
 // Held to      tests/core/methods/radiance_cache/test_far_end.cpp
 
@@ -26,10 +29,10 @@ CacheOptions far_reading(const CacheOptions& near) {
     return far;
 }
 
-CachedIrradiance read_far(const RecordCache& far) {
-    return [&far](const SurfacePoint& point, float distance) -> std::optional<Color> {
+CachedIrradiance read_beyond_radius(const RecordCache& records) {
+    return [&records](const SurfacePoint& point, float distance) -> std::optional<Color> {
         float radius = 0;
-        auto E = far.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
+        auto E = records.interpolate(point.position, point.normal_towards_shading(), point.frame.n, &radius);
         if (!E || distance < radius) return std::nullopt;
         return E;
     };
@@ -43,12 +46,18 @@ CachedIrradiance read_far(const World& world, const PhotonMaps& photons, Progres
 
 namespace {
 
-/// Reads cells where `first` knows nothing.
-CachedIrradiance or_cells(CachedIrradiance first, const FarCells& cells) {
-    return [first = std::move(first), &cells](const SurfacePoint& point, float distance) -> std::optional<Color> {
-        if (first)
-            if (const auto E = first(point, distance)) return E;
+CachedIrradiance read_cells(const FarCells& cells) {
+    return [&cells](const SurfacePoint& point, float distance) {
         return cells.irradiance(point.position, point.frame.n, distance);
+    };
+}
+
+/// Reads `second` where `first` knows nothing or is empty.
+CachedIrradiance either(CachedIrradiance first, CachedIrradiance second) {
+    if (!first) return second;
+    return [first = std::move(first), second = std::move(second)](const SurfacePoint& point, float distance) {
+        const auto E = first(point, distance);
+        return E ? E : second(point, distance);
     };
 }
 
@@ -74,11 +83,11 @@ FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceC
     if (options.far_photons) {
         out.irradiance = read_far(world, *options.far_photons, progress);
     } else {
-        if (!caches.far.records().empty()) out.irradiance = read_far(caches.far);
-        if (cells) {
-            out.irradiance = or_cells(std::move(out.irradiance), *cells);
-            out.wants_samples = true;
-        }
+        if (!caches.far.records().empty()) out.irradiance = read_beyond_radius(caches.far);
+        if (cells) out.irradiance = either(std::move(out.irradiance), read_cells(*cells));
+        if (!caches.near.records().empty())
+            out.irradiance = either(std::move(out.irradiance), read_beyond_radius(caches.near));
+        out.wants_samples = cells != nullptr;
     }
     if (tables && !caches.radiance.records().empty())
         out.reflection = read_radiance(caches.radiance, *tables, Reading::nearest);

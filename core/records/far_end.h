@@ -18,14 +18,14 @@ struct FarEnd {
     bool wants_samples = false;  // whether gathers keep what paths find where nothing was read
 };
 
-/// Makes the reader by which gather rays read far records where they end. It returns nothing for rays that are shorter
-/// than the radius of the records, because the error of the records would be visible in corners.
-CachedIrradiance read_far(const RecordCache& far);
+/// Makes the reader by which gather rays read records where they end. It returns nothing for rays that are shorter than the
+/// radius of the records, because the error of the records would be visible in corners.
+CachedIrradiance read_beyond_radius(const RecordCache& records);
 /// Makes the reader by which paths read records of radiance.
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
                                Reading reading = Reading::smooth);
-/// Makes the far end from the current state of the caches: photons, or far records and, where none serves, `cells`; and,
-/// with `tables`, records of radiance. It is empty if the number of edges of paths is limited, because records contain
+/// Makes the far end from the current state of the caches: photons, or far records and, where none serves, `cells`, and where
+/// these know nothing, near records; and, with `tables`, records of radiance. It is empty if the number of edges of paths is limited, because records contain
 /// light of all path lengths.
 FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
                Progress& progress, const RadianceTables* tables = nullptr, const FarCells* cells = nullptr);

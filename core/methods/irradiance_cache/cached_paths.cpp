@@ -17,7 +17,7 @@ Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, 
     options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches);
     // Far records contain light of all path lengths.
-    if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_far(caches.far);
+    if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_beyond_radius(caches.far);
     options.miss_paths = cached_miss_paths;
     if (tables) options.reflection = read_radiance(caches.radiance, *tables);
     return path_estimator(world, std::move(options));

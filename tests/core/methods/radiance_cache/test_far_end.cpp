@@ -1,7 +1,7 @@
 // SPDX-FileCopyrightText: the Éclat authors
 // SPDX-License-Identifier: Apache-2.0
 
-// Where gather rays end: in radiance records on what is glossy, instead of going on.
+// Where gather rays end instead of going on: in radiance records on what is glossy, in near records where nothing else serves.
 
 #include <doctest/doctest.h>
 
@@ -93,4 +93,43 @@ TEST_CASE("gather rays that meet gloss end in its records, which does not change
     const FarEnd none = far_end(world, caches, short_paths, progress, &place.lobes);
     CHECK(!none.irradiance);
     CHECK(!none.reflection);
+}
+
+TEST_CASE("gather rays end in near records of earlier passes, which does not change their mean") {
+    const Room room = closed_room({0.2f, 0.7f, 0.5f, 0.5f, 0.6f, 0.4f}, {0, 0, 0, 5, 0, 0});
+    const auto on_floor = [](uint32_t i, uint32_t columns, float z) {
+        Candidate c;
+        c.position = {-0.95f + 1.9f * static_cast<float>(i % columns) / static_cast<float>(columns - 1), -1, z};
+        c.normal = c.shading_normal = {0, 1, 0};
+        c.offset = 1e-5f;
+        c.footprint = 0.005f;
+        c.key = i;
+        return c;
+    };
+    std::vector<Candidate> floor, wall;
+    for (uint32_t i = 0; i < 400; ++i) floor.push_back(on_floor(i, 20, -0.95f + 0.1f * static_cast<float>(i / 20)));
+    for (uint32_t i = 0; i < 40; ++i) {
+        Candidate c = on_floor(i, 40, -1);
+        c.position.y = -0.8f;
+        c.normal = c.shading_normal = {0, 0, 1};
+        wall.push_back(c);
+    }
+    IrradianceCacheOptions options;
+    options.far_records = 0;
+    options.disagreement = infinity;
+    SolvedCaches caches = empty_caches(options);
+    Progress progress;
+    RecordSolve solve{caches};
+    add_near(room.world(), floor, options, solve, progress);
+    const auto gathered = [&](const FarEnd& far, Stream stream) {
+        Progress counted;
+        double sum = 0;
+        for (const IrradianceRecord& r : gather_records(room.world(), wall, far, options, stream, 24, counted))
+            sum += (r.irradiance + r.excess).g;
+        return std::pair{sum, static_cast<double>(counted.rays)};
+    };
+    const auto [traced, rays_traced] = gathered({}, Stream{20});
+    const auto [read, rays_read] = gathered(far_end(room.world(), caches, options, progress), Stream{21});
+    CHECK(read == doctest::Approx(traced).epsilon(0.015));
+    CHECK(rays_read < 0.9 * rays_traced);
 }
