@@ -23,6 +23,7 @@
 #include "methods/irradiance_cache/irradiance_cache.h"
 #include "methods/radiance_cache/radiance_cache.h"
 #include "methods/irradiance_cache/solve_points.h"
+#include "methods/radiance_cache/record_lobes.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -185,15 +186,41 @@ auto read_near_records(const SolvedCaches& caches, const Points& positions, cons
     return std::pair(color_array(values), std::move(sums));
 }
 
-/// Returns the excess of each near record, averaged over the records around it (records, 3).
-auto shared_excess_of_near(const SolvedCaches& caches) {
+/// Returns the excess of each record of a cache, averaged over the records around it (records, 3).
+template <class Cache>
+auto shared_excess(const Cache& cache) {
     std::vector<Color> values;
-    for (uint32_t i = 0; i < caches.near.records().size(); ++i) values.push_back(caches.near.shared_excess(i));
+    for (uint32_t i = 0; i < cache.records().size(); ++i) values.push_back(cache.shared_excess(i));
     return color_array(values);
+}
+
+/// Returns the index of the lobe of each radiance record, or -1 (records), and of the lobes towards the directions: the
+/// factors (lobes, directions, 3, order²), the widths (lobes, directions) and the albedos (lobes, directions, 3).
+auto lobes_at_records(const CoreScene& scene, const SolvedCaches& caches, const RadianceTables& tables,
+                      const Points& directions) {
+    const std::vector<Vec3> towards = vec3s(directions);
+    const RecordLobes found = record_lobes(scene.world(), caches.radiance, tables, towards);
+    const size_t lobes = found.lobes.size(), count = towards.size();
+    auto indices = float_array({found.lobe_of.size()}, [&](float* data) {
+        for (const int lobe : found.lobe_of) *data++ = static_cast<float>(lobe);
+    });
+    auto factors = float_array({lobes, count, 3, size_t(coefficient_count(tables.order()))}, [&](float* data) {
+        for (const RecordLobe& lobe : found.lobes) data = std::ranges::copy(lobe.factors, data).out;
+    });
+    auto widths = float_array({lobes, count}, [&](float* data) {
+        for (const RecordLobe& lobe : found.lobes) data = std::ranges::copy(lobe.widths, data).out;
+    });
+    auto albedos = float_array({lobes, count, 3}, [&](float* data) {
+        for (const RecordLobe& lobe : found.lobes)
+            for (const Color& albedo : lobe.albedos)
+                for (int c = 0; c < 3; ++c) *data++ = albedo[c];
+    });
+    return std::make_tuple(std::move(indices), std::move(factors), std::move(widths), std::move(albedos));
 }
 
 void bind_solved_caches(nb::module_& m) {
     m.def("record_layout", &record_layout);
+    m.def("lobes_at_records", &lobes_at_records, "scene"_a, "caches"_a, "tables"_a, "directions"_a);
     nb::class_<SolvedCaches>(m, "SolvedCaches")
         .def("__init__", &make_caches)
         .def(nb::init<>())
@@ -226,7 +253,11 @@ void bind_solved_caches(nb::module_& m) {
             "near", [](const SolvedCaches& c) { return to_array(c.near.records()); }, nb::rv_policy::move)
         .def_prop_ro(
             "far", [](const SolvedCaches& c) { return to_array(c.far.records()); }, nb::rv_policy::move)
-        .def_prop_ro("near_shared_excess", &shared_excess_of_near, nb::rv_policy::move)
+        .def_prop_ro(
+            "near_shared_excess", [](const SolvedCaches& c) { return shared_excess(c.near); }, nb::rv_policy::move)
+        .def_prop_ro(
+            "radiance_shared_excess", [](const SolvedCaches& c) { return shared_excess(c.radiance); },
+            nb::rv_policy::move)
         .def("read_near", &read_near_records, "positions"_a, "normals"_a,
              "The irradiance (points, 3) that near records give, and the sum of their weights (points,); 0 if none "
              "serves.")

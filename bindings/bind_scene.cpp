@@ -14,6 +14,7 @@
 #include "arrays.h"
 #include "base/error.h"
 #include "base/parallel.h"
+#include "lights/environment_split.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -210,4 +211,11 @@ void bind_scene(nb::module_& m) {
         .def(
             "first_hits", &first_hits, "origins"_a, "directions"_a, "threads"_a,
             "The triangle that each ray meets first, culled backs included, counted over all meshes, and -1 for none.");
+    m.def(
+        "smooth_limit",
+        [](const Floats3& image) {
+            require(image.shape(2) == 3, "image: expected three channels");
+            return smooth_limit({image.data(), image.size()}, uint32_t(image.shape(1)), uint32_t(image.shape(0)));
+        },
+        "image"_a, "The luminance at which the smooth part of an environment is cut; infinite if nothing is sharp.");
 }

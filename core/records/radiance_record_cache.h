@@ -50,6 +50,8 @@ class RadianceCache {
     int order() const { return order_; }
     const std::vector<IrradianceRecord>& records() const { return cache_.records(); }
     float mean_luminance() const { return cache_.mean_luminance(); }
+    /// Returns the excess irradiance of record i, averaged over the records around it.
+    Color shared_excess(uint32_t i) const { return cache_.shared_excess(i); }
     /// Returns the number of floats of a channel: n² coefficients, padded with zeros to a multiple of eight.
     size_t stride() const { return stride_; }
     /// The coefficients of all records, consecutively, with channels as in RadianceCoefficients.

@@ -210,6 +210,13 @@ class Scene:
         The triangle that each ray meets first, culled backs included, counted over all meshes, and -1 for none.
         """
 
+def smooth_limit(
+    image: Annotated[NDArray[numpy.float32], dict(shape=(None, None, None), order="C", device="cpu", writable=False)],
+) -> float:
+    """
+    The luminance at which the smooth part of an environment is cut; infinite if nothing is sharp.
+    """
+
 class Progress:
     def __init__(self) -> None: ...
     def cancel(self) -> None: ...
@@ -611,6 +618,12 @@ class RadianceTables:
 
 def wanted_radiance_tables(scene: Scene) -> tuple[list[tuple[TableLobeKind, float, float, bool]], bool]: ...
 def record_layout() -> list[tuple[str, int, int]]: ...
+def lobes_at_records(
+    scene: Scene,
+    caches: SolvedCaches,
+    tables: RadianceTables,
+    directions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32], NDArray[numpy.float32], NDArray[numpy.float32]]: ...
 
 class SolvedCaches:
     @overload
@@ -645,6 +658,8 @@ class SolvedCaches:
     def far(self) -> NDArray[numpy.float32]: ...
     @property
     def near_shared_excess(self) -> NDArray[numpy.float32]: ...
+    @property
+    def radiance_shared_excess(self) -> NDArray[numpy.float32]: ...
     def read_near(
         self,
         positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],

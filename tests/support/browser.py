@@ -227,3 +227,10 @@ def look_at_page(
     page = None if png is None else np.array(Image.open(io.BytesIO(base64.b64decode(png))).convert("RGB"))
     sums = decoded(answer.get("sums"))
     return ViewedPage(made, sums, page, answer["message"], answer["messages"], answer["requests"])
+
+
+def use_page(url: str) -> dict[str, Any]:
+    """Use the page of `eclat view` by keys, pointer and settings, and let axe-core look at it; see
+    web/tests/view-access.mjs for what is returned."""
+    answer: dict[str, Any] = _node([require_node(), str(WEB / "tests/view-access.mjs"), require_browser(), url], "")
+    return answer

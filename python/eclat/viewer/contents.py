@@ -16,12 +16,13 @@ from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.methods.records.solution import Solution
 from eclat.scene import Scene
 from eclat.verbs.solve import solve
+from eclat.viewer.gloss import gloss_message
 from eclat.viewer.lamps import light_message, parts_of, soft_light_of
 from eclat.viewer.page import page_files
 from eclat.viewer.record_rows import records_message
 from eclat.viewer.surfaces import scene_message
 
-SCENE, LIGHT, RECORDS = "data/scene.eclat", "data/light.eclat", "data/records.eclat"
+SCENE, LIGHT, RECORDS, GLOSS = (f"data/{kind}.eclat" for kind in ("scene", "light", "records", "gloss"))
 """The names of the messages, below the page."""
 
 
@@ -42,6 +43,7 @@ class Contents:
             SCENE: scene_message(self.scene, parts_of(self.scene, self.lightmap), exposure=self.exposure),
             LIGHT: light_message(self.lightmap),
             RECORDS: records_message(self.solution),
+            GLOSS: gloss_message(self.scene, self.solution),
         }
 
     def files(self) -> dict[str, bytes]:

@@ -3,7 +3,8 @@
 """Lights and cameras of a scene for the page, and the direct light of glowing surfaces and of the sky as a light map.
 
 The page lights surfaces by points, spots and suns with shadow maps, because their shadows are sharp. Glowing surfaces
-and the sky have soft shadows, which a light map holds with a small error (docs/guides/view.md).
+have soft shadows, which a light map holds with a small error (docs/guides/view.md); so does the sharp part of the sky, as of
+a sun in its image. The smooth part of the sky is in the records, whose gathers collect it.
 """
 
 from __future__ import annotations
@@ -13,10 +14,12 @@ from typing import Any
 
 import numpy as np
 
+from eclat import _core
 from eclat.bridge.arguments import picture_size
 from eclat.gltf_export import Part, scene_parts
 from eclat.lightmap.lightmap import Lightmap
-from eclat.scene import Camera, DirectionalLight, FloatArray, PointLight, Scene, SpotLight
+from eclat.measure.photometry import luminance
+from eclat.scene import Camera, DirectionalLight, Environment, FloatArray, PointLight, Scene, SpotLight
 from eclat.verbs.bake import bake
 from eclat.viewer.messages import encode_message
 
@@ -25,13 +28,28 @@ LARGEST_HALF = 60000.0
 
 
 def soft_light_of(scene: Scene, **options: Any) -> Lightmap | None:
-    """Bake the direct light of glowing surfaces and of the environment; None if the scene has neither.
+    """Bake the direct light of glowing surfaces and of the sharp part of the sky; None if the scene has neither.
 
     `options` are those of `eclat.bake`.
     """
-    if scene.environment is None and all(mesh.material.emission is None for mesh in scene.meshes):
+    sky = sharp_sky(scene.environment)
+    if sky is None and all(mesh.material.emission is None for mesh in scene.meshes):
         return None
-    return bake(replace(scene, lights=()), component="direct", **options)
+    return bake(replace(scene, lights=(), environment=sky), component="direct", **options)
+
+
+def sharp_sky(sky: Environment | None) -> Environment | None:
+    """Return the part of an environment that records do not hold (`lights/environment_split.h`); None if there is none."""
+    if sky is None:
+        return None
+    image = np.ascontiguousarray(sky.image, np.float32)
+    if (image == image[0, 0]).all():
+        return None
+    limit = _core.smooth_limit(image)
+    bright = luminance(image)[..., None]
+    smooth = np.where(bright > limit, image * (limit / np.maximum(bright, np.finfo(np.float32).tiny)), image)
+    sharp = np.maximum(0, image - smooth).astype(np.float32)
+    return replace(sky, image=sharp) if sharp.any() else None
 
 
 def parts_of(scene: Scene, lightmap: Lightmap | None) -> list[Part]:
@@ -55,7 +73,12 @@ def lights_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:
     for light in scene.lights:
         if isinstance(light, DirectionalLight):
             found.append(
-                {"kind": "sun", "direction": _unit(light.direction), "irradiance": list(map(float, light.irradiance))}
+                {
+                    "kind": "sun",
+                    "direction": _unit(light.direction),
+                    "irradiance": list(map(float, light.irradiance)),
+                    "angular_radius": float(light.angular_radius),
+                }
             )
             continue
         position = (np.asarray(light.position, np.float64) - center).tolist()

@@ -18,11 +18,12 @@ depend on the kind:
                A mesh names its arrays: `positions` (V, 3) relative to the center, `triangles` (T, 3), and where it has
                them `normals`, `uvs`, `uvs2`, `colors` and `light_uvs`. A texture is an array of the bytes of a PNG
                file ("u1") or of half floats (H, W, 4). See `surfaces`, `materials` and `lamps`.
-    light      the direct irradiance of glowing surfaces and of the sky: `map` (H, W, 4) half floats, in W/m² times
-               `scale`, which the coordinates `light_uvs` of the meshes read.
+    light      the direct irradiance of glowing surfaces and of what is sharp in the sky: `map` (H, W, 4) half floats,
+               in W/m² times `scale`, which the coordinates `light_uvs` of the meshes read.
     records    `first` and `count` (the number of records of irradiance that there are after this message), `reading`
                (how they are read), and `rows` (n, 52) of "f4": they become the records first, first + 1, …, so that a
                message may append records, or replace some whose radius has changed. See `record_rows`.
+    gloss      records of radiance, see `gloss`.
 
 The page's side of this format is in `web/view/src/messages.ts`.
 """
@@ -50,7 +51,7 @@ def encode_message(kind: str, content: Mapping[str, Any], arrays: Mapping[str, n
 
     Parameters
     ----------
-    kind : "scene", "light" or "records".
+    kind : "scene", "light", "records" or "gloss".
     content : the other fields of the header, which must be representable as JSON.
     arrays : the arrays by name, whose types are those that the format lists.
 

@@ -60,10 +60,19 @@ def reading_of(solution: Solution) -> dict[str, Any]:
 
 def record_rows(caches: _core.SolvedCaches) -> np.ndarray:
     """Return the rows (N, 52) float32 of the near records that are read, in their order."""
-    near = np.asarray(caches.near)
-    shared = np.asarray(caches.near_shared_excess)
-    read = near[:, _COLUMNS["enclosed"]][:, 0] == 0
-    near, shared = near[read], shared[read]
+    return rows_of(np.asarray(caches.near), np.asarray(caches.near_shared_excess))[0]
+
+
+def rows_of(records: np.ndarray, shared_excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Return the rows (M, 52) float32 of the records that are read, and which of all (N,) these are.
+
+    Parameters
+    ----------
+    records : (N, floats) as the core gives them.
+    shared_excess : (N, 3) the excess of each, averaged over the records around it.
+    """
+    read = records[:, _COLUMNS["enclosed"]][:, 0] == 0
+    near, shared = records[read], shared_excess[read]
     field = {name: near[:, columns] for name, columns in _COLUMNS.items()}
     normal = field["normals"]
     elongation = field["elongations"]
@@ -87,8 +96,7 @@ def record_rows(caches: _core.SolvedCaches) -> np.ndarray:
         ],
         axis=1,
     ).astype(np.float32)  # fmt: skip
-    bounded: np.ndarray = np.clip(rows, -_FARTHEST, _FARTHEST)
-    return bounded
+    return np.clip(rows, -_FARTHEST, _FARTHEST), read
 
 
 def stretches(normal: np.ndarray, axis: np.ndarray, elongation: np.ndarray) -> np.ndarray:

@@ -28,7 +28,7 @@ def test_it_exports_the_page_and_the_scene(tmp_path: Path, capsys: pytest.Captur
     result = json.loads(capsys.readouterr().out.splitlines()[-1])
     assert result["files"] == sum(path.is_file() for path in folder.rglob("*")) >= 5
     kinds = [decode_message(path.read_bytes())[0]["kind"] for path in sorted((folder / "data").iterdir())]
-    assert kinds == ["light", "records", "scene"]
+    assert kinds == ["gloss", "light", "records", "scene"]
     assert (folder / "index.html").is_file()
 
 

@@ -120,6 +120,7 @@ function sunMap(
   const center = surfaces.bounds.getCenter(new three.Vector3());
   const half = 0.5 * size(surfaces);
   const pose = new three.Matrix4().lookAt(center, center.clone().add(direction), up).setPosition(center);
+  const axes = pose.clone();
   const toMap = new three.Matrix4().makeOrthographic(-half, half, half, -half, -half, half).multiply(pose.invert());
   view.viewProjection.value.copy(toMap);
   view.eye.value.set(-direction.x, -direction.y, -direction.z, 0);
@@ -129,6 +130,10 @@ function sunMap(
     cube: { value: null },
     flatMap: { value: target.texture },
     toMap: { value: toMap },
+    mapX: { value: new three.Vector3().setFromMatrixColumn(axes, 0) },
+    mapY: { value: new three.Vector3().setFromMatrixColumn(axes, 1) },
+    tangent: { value: Math.tan((entry.angular_radius * Math.PI) / 180) },
+    farthest: { value: 2 * half },
     texel: { value: (2 * half) / width },
   };
 }

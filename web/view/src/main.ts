@@ -4,7 +4,7 @@
 // The page of `eclat view`: loads the messages of a scene, and draws it whenever something has changed.
 
 import * as three from 'three';
-import { decodeMessage, type LightHeader, type RecordsHeader, type SceneHeader } from './messages';
+import { decodeMessage, type GlossHeader, type LightHeader, type RecordsHeader, type SceneHeader } from './messages';
 import { Navigation } from './navigation';
 import { fillPanel } from './panel';
 import { Pose } from './pose';
@@ -50,9 +50,9 @@ async function load(name: string, done: (bytes: number, total: number) => void):
 async function start(): Promise<void> {
   const canvas = byId<HTMLCanvasElement>('picture');
   const progress = byId<HTMLProgressElement>('progress');
-  const names = ['scene', 'light', 'records'];
+  const names = ['scene', 'light', 'records', 'gloss'];
   const shares = new Map<string, number>();
-  const [sceneBytes, lightBytes, recordBytes] = await Promise.all(
+  const [sceneBytes, lightBytes, recordBytes, glossBytes] = await Promise.all(
     names.map((name) =>
       load(name, (bytes, total) => {
         shares.set(name, total > 0 ? bytes / total : 0);
@@ -65,7 +65,8 @@ async function start(): Promise<void> {
   document.title = `${header.name} – Éclat`;
   canvas.setAttribute('aria-label', `The scene ${header.name} with global illumination`);
   const renderer = await Renderer.create(canvas, scene, decodeMessage<LightHeader>(lightBytes as ArrayBuffer, 'light'));
-  renderer.accept(decodeMessage<RecordsHeader>(recordBytes as ArrayBuffer, 'records'));
+  renderer.acceptRecords(decodeMessage<RecordsHeader>(recordBytes as ArrayBuffer, 'records'));
+  renderer.acceptGloss(decodeMessage<GlossHeader>(glossBytes as ArrayBuffer, 'gloss'));
   progress.hidden = true;
 
   const look: Look = { ...USUAL_LOOK, exposure: header.exposure };

@@ -96,6 +96,8 @@ export interface SunEntry {
   readonly kind: 'sun';
   readonly direction: readonly [number, number, number];
   readonly irradiance: readonly [number, number, number];
+  /** In degrees. */
+  readonly angular_radius: number;
 }
 export type LightEntry = PointEntry | SpotEntry | SunEntry;
 
@@ -137,7 +139,16 @@ export interface RecordsHeader {
   readonly reading: Reading;
 }
 
-export type Header = SceneHeader | LightHeader | RecordsHeader;
+export interface GlossHeader {
+  readonly kind: 'gloss';
+  readonly first: number;
+  readonly count: number;
+  readonly reading: Reading;
+  readonly order: number;
+  readonly grid: number;
+}
+
+export type Header = GlossHeader | SceneHeader | LightHeader | RecordsHeader;
 
 /** Decodes a message. Throws an Error if it is not one of this version. */
 export function decodeMessage<H extends Header>(buffer: ArrayBuffer, kind: H['kind']): Message<H> {

@@ -5,7 +5,8 @@
 
 import * as three from 'three';
 import { Lamps, screenPass } from './lamps';
-import type { LightHeader, Message, RecordsHeader, SceneHeader } from './messages';
+import { Gloss } from './gloss';
+import type { GlossHeader, LightHeader, Message, RecordsHeader, SceneHeader } from './messages';
 import { Records } from './records';
 import { displayFragment } from './shaders/display';
 import { divideFragment } from './shaders/screen';
@@ -44,6 +45,7 @@ export class Renderer {
   readonly precision: Precision;
   readonly surfaces: Surfaces;
   readonly records: Records;
+  private readonly gloss: Gloss;
 
   private readonly lamps: Lamps;
   private readonly camera = new three.Camera();
@@ -65,9 +67,10 @@ export class Renderer {
     this.surfaces = surfaces;
     this.targets = new Targets(1, 1, this.precision);
     this.inputs = Object.fromEntries(
-      ['positions', 'normals', 'albedos', 'radiances', 'lampLight', 'sums', 'counts', 'picture'].map((name) => [name, { value: null }]),
+      ['positions', 'normals', 'albedos', 'radiances', 'lampLight', 'sums', 'glossSums', 'counts', 'picture'].map((name) => [name, { value: null }]),
     );
     this.records = new Records({ ...this.inputs, ...view });
+    this.gloss = new Gloss({ ...this.inputs, ...view });
     this.lamps = new Lamps(gl, scene.header.lights, surfaces, lamp, this.inputs);
     const { sky } = scene.header;
     this.dividing = {
@@ -105,8 +108,12 @@ export class Renderer {
     return new Renderer(gl, scene, surfaces, view, lamp);
   }
 
-  accept(records: Message<RecordsHeader>): void {
-    this.records.accept(records);
+  acceptRecords(message: Message<RecordsHeader>): void {
+    this.records.accept(message);
+  }
+
+  acceptGloss(message: Message<GlossHeader>): void {
+    this.gloss.accept(this.gl, message);
   }
 
   /** Draws the picture into the canvas. */
@@ -140,6 +147,7 @@ export class Renderer {
     this.set(this.inputs, 'positions', texture(points, 1));
     this.set(this.inputs, 'normals', texture(normals, 0));
     this.set(this.inputs, 'albedos', texture(normals, -1));
+    this.records.switch(USUAL_LOOK);
     this.gl.setRenderTarget(targets.sums);
     this.gl.clear(true, false, false);
     this.gl.render(this.records.everywhere, this.camera);
@@ -154,6 +162,7 @@ export class Renderer {
     this.view.viewProjection.value.copy(pose.viewProjection(aspect));
     this.view.eye.value.copy(pose.eye());
     this.records.switch(look);
+    this.gloss.switch(look);
     this.bind();
     const { gl, targets } = this;
     gl.setRenderTarget(targets.surfaces);
@@ -165,12 +174,14 @@ export class Renderer {
     gl.setRenderTarget(targets.sums);
     gl.clear(true, false, false);
     gl.render(this.records.splats, this.camera);
+    gl.setRenderTarget(targets.glossSums);
+    gl.clear(true, false, false);
+    gl.render(this.gloss.splats, this.camera);
     if (look.overlay === 'density') {
-      this.records.set('overlay', 1);
+      this.records.switch(look, true);
       gl.setRenderTarget(targets.counts);
       gl.clear(true, false, false);
       gl.render(this.records.splats, this.camera);
-      this.records.set('overlay', 0);
     }
     this.set(this.dividing, 'showDirect', look.direct);
     this.set(this.dividing, 'showIndirect', look.indirect);
@@ -187,10 +198,11 @@ export class Renderer {
   }
 
   private bind(): void {
-    const { surfaces, light, sums, counts, picture } = this.targets;
+    const { surfaces, light, sums, glossSums, counts, picture } = this.targets;
     ['positions', 'normals', 'albedos', 'radiances'].forEach((name, i) => this.set(this.inputs, name, surfaces.textures[i]));
     this.set(this.inputs, 'lampLight', light.texture);
     this.set(this.inputs, 'sums', sums.texture);
+    this.set(this.inputs, 'glossSums', glossSums.texture);
     this.set(this.inputs, 'counts', counts.texture);
     this.set(this.inputs, 'picture', picture.texture);
   }

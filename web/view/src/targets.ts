@@ -37,6 +37,8 @@ export class Targets {
   readonly light: three.WebGLRenderTarget;
   /** The sums of splats. */
   readonly sums: three.WebGLRenderTarget;
+  /** The sums of splats of radiance. */
+  readonly glossSums: three.WebGLRenderTarget;
   /** The number of splats, for an overlay. */
   readonly counts: three.WebGLRenderTarget;
   /** The linear picture. */
@@ -62,11 +64,12 @@ export class Targets {
     this.surfaces = make(three.FloatType, 4, true);
     this.light = make(blended);
     this.sums = make(blended, 1, true);
+    this.glossSums = make(blended, 1, true);
     this.counts = make(blended, 1, true);
     this.picture = make(three.FloatType);
   }
 
   dispose(): void {
-    for (const target of [this.surfaces, this.light, this.sums, this.counts, this.picture]) target.dispose();
+    for (const target of [this.surfaces, this.light, this.sums, this.glossSums, this.counts, this.picture]) target.dispose();
   }
 }

@@ -30,18 +30,19 @@ const float pi = 3.14159265358979;
 // The core's safe_sqrt.
 float safeSqrt(float x) { return sqrt(max(x, 0.0)); }
 
-float splitSphereWeight(float radius, vec3 d, vec3 n, vec3 recordNormal) {
-  float e = (length(d) / radius + safeSqrt(1.0 - dot(n, recordNormal)) / tolerance) / relaxation;
+float splitSphereWeight(float radius, vec3 d, vec3 n, vec3 recordNormal, float relaxed) {
+  float e = (length(d) / radius + safeSqrt(1.0 - dot(n, recordNormal)) / tolerance) / relaxed;
   if (e >= 1.0 || dot(d, n + recordNormal) < -1e-3 * radius) return 0.0;
   return 1.0 / max(e, 1e-3) - 1.0;
 }
 
-// The weight of a record at a point with the normal n, which is off by d from the record.
-float weightAt(float radius, vec3 d, vec3 n, vec3 recordNormal, vec3 stretch) {
-  if (weightKind == 2) return splitSphereWeight(radius, d, n, recordNormal);
+// The weight of a record at a point with the normal n, which is off by d from the record. The factor relaxed says how much farther than
+// its radius the record is read.
+float weightAt(float radius, vec3 d, vec3 n, vec3 recordNormal, vec3 stretch, float relaxed) {
+  if (weightKind == 2) return splitSphereWeight(radius, d, n, recordNormal, relaxed);
   float cosine = dot(n, recordNormal);
-  float tolerated = sqrtOneMinusCos10 * min(relaxation, largestTurn);
-  float reach = radius * relaxation;
+  float tolerated = sqrtOneMinusCos10 * min(relaxed, largestTurn);
+  float reach = radius * relaxed;
   float along = dot(d, stretch);
   float distance2 = dot(d, d) - along * along;
   if (1.0 - cosine >= tolerated * tolerated || distance2 >= reach * reach) return 0.0;
@@ -101,5 +102,17 @@ vec3 extrapolated(int record, vec3 d, vec3 n, vec3 s, vec3 recordNormal) {
   }
   vec3 E = vec3(bounded(value.r, bent.r), bounded(value.g, bent.g), bounded(value.b, bent.b));
   return E + vec3(t3.w, t4.xy) * even;
+}
+`;
+
+/** The shading normal that shaders/surfaces.ts packs. */
+export const unpacking = /* glsl */ `
+vec3 unpacked(float packed) {
+  float y = floor(packed / 4096.0);
+  vec2 f = vec2(packed - 4096.0 * y, y) / 4095.0 * 2.0 - 1.0;
+  vec3 n = vec3(f, 1.0 - abs(f.x) - abs(f.y));
+  float t = max(-n.z, 0.0);
+  n.xy += vec2(n.x >= 0.0 ? -t : t, n.y >= 0.0 ? -t : t);
+  return normalize(n);
 }
 `;

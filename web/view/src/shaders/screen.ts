@@ -3,6 +3,8 @@
 
 // Passes over the whole picture: the light of a lamp, the division of the sums of splats, and the display.
 
+import { unpacking } from './records';
+
 export const screenVertex = /* glsl */ `#version 300 es
 in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
@@ -21,17 +23,12 @@ uniform vec3 lampPosition, lampDirection, power;
 uniform float cosInner, cosOuter, innerAngle, outerAngle;
 uniform int falloff;  // 0: none, 1: smooth, 2: linear
 uniform mat4 toMap;   // of a sun
+uniform vec3 mapX, mapY;        // unit vectors along the sides of the map of a sun
+uniform float tangent, farthest;  // of the angular radius of a sun; how far things may be in its way, m
 uniform float texel;  // of the map: m for a sun, m at the distance of 1 m for other lamps
 const float pi = 3.14159265358979;
 
-vec3 unpacked(float packed) {
-  float y = floor(packed / 4096.0);
-  vec2 f = vec2(packed - 4096.0 * y, y) / 4095.0 * 2.0 - 1.0;
-  vec3 n = vec3(f, 1.0 - abs(f.x) - abs(f.y));
-  float t = max(-n.z, 0.0);
-  n.xy += vec2(n.x >= 0.0 ? -t : t, n.y >= 0.0 ? -t : t);
-  return normalize(n);
-}
+${unpacking}
 float spotFactor(float cosine) {
   if (falloff == 0) return 1.0;
   if (falloff == 1) {
@@ -39,6 +36,38 @@ float spotFactor(float cosine) {
     return t * t;
   }
   return clamp((outerAngle - acos(clamp(cosine, -1.0, 1.0))) / max(outerAngle - innerAngle, 1e-6), 0.0, 1.0);
+}
+// The depth along the sun's light that the map has at an offset in metres from a place, and that of the plane at p.
+float mapDepth(vec2 place, vec2 offset) {
+  ivec2 size = textureSize(flatMap, 0);
+  return texelFetch(flatMap, clamp(ivec2(place + offset / texel), ivec2(0), size - 1), 0).r;
+}
+float planeDepth(float depth, vec3 n, vec2 offset) {
+  float slope = max(-dot(n, lampDirection), 0.05);
+  return depth + dot(n, mapX * offset.x + mapY * offset.y) / slope;
+}
+vec2 disc(int i, int count) {  // Vogel's spiral
+  float angle = 2.39996323 * float(i);
+  return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
+}
+// The share of a sun's disc that a point sees: the mean distance of what is in the way gives the width of the penumbra.
+float sunVisibility(vec3 p, vec3 n, float wide) {
+  vec2 place = ((toMap * vec4(p, 1.0)).xy * 0.5 + 0.5) * vec2(textureSize(flatMap, 0));
+  float depth = dot(lampDirection, p), sum = 0.0, count = 0.0;
+  float widest = tangent * min(farthest, 400.0 * texel / max(tangent, 1e-6));
+  for (int i = 0; i < 16 && tangent > 0.0; ++i) {
+    vec2 offset = widest * disc(i, 16);
+    float near = mapDepth(place, offset);
+    // Only what is in the cone from the point to the sun's disc is in its way.
+    float before = planeDepth(depth, n, offset) - near;
+    if (before > wide && length(offset) < tangent * before + wide) sum += before, count += 1.0;
+  }
+  float radius = max(wide, count > 0.0 ? tangent * sum / count : 0.0), visible = 0.0;
+  for (int i = 0; i < 32; ++i) {
+    vec2 offset = radius * disc(i, 32);
+    visible += mapDepth(place, offset) > planeDepth(depth, n, offset) - wide ? 1.0 : 0.0;
+  }
+  return visible / 32.0;
 }
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
@@ -58,15 +87,7 @@ void main() {
   vec3 p = at.xyz + n * (wide * (1.5 * slant + 0.25));
   float visible = 0.0;
   if (kind == 1) {
-    vec3 onMap = (toMap * vec4(p, 1.0)).xyz * 0.5 + 0.5;
-    float depth = dot(lampDirection, p);
-    vec2 size = vec2(textureSize(flatMap, 0)), place = onMap.xy * size - 0.5, base = floor(place), f = place - base;
-    for (int i = 0; i < 4; ++i) {
-      vec2 corner = vec2(i & 1, i >> 1);
-      float near = texelFetch(flatMap, clamp(ivec2(base + corner), ivec2(0), ivec2(size) - 1), 0).r;
-      vec2 share = mix(1.0 - f, f, corner);
-      visible += share.x * share.y * (near > depth - wide ? 1.0 : 0.0);
-    }
+    visible = sunVisibility(p, n, wide);
   } else {
     vec3 from = p - lampPosition;
     float depth = length(from);
@@ -88,7 +109,7 @@ export const divideFragment = /* glsl */ `#version 300 es
 precision highp float;
 precision highp int;
 layout(location = 0) out vec4 outRadiance;
-uniform highp sampler2D positions, normals, albedos, radiances, lampLight, sums;
+uniform highp sampler2D positions, normals, albedos, radiances, lampLight, sums, glossSums;
 uniform highp sampler2D sky;
 uniform bool hasSky, showDirect, showIndirect;
 uniform mat3 skyFromWorld;
@@ -97,20 +118,23 @@ uniform vec4 eye;
 uniform vec2 size;
 const float pi = 3.14159265358979;
 
-// The sums of splats at a pixel. Where no record serves, in cracks between records, those of the nearest pixels of the
-// same plane stand in; the overlay of what is left out marks these pixels.
+// The sums of splats at a pixel. Where no record serves, in cracks between records, the nearest pixels of the same surface
+// stand in: of the same plane if there are any, otherwise of similar normals. The overlay of what is left out marks them.
 vec4 sumAt(ivec2 pixel) {
   vec4 sum = texelFetch(sums, pixel, 0);
   vec3 p = texelFetch(positions, pixel, 0).xyz, n = texelFetch(normals, pixel, 0).xyz;
-  for (int ring = 1; ring <= 16 && sum.w <= 0.0; ring *= 2) {
-    for (int i = 0; i < 16; ++i) {
-      float angle = 2.0 * pi * (float(i) + 0.5) / 16.0;
-      ivec2 other = pixel + ivec2(round(float(ring) * vec2(cos(angle), sin(angle))));
-      if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(size)))) continue;
-      vec3 d = texelFetch(positions, other, 0).xyz - p;
-      bool samePlane = dot(texelFetch(normals, other, 0).xyz, n) > 0.98 && abs(dot(d, n)) < 0.1 * length(d);
-      vec4 found = texelFetch(sums, other, 0);
-      if (samePlane && found.w > 0.0) sum += vec4(found.rgb / found.w, 1.0);
+  for (int attempt = 0; attempt < 2; ++attempt) {
+    vec2 similar = attempt == 0 ? vec2(0.98, 0.1) : vec2(0.5, 0.7);
+    for (int ring = 1; ring <= 16 && sum.w <= 0.0; ring *= 2) {
+      for (int i = 0; i < 16; ++i) {
+        float angle = 2.0 * pi * (float(i) + 0.5) / 16.0;
+        ivec2 other = pixel + ivec2(round(float(ring) * vec2(cos(angle), sin(angle))));
+        if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(size)))) continue;
+        vec3 d = texelFetch(positions, other, 0).xyz - p;
+        float turned = dot(texelFetch(normals, other, 0).xyz, n);
+        vec4 found = texelFetch(sums, other, 0);
+        if (turned > similar.x && abs(dot(d, n)) < similar.y * length(d) && found.w > 0.0) sum += vec4(found.rgb / found.w, 1.0);
+      }
     }
   }
   return sum;
@@ -130,6 +154,8 @@ void main() {
   vec4 sum = sumAt(pixel);
   vec3 radiance = showDirect ? texelFetch(radiances, pixel, 0).rgb + texelFetch(lampLight, pixel, 0).rgb : vec3(0.0);
   if (showIndirect && sum.w > 0.0) radiance += texelFetch(albedos, pixel, 0).rgb / pi * sum.rgb / sum.w;
+  vec4 gloss = texelFetch(glossSums, pixel, 0);
+  if (showIndirect && gloss.w > 0.0) radiance += gloss.rgb / gloss.w;
   outRadiance = vec4(radiance, 1.0);
 }
 `;

@@ -5,7 +5,7 @@
 // that is seen; so the box is found from inside as well, and what is far in front of a box costs nothing. Each fragment
 // adds (w E, w), and a later pass divides the sums.
 
-import { fetching, reading } from './records';
+import { fetching, reading, unpacking } from './records';
 
 export const splatVertex = /* glsl */ `#version 300 es
 precision highp float;
@@ -52,14 +52,7 @@ uniform highp sampler2D positions, normals, albedos;
 uniform int overlay;  // 1: the number of splats instead of irradiance
 ${fetching}
 ${reading}
-vec3 unpacked(float packed) {
-  float y = floor(packed / 4096.0);
-  vec2 f = vec2(packed - 4096.0 * y, y) / 4095.0 * 2.0 - 1.0;
-  vec3 n = vec3(f, 1.0 - abs(f.x) - abs(f.y));
-  float t = max(-n.z, 0.0);
-  n.xy += vec2(n.x >= 0.0 ? -t : t, n.y >= 0.0 ? -t : t);
-  return normalize(n);
-}
+${unpacking}
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 at = texelFetch(positions, pixel, 0);
@@ -67,7 +60,7 @@ void main() {
   vec4 t0 = recordTexel(vRecord, 0), t1 = recordTexel(vRecord, 1);
   vec3 d = at.xyz - t0.xyz;
   vec3 n = texelFetch(normals, pixel, 0).xyz;
-  float w = weightAt(t0.w, d, n, t1.xyz, recordTexel(vRecord, 2).xyz);
+  float w = weightAt(t0.w, d, n, t1.xyz, recordTexel(vRecord, 2).xyz, relaxation);
   if (w <= 0.0 || outOfSight(vRecord, t1.xyz, t1.w, d)) discard;
   if (overlay == 1) {
     weighted = vec4(1.0, 0.0, 0.0, w);

@@ -1,0 +1,72 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The page of `eclat view` as people use it: keys, pointer, settings, screen readers, browsers without WebGL 2."""
+
+from __future__ import annotations
+
+import base64
+import io
+import shlex
+from typing import Any
+
+import numpy as np
+import pytest
+from PIL import Image
+
+import eclat
+from eclat.cli.scene_options import camera_options
+from support.browser import require_browser, require_node, require_page, use_page
+
+
+@pytest.fixture(scope="module")
+def used() -> dict[str, Any]:
+    require_node(), require_browser(), require_page()
+    method = eclat.IrradianceCache(max_error=0.3)
+    with eclat.view("cornell-box", method, texel_size=0.3, samples=16) as viewer:
+        return use_page(viewer.url)
+
+
+def test_axe_finds_nothing(used: dict[str, Any]) -> None:
+    assert used["violations"] == {name: [] for name in ("light", "dark", "narrow", "without")}
+
+
+def test_the_tab_key_reaches_everything(used: dict[str, Any]) -> None:
+    reached = used["tabs"]
+    assert reached[0] == "picture" and len(set(reached)) == len(reached)
+    assert {"Exposure in stops", "Tone mapping", "Overlay", "Save screenshot", "Full screen"} <= set(reached)
+
+
+def flags_of(text: str) -> dict[str, list[float]]:
+    words = shlex.split(text)
+    return {
+        name.removeprefix("--"): [float(x) for x in value.replace("x", ",").split(",")]
+        for name, value in zip(words[::2], words[1::2], strict=True)
+    }
+
+
+def test_keys_walk_and_the_pointer_turns_the_camera(used: dict[str, Any]) -> None:
+    begin, walked, turned, back = (flags_of(used["flags"][name]) for name in ("begin", "walked", "turned", "back"))
+    # The camera of the Cornell box looks along -z.
+    assert walked["camera-from"][2] < begin["camera-from"][2] - 1e-3
+    np.testing.assert_allclose(walked["camera-from"][:2], begin["camera-from"][:2], atol=1e-4)
+    assert np.linalg.norm(np.subtract(turned["camera-from"], walked["camera-from"])) > 0.1
+    assert back == begin
+
+
+def test_the_copied_flags_are_flags_of_render(used: dict[str, Any]) -> None:
+    known = {option for parameter in camera_options(lambda: None).__click_params__ for option in parameter.opts}
+    assert {f"--{name}" for name in flags_of(used["flags"]["turned"])} <= known
+    assert flags_of(used["flags"]["begin"])["fov"] == pytest.approx(
+        [eclat.load("cornell-box").cameras[0].fov], abs=1e-3
+    )
+
+
+def test_the_screenshot_shows_the_picture(used: dict[str, Any]) -> None:
+    picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(used["screenshot"]))).convert("RGB"), float)
+    red, green = picture[..., 0].mean(), picture[..., 1].mean()
+    assert picture.std() > 20 and red > green > 5  # the box is lit by a warm lamp
+
+
+def test_without_webgl_2_the_page_says_so(used: dict[str, Any]) -> None:
+    assert "WebGL 2" in used["without"]
+    assert used["messages"] == []

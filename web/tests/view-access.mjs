@@ -1,0 +1,81 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Uses the page of `eclat view` as people do: node view-access.mjs CHROMIUM URL > answer.json
+// The answer has what axe-core finds in light and dark and on a narrow screen, how the keys and the pointer move the camera,
+// which elements the tab key reaches, the flags that are copied, and what a page without WebGL 2 shows.
+
+import { readFile } from 'node:fs/promises';
+import { createRequire } from 'node:module';
+import { inBrowser } from './browser.mjs';
+
+const axe = await readFile(createRequire(import.meta.url).resolve('axe-core/axe.min.js'), 'utf8');
+const url = process.argv[3];
+
+async function violations(page) {
+  await page.evaluate(axe);
+  const found = await page.evaluate(() => window.axe.run());
+  return found.violations.map((v) => `${v.id}: ${v.nodes.map((n) => n.html).join(' ')}`);
+}
+
+const ready = (page) => page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
+
+const answer = await inBrowser(process.argv[2], async (page, messages) => {
+  await page.setViewportSize({ width: 480, height: 360 });
+  await page.goto(url);
+  await ready(page);
+  const result = { violations: {}, tabs: [] };
+  for (const colorScheme of ['light', 'dark']) {
+    await page.emulateMedia({ colorScheme });
+    result.violations[colorScheme] = await violations(page);
+  }
+  await page.setViewportSize({ width: 320, height: 480 });
+  result.violations.narrow = await violations(page);
+  await page.setViewportSize({ width: 480, height: 360 });
+
+  const copy = page.getByRole('button', { name: 'Copy camera as flags' });
+  const flags = async () => {
+    await copy.click();
+    const told = page.locator('section p[role=status]');
+    await told.filter({ hasText: '--camera-from' }).waitFor();
+    return (await told.textContent()).replace('Copied: ', '');
+  };
+  result.flags = { begin: await flags() };
+  await page.locator('#picture').focus();
+  await page.keyboard.down('KeyW');
+  await page.waitForTimeout(400);
+  await page.keyboard.up('KeyW');
+  result.flags.walked = await flags();
+  await page.mouse.move(100, 100);
+  await page.mouse.down();
+  await page.mouse.move(140, 110);
+  await page.mouse.up();
+  result.flags.turned = await flags();
+  await page.getByLabel('Camera of the scene').selectOption('0');
+  result.flags.back = await flags();
+
+  await page.locator('#picture').focus();
+  for (let i = 0; i < 13; ++i) {
+    result.tabs.push(await page.evaluate(() => {
+      const { activeElement } = document;
+      return activeElement.labels?.[0]?.firstChild.textContent ?? (activeElement.id || activeElement.textContent);
+    }));
+    await page.keyboard.press('Tab');
+  }
+  const download = page.waitForEvent('download');
+  await page.getByRole('button', { name: 'Save screenshot' }).click();
+  result.screenshot = (await readFile(await (await download).path())).toString('base64');
+
+  await page.addInitScript(() => {
+    const getContext = HTMLCanvasElement.prototype.getContext;
+    HTMLCanvasElement.prototype.getContext = function (kind, ...rest) {
+      return kind === 'webgl2' ? null : getContext.call(this, kind, ...rest);
+    };
+  });
+  await page.reload();
+  await ready(page);
+  result.without = await page.locator('#message').textContent();
+  result.violations.without = await violations(page);
+  return { ...result, messages };
+});
+process.stdout.write(JSON.stringify(answer));

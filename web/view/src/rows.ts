@@ -1,0 +1,39 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Rows of records in a texture, which grows with them.
+
+import * as three from 'three';
+import { RECORDS_A_ROW, TEXELS } from './shaders/records';
+
+export const FLOATS = 4 * TEXELS;
+
+export class Rows {
+  values = new Float32Array(RECORDS_A_ROW * FLOATS);
+  count = 0;
+  readonly texture: three.DataTexture;
+
+  constructor() {
+    this.texture = new three.DataTexture(this.values, RECORDS_A_ROW * TEXELS, 1, three.RGBAFormat, three.FloatType);
+    this.texture.needsUpdate = true;
+  }
+
+  /** Sets the rows from `first` on; there are `count` of them then. */
+  set(rows: Float32Array, first: number, count: number): void {
+    const capacity = RECORDS_A_ROW * Math.max(1, Math.ceil(count / RECORDS_A_ROW));
+    if (this.values.length < capacity * FLOATS) {
+      const grown = new Float32Array(capacity * FLOATS);
+      grown.set(this.values);
+      this.values = grown;
+      this.texture.dispose(); // a texture on the graphics card has one size
+    }
+    this.values.set(rows, first * FLOATS);
+    this.count = count;
+    this.texture.image = {
+      data: this.values,
+      width: RECORDS_A_ROW * TEXELS,
+      height: this.values.length / FLOATS / RECORDS_A_ROW,
+    };
+    this.texture.needsUpdate = true;
+  }
+}
