@@ -13,7 +13,22 @@ import eclat
 from eclat import scenes
 from eclat.measure.metrics import away_from_edges, relative_rmse
 from eclat.methods.records.solution import Solution
-from eclat.scene import FloatArray, Scene
+from eclat.scene import (
+    Camera,
+    DirectionalLight,
+    Environment,
+    FloatArray,
+    Material,
+    Mesh,
+    PointLight,
+    Scene,
+    SpotLight,
+    look_at,
+    rgb,
+)
+from eclat.scenes import glossy_box
+from eclat.scenes.geometry import box as solid_box
+from eclat.scenes.geometry import mesh
 from support.browser import ViewedPage, look_at_page, require_browser, require_node, require_page
 
 SIZE = (160, 120)
@@ -35,6 +50,12 @@ class Shown:
     page: ViewedPage
     origin: str
     """The address of the server, without the token."""
+
+
+def supersampled(pixels: FloatArray, times: int) -> FloatArray:
+    """Average blocks of pixels, because the page takes one sample of a pixel and `render` averages over it."""
+    height, width, channels = pixels.shape
+    return pixels.reshape(height // times, times, width // times, times, channels).mean(axis=(1, 3))
 
 
 def points_near(solution: Solution, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
@@ -88,3 +109,54 @@ def test_the_picture_is_that_of_render(cornell_box: Shown) -> None:
     assert inside.mean() > 0.5
     error = relative_rmse(cornell_box.page.pictures[0], a.pixels, b.pixels, mask=inside)
     assert error < 0.02, f"{error:.4f}"
+
+
+def lamps_over_a_table() -> Scene:
+    """A point, two spots, a sun and a sky that is alike everywhere, above a floor and a box."""
+    floor = Material("diffuse", {"reflectance": rgb(0.5, 0.45, 0.4)}, name="floor")
+    box = Material("diffuse", {"reflectance": rgb(0.2, 0.4, 0.7)}, name="box")
+    ground = [(-3, 0, 3), (3, 0, 3), (3, 0, -3), (-3, 0, -3)]
+    meshes = (
+        Mesh(np.array(ground, float), np.array([[0, 1, 2], [0, 2, 3]]), floor, name="floor"),
+        mesh([solid_box((-0.5, 0, -0.4), (0.5, 0.8, 0.4))], box, "box"),
+    )
+    lights = (
+        PointLight((-1.2, 1.5, 0.8), (1.5, 1.2, 1.0)),
+        SpotLight((1.5, 2, 1), (-0.4, -1, -0.5), (3, 3, 4), 15, 35, "smooth"),
+        SpotLight((0.5, 2.5, -1.5), (-0.2, -1, 0.3), (3, 4, 2), 10, 30, "linear"),
+        DirectionalLight((0.6, -1, -0.3), (1, 0.9, 0.8), 1.5),
+    )
+    sky = Environment(np.full((1, 1, 3), 0.15, np.float32))
+    camera = Camera(look_at((2, 3, 4), (0, 0.2, 0)), fov=40, name="camera")
+    return Scene(meshes=meshes, lights=lights, environment=sky, cameras=(camera,), name="lamps")
+
+
+def test_lamps_and_sky_are_those_of_render() -> None:
+    require_node(), require_browser(), require_page()
+    scene = lamps_over_a_table()
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.02), size=SIZE, check=False)
+    asked = {"camera": 0, "width": 3 * SIZE[0], "height": 3 * SIZE[1]}
+    with eclat.view(scene, solution) as viewer:
+        page = look_at_page(viewer.url, [asked])
+    assert page.message == "" and page.messages == []
+    a, b = (eclat.render(scene, solution, size=SIZE, samples=SAMPLES, seed=seed) for seed in (1, 2))
+    inside = away_from_edges(a.layers["depth"], a.layers["normal"])
+    error = relative_rmse(supersampled(page.pictures[0], 3), a.pixels, b.pixels, mask=inside)
+    assert error < 0.02, f"{error:.4f}"
+
+
+def test_gloss_is_that_of_render() -> None:
+    require_node(), require_browser(), require_page()
+    scene = glossy_box.build(alpha=0.4)
+    solution = eclat.solve(scene, eclat.RadianceCache(max_error=0.02), size=SIZE, check=False)
+    asked = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
+    with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
+        page = look_at_page(viewer.url, [asked])
+    assert page.message == "" and page.messages == []
+    a, b = (eclat.render(scene, solution, size=SIZE, samples=SAMPLES, seed=seed) for seed in (1, 2))
+    # What is too sharp for the records is traced by `render` and left out by the page.
+    cached = a.layers["gloss_cached"] > 0.99
+    inside = away_from_edges(a.layers["depth"], a.layers["normal"]) & cached
+    assert inside.mean() > 0.05
+    error = relative_rmse(page.pictures[0], a.pixels, b.pixels, mask=inside)
+    assert error < 0.04, f"{error:.4f}"

@@ -12,7 +12,7 @@ the rows), `order`, `grid`, and the arrays
 
     lobe_of        (n,) index of the lobe of each record
     coefficients   (n, 3, order², 4) values, derivatives along u and along v of the frame around the normal; RGB and 0, in
-                   W/m² and W/m³; the excess is apart, in the rows
+                   W/m² and W/m³, of indirect and direct light (see `lamp_gloss`); the excess is apart, in the rows
     lobes          (lobes · GRID², order² + 1, 4) factors; RGB and 0; the last entry is the albedo and the width σ of the lobe,
                    which is 0 where it may not be cached
 """
@@ -27,6 +27,7 @@ from eclat.methods.records.options import RadianceOptions
 from eclat.methods.records.radiance_tables import radiance_tables
 from eclat.methods.records.solution import Solution
 from eclat.scene import Scene
+from eclat.viewer.lamp_gloss import direct_coefficients
 from eclat.viewer.messages import encode_message
 from eclat.viewer.record_rows import ROW, reading_of, rows_of
 
@@ -70,10 +71,13 @@ def _arrays(scene: Scene, solution: Solution, options: RadianceOptions) -> dict[
     rows, read = rows_of(np.asarray(caches.radiance_records), np.asarray(caches.radiance_shared_excess))
     kept = lobe_of[read] >= 0
     numbers = np.flatnonzero(read)[kept]
+    coefficients = coefficients_of(caches, options.order)[numbers]
+    positions, radii, normals = rows[kept, :3], rows[kept, 3], rows[kept, 4:7]
+    coefficients[..., :3] += direct_coefficients(scene, positions, normals, radii, options.order)
     return {
         "rows": rows[kept],
         "lobe_of": lobe_of[numbers],
-        "coefficients": coefficients_of(caches, options.order)[numbers],
+        "coefficients": coefficients,
         "lobes": _lobes(factors, widths, albedos),
     }
 

@@ -8,6 +8,7 @@ import { decodeMessage, type GlossHeader, type LightHeader, type RecordsHeader, 
 import { Navigation } from './navigation';
 import { fillPanel } from './panel';
 import { Pose } from './pose';
+import { recordFacts } from './record_facts';
 import { Renderer, USUAL_LOOK, type Look } from './renderer';
 
 /** What tests and other pages may ask of this page. */
@@ -73,7 +74,9 @@ async function start(): Promise<void> {
   const pose = new Pose(renderer.surfaces.bounds.getSize(new three.Vector3()).length());
   let stale = true;
   const changed = () => (stale = true);
-  const navigation = new Navigation(canvas, pose, new three.Vector3(...header.up).normalize(), changed);
+  const navigation = new Navigation(canvas, pose, new three.Vector3(...header.up).normalize(), changed, (x, y) =>
+    inspect(x, y),
+  );
   const showCamera = (number: number) => {
     const camera = header.cameras[number];
     if (!camera) return;
@@ -88,7 +91,7 @@ async function start(): Promise<void> {
     const [width, height] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
     if (width > 0 && height > 0) renderer.draw(pose, look, width, height);
   };
-  const told = fillPanel(byId('panel'), {
+  const panel = fillPanel(byId('panel'), {
     look,
     cameras: header.cameras.map((camera) => camera.name),
     notes: header.notes,
@@ -100,11 +103,19 @@ async function start(): Promise<void> {
       draw(); // a picture can be read only in the task that drew it
       canvas.toBlob((blob) => blob && save(blob, `${header.name}.png`));
     },
+    inspectMiddle: () => inspect(canvas.clientWidth / 2, canvas.clientHeight / 2),
     toggleFullScreen: () =>
       void (document.fullscreenElement ? document.exitFullscreen() : document.documentElement.requestFullscreen()),
   });
+  const inspect = (x: number, y: number) => {
+    draw(); // the places of the picture as it is now
+    const ratio = window.devicePixelRatio;
+    const place = renderer.placeAt(Math.round(x * ratio), Math.round((canvas.clientHeight - y) * ratio) - 1);
+    const number = place ? renderer.records.nearest(place) : -1;
+    panel.showRecord(number < 0 ? [['No record', 'serves this place']] : recordFacts(renderer.records, number, header));
+  };
   byId('panel').hidden = false;
-  told.textContent =
+  panel.facts.textContent =
     `${header.name}: ${renderer.surfaces.triangles.toLocaleString('en')} triangles, ` +
     `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
     (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : '');

@@ -17,6 +17,9 @@ const PACE = 0.12;
 /** The least angle in radians between the gaze and the vertical. */
 const STEEPEST = 0.02;
 
+/** Pixels that a pointer may move in a click. */
+const CLICK = 4;
+
 /** Directions of keys: right, up, backward. */
 const KEYS: Readonly<Record<string, readonly [number, number, number]>> = {
   KeyW: [0, 0, -1],
@@ -36,22 +39,23 @@ const KEYS: Readonly<Record<string, readonly [number, number, number]>> = {
 export class Navigation {
   mode: Mode = 'orbit';
   private distance: number;
+  private dragged = 0;
   private readonly pressed = new Set<string>();
   private readonly pointers = new Map<number, { x: number; y: number }>();
 
-  /** `changed` is called whenever the eye has moved. */
+  /** `changed` is called whenever the eye has moved, `clicked` with a place on the canvas, in its own pixels. */
   constructor(
     private readonly canvas: HTMLCanvasElement,
     private readonly pose: Pose,
     private readonly sceneUp: three.Vector3,
     private readonly changed: () => void,
+    private readonly clicked: (x: number, y: number) => void,
   ) {
     this.distance = 0.5 * pose.diagonal;
     canvas.addEventListener('pointerdown', (event) => this.down(event));
     canvas.addEventListener('pointermove', (event) => this.move(event));
-    for (const kind of ['pointerup', 'pointercancel'] as const) {
-      canvas.addEventListener(kind, (event) => this.pointers.delete(event.pointerId));
-    }
+    canvas.addEventListener('pointerup', (event) => this.release(event));
+    canvas.addEventListener('pointercancel', (event) => this.pointers.delete(event.pointerId));
     canvas.addEventListener('wheel', (event) => this.wheel(event), { passive: false });
     canvas.addEventListener('keydown', (event) => this.key(event));
     canvas.addEventListener('keyup', (event) => this.pressed.delete(event.code));
@@ -82,11 +86,18 @@ export class Navigation {
   private down(event: PointerEvent): void {
     this.canvas.setPointerCapture(event.pointerId);
     this.pointers.set(event.pointerId, { x: event.clientX, y: event.clientY });
+    this.dragged = 0;
+  }
+
+  private release(event: PointerEvent): void {
+    this.pointers.delete(event.pointerId);
+    if (this.dragged < CLICK) this.clicked(event.offsetX, event.offsetY);
   }
 
   private move(event: PointerEvent): void {
     const last = this.pointers.get(event.pointerId);
     if (!last) return;
+    this.dragged += Math.hypot(event.clientX - last.x, event.clientY - last.y);
     const { clientWidth, clientHeight } = this.canvas;
     const [x, y] = [(event.clientX - last.x) / clientHeight, (event.clientY - last.y) / clientHeight];
     if (this.pointers.size === 2) {

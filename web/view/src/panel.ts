@@ -16,6 +16,7 @@ export interface PanelActions {
   copyCamera(): Promise<string>;
   saveScreenshot(): void;
   toggleFullScreen(): void;
+  inspectMiddle(): void;
 }
 
 const TONE_MAPPINGS: readonly [ToneMapping, string][] = [
@@ -27,6 +28,7 @@ const OVERLAYS: readonly [Overlay, string][] = [
   ['none', 'None'],
   ['weights', 'Sum of weights'],
   ['density', 'Splats per pixel'],
+  ['records', 'Records and their radii'],
   ['left-out', 'What is left out'],
 ];
 const MODES: readonly [Mode, string][] = [
@@ -34,8 +36,15 @@ const MODES: readonly [Mode, string][] = [
   ['walk', 'Walk'],
 ];
 
-/** Fills the panel. Returns the element that tells about the picture. */
-export function fillPanel(panel: HTMLElement, actions: PanelActions): HTMLElement {
+/** What the page writes into the panel. */
+export interface Panel {
+  readonly facts: HTMLElement;
+  /** Shows the facts about a record, by their names. */
+  showRecord(facts: readonly (readonly [string, string])[]): void;
+}
+
+/** Fills the panel. */
+export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
   const { look } = actions;
   const set = <K extends keyof Look>(key: K) => (value: Look[K]) => {
     look[key] = value;
@@ -70,6 +79,10 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): HTMLElemen
     checkbox('Clearance test', look.clearance, set('clearance')),
   );
 
+  const record = section('Record');
+  const shown = element('dl', { 'aria-live': 'polite' });
+  record.append(button('Inspect the record in the middle', () => actions.inspectMiddle()), shown);
+
   const facts = section('Scene');
   const told = element('p', {});
   facts.append(told);
@@ -80,11 +93,18 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): HTMLElemen
   }
   const keys = element('p', { id: 'keys' });
   keys.textContent =
-    'Drag to turn, drag with Shift or the right button to move, scroll to go nearer. In the picture, the keys W A S D or the ' +
+    'Click to inspect a record. Drag to turn, drag with Shift or the right button to move, scroll to go nearer. In the picture, the keys W A S D or the ' +
     'arrows walk, E and Q go up and down, and Shift is faster. Two fingers move and zoom.';
   facts.append(keys);
-  panel.append(camera, picture, light, facts);
-  return told;
+  panel.append(camera, picture, light, record, facts);
+  const showRecord = (found: readonly (readonly [string, string])[]) =>
+    shown.replaceChildren(
+      ...found.flatMap(([name, value]) => [
+        Object.assign(element('dt', {}), { textContent: name }),
+        Object.assign(element('dd', {}), { textContent: value }),
+      ]),
+    );
+  return { facts: told, showRecord };
 }
 
 function element<K extends keyof HTMLElementTagNameMap>(tag: K, attributes: Record<string, string>): HTMLElementTagNameMap[K] {

@@ -5,7 +5,7 @@
 
 import * as three from 'three';
 import { arrayOf, type Message, type Reading, type RecordsHeader } from './messages';
-import { Rows } from './rows';
+import { FLOATS, Rows } from './rows';
 import { everywhereVertex, splatFragment, splatVertex } from './shaders/splat';
 import { withoutVersion } from './surfaces';
 
@@ -69,7 +69,7 @@ export class Records {
   constructor(inputs: Uniforms) {
     this.triangles.setAttribute('position', new three.BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
     this.triangles.instanceCount = 0;
-    this.uniforms = { ...inputs, ...readingUniforms(this.rows), overlay: { value: 0 } };
+    this.uniforms = { ...inputs, ...readingUniforms(this.rows), overlay: { value: 0 }, pixelAngle: { value: 1 } };
     this.splats = splatScene(this.boxes, splatVertex, splatFragment, this.uniforms);
     this.everywhere = splatScene(this.triangles, everywhereVertex, splatFragment, this.uniforms, false);
   }
@@ -86,11 +86,29 @@ export class Records {
     this.boxes.instanceCount = this.triangles.instanceCount = count;
   }
 
-  /** Sets how the records are read. `counted`: splats are counted instead of their light. */
-  switch(switches: Switches, counted = false): void {
+  /** Sets how the records are read, and what splats add: their light, a count, or outlines of that width at distance 1. */
+  switch(switches: Switches, adds: 'light' | 'count' | 'outlines' = 'light', pixelAngle = 1): void {
     if (!this.reading) return;
     setUniforms(this.uniforms, readingValues(this.reading, switches, this.reading.relaxation));
-    setUniforms(this.uniforms, { overlay: counted ? 1 : 0 });
+    setUniforms(this.uniforms, { overlay: ['light', 'count', 'outlines'].indexOf(adds), pixelAngle });
+  }
+
+  /** The number of the record whose ellipse holds a place most closely to its middle, or −1. */
+  nearest(place: three.Vector3): number {
+    const { values } = this.rows;
+    let [best, least] = [-1, this.reading?.relaxation ?? 1];
+    const d = new three.Vector3();
+    const stretch = new three.Vector3();
+    const normal = new three.Vector3();
+    for (let i = 0; i < this.count; ++i) {
+      const at = i * FLOATS;
+      const radius = values[at + 3] ?? 0;
+      d.fromArray(values, at).sub(place);
+      const off = Math.abs(d.dot(normal.fromArray(values, at + 4)));
+      const share = Math.sqrt(Math.max(0, d.lengthSq() - d.dot(stretch.fromArray(values, at + 8)) ** 2)) / radius;
+      if (share < least && off < 0.1 * radius + 0.2 * d.length()) [best, least] = [i, share];
+    }
+    return best;
   }
 }
 

@@ -15,7 +15,7 @@ import { floatTexture, makeSurfaces, makeView, type ShadowView, type Surfaces, t
 import type { Pose } from './pose';
 
 export type ToneMapping = 'none' | 'filmic' | 'agx';
-export type Overlay = 'none' | 'weights' | 'density' | 'left-out';
+export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records';
 
 /** What the picture shows. */
 export interface Look {
@@ -39,7 +39,7 @@ export const USUAL_LOOK: Look = {
 };
 
 const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
-const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3 };
+const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4 };
 
 export class Renderer {
   readonly precision: Precision;
@@ -156,6 +156,13 @@ export class Renderer {
     return sums;
   }
 
+  /** The place that the picture shows at a pixel, counted from its bottom left, or nothing. */
+  placeAt(x: number, y: number): three.Vector3 | undefined {
+    const texel = new Float32Array(4);
+    this.gl.readRenderTargetPixels(this.targets.surfaces, x, y, 1, 1, texel, undefined, 0);
+    return texel[3] ? new three.Vector3().fromArray(texel) : undefined;
+  }
+
   private drawLinear(pose: Pose, look: Look, width: number, height: number): void {
     this.resize(width, height);
     const aspect = width / height;
@@ -177,8 +184,9 @@ export class Renderer {
     gl.setRenderTarget(targets.glossSums);
     gl.clear(true, false, false);
     gl.render(this.gloss.splats, this.camera);
-    if (look.overlay === 'density') {
-      this.records.switch(look, true);
+    if (look.overlay === 'density' || look.overlay === 'records') {
+      const pixelAngle = (2 * pose.extent(aspect)[1]) / height;
+      this.records.switch(look, look.overlay === 'density' ? 'count' : 'outlines', pixelAngle);
       gl.setRenderTarget(targets.counts);
       gl.clear(true, false, false);
       gl.render(this.records.splats, this.camera);

@@ -12,7 +12,7 @@ precision highp int;
 layout(location = 0) out vec4 outColor;
 uniform highp sampler2D picture, positions, normals, sums, counts;
 uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
-uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is not shown
+uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is left out, 4: records
 uniform float scale;      // 2 to the power of the exposure
 ${ShaderChunk['tonemapping_pars_fragment']}
 vec3 filmic(vec3 x) {
@@ -44,6 +44,10 @@ void main() {
     bool stripe = (pixel.x + pixel.y) % 12 < 6;
     vec3 mark = weight <= 0.0 ? vec3(0.9, 0.15, 0.1) : gloss > 2.5 ? vec3(0.1, 0.7, 0.9) : vec3(0.95, 0.65, 0.1);
     if (weight <= 0.0 || gloss > 0.5) color = stripe ? mark : mix(vec3(light), mark, 0.3);
+  }
+  if (seen && overlay == 4) {
+    vec2 drawn = min(texelFetch(counts, pixel, 0).rg, 1.0);
+    color = mix(mix(0.6 * color, vec3(0.3, 0.75, 1.0), 0.8 * drawn.r), vec3(1.0, 0.9, 0.2), drawn.g);
   }
   outColor = vec4(color, 1.0);
 }

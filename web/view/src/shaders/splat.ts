@@ -49,7 +49,9 @@ precision highp int;
 flat in int vRecord;
 layout(location = 0) out vec4 weighted;
 uniform highp sampler2D positions, normals, albedos;
-uniform int overlay;  // 1: the number of splats instead of irradiance
+uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records
+uniform vec4 eye;
+uniform float pixelAngle;  // width of a pixel at distance 1, or of a parallel view
 ${fetching}
 ${reading}
 ${unpacking}
@@ -64,6 +66,13 @@ void main() {
   if (w <= 0.0 || outOfSight(vRecord, t1.xyz, t1.w, d)) discard;
   if (overlay == 1) {
     weighted = vec4(1.0, 0.0, 0.0, w);
+    return;
+  }
+  if (overlay == 2) {
+    float along = dot(d, recordTexel(vRecord, 2).xyz);
+    float pixelWidth = pixelAngle * (eye.w > 0.5 ? distance(eye.xyz, at.xyz) : 1.0);
+    float ring = abs(sqrt(max(0.0, dot(d, d) - along * along)) - t0.w) / pixelWidth;
+    weighted = vec4(1.0 - smoothstep(0.5, 1.5, ring), 1.0 - smoothstep(1.5, 2.5, length(d) / pixelWidth), 0.0, w);
     return;
   }
   float packed = texelFetch(albedos, pixel, 0).w;
