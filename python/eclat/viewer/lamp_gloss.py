@@ -52,7 +52,7 @@ def emitters_of(scene: Scene) -> Emitters:
     found: list[tuple[FloatArray, FloatArray, FloatArray, int, object]] = []
     glowing = _glowing_triangles(scene, center)
     areas = np.array([0.5 * np.linalg.norm(np.cross(c[1] - c[0], c[2] - c[0])) for c, _, _ in glowing])
-    for i, share in _chosen(areas * [luminance(radiance) for _, radiance, _ in glowing]):
+    for i, share in _chosen(areas * np.array([luminance(radiance) for _, radiance, _ in glowing])):
         corners, radiance, kind = glowing[i]
         axis = np.cross(corners[1] - corners[0], corners[2] - corners[0]) / (2 * areas[i])
         places = _places(corners, max(1, POINTS // len(glowing)))
@@ -67,8 +67,9 @@ def emitters_of(scene: Scene) -> Emitters:
             found.append((position, axis / np.linalg.norm(axis), np.asarray(light.intensity, float), LAMP, light))
     if not found:
         return Emitters(np.zeros((0, 3)), np.zeros((0, 3)), np.zeros((0, 3)), np.zeros(0, int), [])
-    position, axis, power, kinds, lamps = zip(*found, strict=True)
-    return Emitters(np.array(position), np.array(axis), np.array(power), np.array(kinds), list(lamps))
+    columns = list(zip(*found, strict=True))
+    position, direction, power, kinds = (np.array(column) for column in columns[:4])
+    return Emitters(position, direction, power, kinds, list(columns[4]))
 
 
 def direct_coefficients(
