@@ -6,7 +6,7 @@ SOURCES := CMakeLists.txt pyproject.toml $(shell find core bindings python -type
 PAGE := python/eclat/viewer/page/index.html
 CORE_TESTS := $(shell find tests/core -type f)
 
-.PHONY: demo test install page core-test clean
+.PHONY: demo test docs install page core-test clean
 .DEFAULT_GOAL := demo
 
 demo: .venv/installed ## render the built-in scenes by irradiance caching and by path tracing, side by side
@@ -14,6 +14,9 @@ demo: .venv/installed ## render the built-in scenes by irradiance caching and by
 
 test: web/node_modules/installed .venv/tested core-test ## all tests but the dearest (tools/check --full has those)
 	.venv/bin/python -m pytest tests -m "not full"
+
+docs: .venv/documented ## the documentation site, in build/docs/html
+	.venv/bin/python tools/docs.py
 
 install: .venv/installed
 
@@ -36,7 +39,11 @@ $(PAGE): web/package.json web/package-lock.json $(shell find web/view -type f)
 	touch $@
 
 .venv/tested: web/node_modules/installed .venv/installed
-	.venv/bin/pip install --quiet '.[test]'
+	.venv/bin/pip install --quiet '.[test,docs]'
+	touch $@
+
+.venv/documented: .venv/installed
+	.venv/bin/pip install --quiet '.[docs]'
 	touch $@
 
 web/node_modules/installed: web/package.json web/package-lock.json
