@@ -38,8 +38,17 @@ extensions = [
     "python_reference",
     "repository_links",
 ]
-exclude_patterns = ["_extensions", "README.md", "gallery/*.py", "gallery/*.ipynb", "sg_execution_times.rst"]
-suppress_warnings = ["config.cache"]  # The settings of the gallery hold an object that cannot be compared.
+exclude_patterns = [
+    "_extensions",
+    "README.md",
+    "gallery/*.py",
+    "gallery/*.ipynb",
+    "**/sg_execution_times.rst",
+    "sg_execution_times.rst",
+]
+suppress_warnings = [
+    "config.cache",  # The settings of the gallery hold an object that cannot be compared.
+]
 nitpick_ignore_regex = [("py:.*", r"(numpy|np|collections|os|pathlib|NDArray).*")]
 
 # Markdown -------------------------------------------------------------------------------------------------------------

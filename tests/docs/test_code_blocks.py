@@ -106,7 +106,7 @@ def test_failing_command_is_found(tmp_path: Path, monkeypatch: pytest.MonkeyPatc
 
 def test_small_work_keeps_the_command() -> None:
     assert smaller(["render", "room.glb", "--samples", "64", "-o", "x.png"]) == (
-        ["render", "room.glb", "--samples", "4", "-o", "x.png", "--size", "32x24"]
+        ["render", "room.glb", "--samples", "4", "-o", "x.png", "--size", "32x24", "--max-error", "0.2"]
     )
     assert smaller(["render", "room.glb", "--continue", "x.exr", "--max-error", "0.01"])[-1] == "0.2"
     assert smaller(["scenes"]) == ["scenes"]

@@ -18,6 +18,8 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import eclat
+
 ROOT = Path(__file__).resolve().parents[2]
 PROGRAMS = ("sh", "python", "js", "html", "xml", "cpp")
 """Languages of blocks that someone might run; others, such as `text`, `json` and `math`, show something."""
@@ -92,7 +94,9 @@ def run_block(block: Block, names: dict[str, Any], commands: Path) -> None:
 def write_command(folder: Path, module: str) -> None:
     """Write the command `eclat` into a folder; it runs a module of the package or of the tests by this interpreter."""
     folder.mkdir(parents=True, exist_ok=True)
-    path = os.pathsep.join([str(ROOT / "tests"), os.environ.get("PYTHONPATH", "")])
+    # The package that this process uses, whether it is installed or lies beside the tests.
+    package = Path(eclat.__file__).resolve().parent.parent
+    path = os.pathsep.join([str(ROOT / "tests"), str(package)])
     script = folder / "eclat"
     script.write_text(f'#!/bin/sh\nPYTHONPATH="{path}" exec "{sys.executable}" -m {module} "$@"\n', encoding="utf-8")
     script.chmod(0o755)

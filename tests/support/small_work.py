@@ -23,7 +23,18 @@ ADDED = {
     "solve": ["--size", "32x24", "--max-error", "0.2"],
     "irradiance": ["--max-error", "0.2"],
     "bake": ["--texel-size", "0.25", "--max-error", "0.2"],
-    "compare": ["--size", "24x16", "--levels", "1", "--samples", "2", "--reference-samples", "4"],
+    "compare": [
+        "--size",
+        "24x16",
+        "--levels",
+        "1",
+        "--samples",
+        "2",
+        "--reference-samples",
+        "4",
+        "--methods",
+        "path,direct",
+    ],
 }
 """Options that a command gets if they are not given."""
 
@@ -44,6 +55,8 @@ def smaller(arguments: list[str]) -> list[str]:
             out[i + 1] = f"{SIZE[0]}x{SIZE[1]}"
     if out and not any(name in out for name in SETTINGS_STAY) and "--help" not in out:
         added = ADDED.get(out[0], [])
+        if out[0] == "render" and "--time" not in out:
+            added = [*added, "--samples", "4", "--max-error", "0.2"]
         for name, value in zip(added[::2], added[1::2], strict=True):
             if name not in out and not (name == "--max-error" and "--cache" in out):
                 out += [name, value]
