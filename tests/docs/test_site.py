@@ -99,9 +99,8 @@ def test_dead_links_and_foreign_hosts_are_found(builder: ModuleType, tmp_path: P
     [pytest.param(path, marks=[pytest.mark.full] if path.stem in DEAR else [], id=path.stem) for path in EXAMPLES],
 )
 def test_example_of_the_gallery_runs(example: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    if "denoise=True" in example.read_text(encoding="utf-8"):
-        if not has_denoiser():
-            pytest.skip("the example needs Open Image Denoise")
+    if "denoise=True" in example.read_text(encoding="utf-8") and not has_denoiser():
+        pytest.skip("the example needs Open Image Denoise")
     monkeypatch.chdir(tmp_path)
     make_small(monkeypatch)
     runpy.run_path(str(example))
