@@ -74,7 +74,7 @@ def _shift(camera: Any, fit: str, size: tuple[int, int]) -> tuple[float, float]:
     """Blender shifts the frame by a part of the fitted side of the picture, right and up; the principal point moves the
     other way within the picture."""
     side = size[0] if fit == "x" else size[1]
-    return -camera.shift_x * side / size[0], camera.shift_y * side / size[1]
+    return camera.shift_x * side / size[0], -camera.shift_y * side / size[1]
 
 
 def _focus(camera: Any, to_world: np.ndarray, where: str, notices: Notices) -> tuple[float, float]:

@@ -16,13 +16,13 @@ from .camera import scene_camera
 from .film import without_background
 from .notices import Notices
 from .translate import translate
-from .world import DrawnWorld
+from .world import DrawWorld
 
 PREVIEW_SAMPLES = 32
 """Paths per pixel of the small pictures of materials in Blender's panels."""
 
 
-def draw_final(engine: Any, depsgraph: Any, draw_world: DrawnWorld) -> None:
+def draw_final(engine: Any, depsgraph: Any, draw_world: DrawWorld) -> None:
     """Render the view layer of a dependency graph into the result of a render engine.
 
     The engine has Blender's methods `begin_result`, `end_result`, `update_result`, `update_progress`, `update_stats`,
@@ -40,7 +40,7 @@ def draw_final(engine: Any, depsgraph: Any, draw_world: DrawnWorld) -> None:
 
 
 class _Final:
-    def __init__(self, engine: Any, depsgraph: Any, draw_world: DrawnWorld, notices: Notices) -> None:
+    def __init__(self, engine: Any, depsgraph: Any, draw_world: DrawWorld, notices: Notices) -> None:
         self.engine, self.depsgraph, self.notices = engine, depsgraph, notices
         self.draw_world = draw_world
         scene = depsgraph.scene

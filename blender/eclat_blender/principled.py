@@ -6,38 +6,61 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from eclat.scene import Material, Value, grey
 
 from .fields import Field
 from .links import Found
 from .shaders import SHADERS, Shading, glow
-from .surfaces import Surface
+from .surfaces import CLEAR, Surface
 
 LEFT_OUT = ("Subsurface Weight", "Anisotropic", "Sheen Weight", "Coat Weight", "Thin Film Thickness", "Diffuse Roughness")
 """Inputs that Éclat's materials do not have; they are named where they are not 0."""
+
+LEAST_SHARE = 1e-3
+"""Share of the opaque part below which its metalness no longer matters."""
 
 USUAL_LEVEL = 0.5
 """Blender's specular level at which the index of refraction alone determines the reflectance."""
 
 
 def principled(shading: Shading, found: Found) -> Surface:
-    """Read a Principled BSDF."""
+    """Read a Principled BSDF.
+
+    The light that it transmits takes the square root of the base colour at each of the two surfaces that it crosses, so
+    glass is a material of its own, which is blended with the opaque part.
+    """
     shading.unsupported(found, *LEFT_OUT)
     if found.node.distribution == "MULTI_GGX":
         shading.values.refuse("light that facets scatter several times (Multiscatter GGX) is left out")
     values = shading.values
-    transmission = values.input(found, "Transmission Weight")
-    clear = transmission.is_constant and transmission.number <= 0
-    parameters = {
-        "base_color": shading.value(values.input(found, "Base Color")),
-        "metallic": shading.value(values.input(found, "Metallic")),
-        "roughness": shading.roughness(values.input(found, "Roughness")),
-        "transmission": shading.value(transmission),
-        **_specular(shading, found, clear),
-    }
-    material = Material(
-        "metallic_roughness", parameters, thin_walled=False, normal_map=shading.normal_map(found)
+    color, metallic, transmission = (
+        values.input(found, name).mapped(lambda x: x.clip(0, 1))
+        for name in ("Base Color", "Metallic", "Transmission Weight")
     )
+    glass = values.join(lambda t, m: t * (1 - m), transmission, metallic)
+    metal = values.join(lambda m, g: m / np.maximum(1 - g, LEAST_SHARE), metallic, glass)
+    normal = shading.normal_map(found)
+
+    def part(base: Field, metal: Field, share: float) -> Material:
+        parameters = {
+            "base_color": shading.value(base),
+            "metallic": shading.value(metal),
+            "roughness": shading.roughness(values.input(found, "Roughness")),
+            "transmission": grey(share),
+            **_specular(shading, found, share == 0),
+        }
+        return Material("metallic_roughness", parameters, thin_walled=False, normal_map=normal)
+
+    root = color.mapped(np.sqrt)
+    if glass.is_constant and glass.number <= 0:
+        material = part(color, metal, 0)
+    elif glass.is_constant and glass.number >= 1:
+        material = part(root, CLEAR, 1)
+    else:
+        children = (part(color, metal, 0), part(root, CLEAR, 1))
+        material = Material("blend", {"weight": shading.value(glass)}, children=children, normal_map=normal)
     opacity = values.input(found, "Alpha").mapped(lambda x: x.clip(0, 1))
     return Surface(material, glow(shading, found, "Emission Color", "Emission Strength"), opacity)
 

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import subprocess
 import sys
 import tempfile
@@ -14,40 +15,48 @@ from typing import Any
 import bpy
 import numpy as np
 
+from eclat.scene import DirectionalLight
+
+from .world import DrawnWorld
+
 SIZE = (1024, 512)
-"""Width and height of a drawn world in pixels."""
+"""Width and height of a drawn world in pixels. Suns are drawn apart."""
 
-SUN_SIZE = (4096, 2048)
-"""Width and height if the world has a sun, whose disc of 0.545 degrees is then six pixels wide."""
-
-SECONDS = 120
+SECONDS = 300
 """Time after which drawing is given up."""
 
-_drawn: dict[str, np.ndarray] = {}
+_drawn: dict[str, DrawnWorld] = {}
 
 
-def draw_world(world: Any) -> np.ndarray | None:
-    """Draw a world as an equirectangular image (H, W, 3) of its radiance, row 0 on top, centre at +x; None if it fails.
-
-    The same world is drawn once in a session.
-    """
-    size = SUN_SIZE if _has_sun(world) else SIZE
-    with tempfile.TemporaryDirectory() as folder:
-        library, picture = Path(folder) / "world.blend", Path(folder) / "world.npy"
-        bpy.data.libraries.write(str(library), {world.original}, path_remap="ABSOLUTE", fake_user=True)
-        key = f"{world.original.name_full}-{size}-{_mark(world.original)}"
-        if key not in _drawn:
-            command = [*_blender(), "--", str(library), str(picture), *map(str, size)]
-            done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
-            if not picture.exists():
+def draw_world(world: Any) -> DrawnWorld | None:
+    """Draw a world with Cycles; None if that fails. The same world is drawn once in a session."""
+    original = world.original
+    key = f"{original.name_full}-{_mark(original)}"
+    if key not in _drawn:
+        with tempfile.TemporaryDirectory() as folder:
+            library, target = Path(folder) / "world.blend", Path(folder) / "world.npz"
+            bpy.data.libraries.write(str(library), {original}, path_remap="ABSOLUTE", fake_user=True)
+            command = [*_blender(), "--", str(library), str(target), *map(str, SIZE)]
+            try:
+                done = subprocess.run(command, capture_output=True, text=True, timeout=SECONDS)
+            except subprocess.TimeoutExpired:
+                return None
+            if not target.exists():
                 print("Éclat: Cycles could not draw the world:", done.stderr[-500:])
                 return None
-            _drawn[key] = np.load(picture)
+            with np.load(target) as arrays:
+                _drawn[key] = _read(arrays)
     return _drawn[key]
 
 
-def _has_sun(world: Any) -> bool:
-    return any(node.type == "TEX_SKY" and getattr(node, "sun_disc", False) for node in world.node_tree.nodes)
+def _read(arrays: Any) -> DrawnWorld:
+    sky = np.ascontiguousarray(arrays["sky"], np.float32)
+    if "irradiance" not in arrays:
+        return DrawnWorld(sky)
+    direction, irradiance = (tuple(float(x) for x in arrays[name]) for name in ("direction", "irradiance"))
+    backwards: Any = tuple(-x for x in direction)
+    power: Any = irradiance
+    return DrawnWorld(sky, DirectionalLight(backwards, power, math.degrees(float(arrays["angle"])) / 2))
 
 
 def _blender() -> list[str]:

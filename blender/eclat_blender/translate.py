@@ -16,7 +16,7 @@ from .lights import Light, lamp
 from .materials import Materials
 from .meshes import Part, placed, read_parts
 from .notices import Notices
-from .world import DrawnWorld, environment
+from .world import DrawWorld, environment
 
 SOLID = ("MESH", "CURVE", "SURFACE", "FONT", "META")
 """Types of objects that Blender can make a mesh of."""
@@ -109,7 +109,7 @@ def _needs_tangents(material: Any) -> bool:
     return material.normal_map is not None and material.normal_map.kind == "normal"
 
 
-def translate(depsgraph: Any, draw_world: DrawnWorld, notices: Notices) -> Translated:
+def translate(depsgraph: Any, draw_world: DrawWorld, notices: Notices) -> Translated:
     """Translate what the dependency graph holds: its objects with their modifiers, their instances, and its world.
 
     `draw_world` draws worlds that are neither a colour nor an image.
@@ -123,10 +123,13 @@ def translate(depsgraph: Any, draw_world: DrawnWorld, notices: Notices) -> Trans
         if thing.type in SOLID and any(system.settings.type == "HAIR" for system in thing.particle_systems):
             notices.add(f"object {thing.name!r}", "its hair is not supported")
     world = depsgraph.scene.world
-    sky: Environment | None = environment(world, ImageReader(notices), draw_world, notices)
+    sky, sun = environment(world, ImageReader(notices), draw_world, notices)
+    lights = [*objects.lights, *([] if sun is None else [sun])]
+    if sky is None and not lights and not any(mesh.material.emission for mesh in objects.meshes):
+        sky = Environment(np.zeros((1, 1, 3), np.float32))  # Without it, Éclat would add lamps to a dark scene.
     scene = Scene(
         tuple(objects.meshes),
-        tuple(objects.lights),
+        tuple(lights),
         sky,
         name=depsgraph.scene.name,
         up=UP,

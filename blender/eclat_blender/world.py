@@ -7,11 +7,12 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
-from eclat.scene import Environment
+from eclat.scene import DirectionalLight, Environment
 
 from .image_nodes import ImageReader
 from .links import Found, active_output, follow
@@ -22,32 +23,46 @@ TO_BLENDER = np.array(((0.0, 0.0, -1.0), (-1.0, 0.0, 0.0), (0.0, 1.0, 0.0)))
 """From Éclat's frame of environments, with +y up and the centre of the image at −z, to Blender's, with +z up and the centre
 at +x."""
 
-DrawnWorld = Callable[[Any], np.ndarray | None]
-"""Draws a world as an equirectangular image (H, W, 3), row 0 on top; None if it cannot."""
+
+@dataclass(frozen=True, eq=False)
+class DrawnWorld:
+    """A world that Cycles has drawn: an equirectangular image (H, W, 3), row 0 on top and +x in its centre, and the sun of
+    its sky, whose disc the image leaves out."""
+
+    image: np.ndarray
+    sun: DirectionalLight | None = None
 
 
-def environment(world: Any, images: ImageReader, draw: DrawnWorld, notices: Notices) -> Environment | None:
-    """Make the environment of a world; None if it is black."""
+DrawWorld = Callable[[Any], DrawnWorld | None]
+"""Draws a world; None if it cannot."""
+
+Sky = tuple[Environment | None, DirectionalLight | None]
+
+
+def environment(world: Any, images: ImageReader, draw: DrawWorld, notices: Notices) -> Sky:
+    """Make the environment of a world, None if it is black, and the sun of its sky."""
     if world is None:
-        return None
+        return None, None
     where = f"world {world.name!r}"
     output = active_output(world.node_tree, "OUTPUT_WORLD")
     if output is None:
-        return _constant(np.array(world.color[:3], float))
+        return _constant(np.array(world.color[:3], float)), None
     if output.inputs["Volume"].is_linked:
         notices.add(where, "its volume is not supported and is left out")
     found = follow(output.inputs["Surface"])
     if found.node is None:
-        return None
+        return None, None
     simple = _simple(found, where, images) if found.node.type == "BACKGROUND" else None
     if simple is not None:
-        return simple if simple.image.any() else None
-    picture = draw(world)
-    if picture is None:
+        return (simple if simple.image.any() else None), None
+    drawn = draw(world)
+    if drawn is None:
         notices.add(where, "its nodes could not be drawn by Cycles; it is black")
-        return None
-    notices.add(where, f"Cycles has drawn it as an image of {picture.shape[1]} × {picture.shape[0]} pixels")
-    return Environment(picture, TO_BLENDER) if picture.any() else None
+        return None, None
+    height, width = drawn.image.shape[:2]
+    sun = "" if drawn.sun is None else ", and its sun is a light of its own"
+    notices.add(where, f"Cycles has drawn it as an image of {width} × {height} pixels{sun}")
+    return (Environment(drawn.image, TO_BLENDER) if drawn.image.any() else None), drawn.sun
 
 
 def _simple(found: Found, where: str, images: ImageReader) -> Environment | None:
