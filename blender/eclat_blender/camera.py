@@ -64,15 +64,15 @@ def view_camera(view: np.ndarray, window: np.ndarray, size: tuple[int, int]) -> 
         extent = 2 / height
         # A viewport without perspective also shows what lies behind its eye, so the camera stands at its near plane.
         eye[:3, 3] -= eye[:3, 2] * min(0.0, float((1 + window[2, 3]) / window[2, 2]))
-    # The axis meets the picture at `middle`, in clip space with y upwards, whose picture is 2 wide and 2 high.
-    shift = (float(middle[0]) / 2, -float(middle[1]) / 2)
+    # The axis meets the picture at `middle`, in clip space with y upwards, whose picture is 2 wide and 2 high. Pixels move the other way.
+    shift = (-float(middle[0]) / 2, float(middle[1]) / 2)
     projection: Any = "perspective" if perspective else "orthographic"
     return Camera(eye, extent, "y", projection, size=size, shift=shift, name="viewport")
 
 
 def _shift(camera: Any, fit: str, size: tuple[int, int]) -> tuple[float, float]:
-    """Blender shifts the frame by a part of the fitted side of the picture, right and up; the principal point moves the
-    other way within the picture."""
+    """Blender shifts the frame by a part of the fitted side of the picture, right and up; Éclat's shift is added to the
+    coordinates of pixels, right and down, in parts of their own sides."""
     side = size[0] if fit == "x" else size[1]
     return camera.shift_x * side / size[0], -camera.shift_y * side / size[1]
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 
 from eclat.gltf_export.geometry import face_normals
@@ -12,7 +14,7 @@ from eclat.lightmap.gutters import dilate
 from eclat.lightmap.solids import solid_triangles
 from eclat.lightmap.texels import Corners, rasterize
 from eclat.methods import as_method
-from eclat.scene import Mesh
+from eclat.scene import Camera, Mesh
 
 from .translate import Translated
 
@@ -28,7 +30,9 @@ class LightMaps:
 
     def __init__(self, found: Translated, settings: object) -> None:
         self._found, self._settings = found, settings
-        self._solid = solid_triangles(found.scene, found.scene.meshes)
+        # Light maps need no camera, but Éclat says so where a scene has none.
+        self._scene = replace(found.scene, cameras=(Camera(np.eye(4)),))
+        self._solid = solid_triangles(self._scene, self._scene.meshes)
 
     def bake(self, name: str) -> np.ndarray | None:
         """Compute the irradiance (H, W, 3), row 0 on top, of the object `name`; None if it has no surface or UV map, which
@@ -45,9 +49,9 @@ class LightMaps:
         texels = rasterize(corners, size, size)
         points = sample_points(corners, texels, SUPERSAMPLING)
         gathering = Settings(settings.bake_component, settings.bake_samples, -1, settings.seed, None, None)
-        free = visible_points(self._found.scene, self._solid, points, gathering)
+        free = visible_points(self._scene, self._solid, points, gathering)
         source = as_method(settings.method, settings.method, max_error=settings.max_error)
-        gathered = gather(self._found.scene, source, points, free, gathering)
+        gathered = gather(self._scene, source, points, free, gathering)
         image, known = np.zeros((size, size, 3)), np.zeros((size, size), bool)
         seen = gathered.seen
         image[texels.rows[seen], texels.columns[seen]] = gathered.values[seen]

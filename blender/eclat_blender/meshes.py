@@ -115,7 +115,7 @@ def _uv_maps(mesh: Any, corners: int) -> dict[str, np.ndarray]:
 def _colors(mesh: Any, vertices: np.ndarray) -> np.ndarray | None:
     """Read the colour attribute that renders, as linear RGBA of each corner."""
     index = mesh.color_attributes.render_color_index
-    if not 0 <= index < len(mesh.color_attributes):
+    if index < 0:
         return None
     attribute = mesh.color_attributes[index]
     flat = _array(attribute.data, "color", len(attribute.data) * 4).reshape(-1, 4)

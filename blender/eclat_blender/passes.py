@@ -64,8 +64,8 @@ def _cosines(camera: Camera, width: int, height: int) -> np.ndarray:
     if camera.projection == "orthographic":
         return np.ones((height, width))
     half_width, half_height = camera.half_extent(width / height)
-    x = ((np.arange(width) + 0.5) / width - 0.5 - camera.shift[0]) * 2 * half_width
-    y = ((np.arange(height) + 0.5) / height - 0.5 - camera.shift[1]) * 2 * half_height
+    x = ((np.arange(width) + 0.5) / width - 0.5 + camera.shift[0]) * 2 * half_width
+    y = ((np.arange(height) + 0.5) / height - 0.5 + camera.shift[1]) * 2 * half_height
     return 1 / np.sqrt(1 + x[None, :] ** 2 + y[:, None] ** 2)
 
 

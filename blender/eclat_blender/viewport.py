@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from dataclasses import replace
 from typing import Any
 
 import eclat
@@ -44,7 +45,7 @@ class Refiner:
         self.stop()
         self._stop = threading.Event()
         self.samples, self.error = 0, ""
-        arguments = (scene, camera, size, denoise, self._stop)
+        arguments = (replace(scene, cameras=(camera,)), camera, size, denoise, self._stop)
         self._thread = threading.Thread(target=self._refine, args=arguments, daemon=True)
         self._thread.start()
 
