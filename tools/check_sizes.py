@@ -111,6 +111,7 @@ def parameters_of(head: str) -> int:
 def main() -> int:
     problems = []
     for folder, suffixes, functions in (
+        ("blender", (".py",), python_functions),
         ("python", (".py",), python_functions),
         ("tools", (".py",), python_functions),
         ("core", (".h", ".cpp"), cpp_functions),

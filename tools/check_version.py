@@ -2,7 +2,8 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
 """The version is a semantic one [semver.org 2.0.0], and the same wherever it stands: python/eclat/__init__.py, where it is
-defined, CITATION.cff, the newest heading of CHANGELOG.md, docs/eclat.1 and, if one is given, a tag such as v1.2.3.
+defined, CITATION.cff, the manifest of the Blender extension, the newest heading of CHANGELOG.md, docs/eclat.1 and, if one is
+given, a tag such as v1.2.3.
 
 Prints what differs and exits with 1.
 """
@@ -18,6 +19,7 @@ SEMANTIC = r"(0|[1-9]\d*)\.(0|[1-9]\d*)\.(0|[1-9]\d*)"
 PLACES = {
     "python/eclat/__init__.py": r'^__version__ = "(.*)"$',
     "CITATION.cff": r"^version: (.*)$",
+    "blender/eclat_blender/blender_manifest.toml": r'^version = "(.*)"$',
     "CHANGELOG.md": r"^## (\S+)",
     "docs/eclat.1": r'^\.TH ECLAT 1 "" "eclat (\S+)"',
 }

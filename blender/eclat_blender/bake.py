@@ -7,6 +7,7 @@ from __future__ import annotations
 from typing import Any
 
 import bpy
+
 from eclat.errors import EclatError, heard_warnings
 
 from .light_maps import LightMaps

@@ -64,7 +64,8 @@ def view_camera(view: np.ndarray, window: np.ndarray, size: tuple[int, int]) -> 
         extent = 2 / height
         # A viewport without perspective also shows what lies behind its eye, so the camera stands at its near plane.
         eye[:3, 3] -= eye[:3, 2] * min(0.0, float((1 + window[2, 3]) / window[2, 2]))
-    # The axis meets the picture at `middle`, in clip space with y upwards, whose picture is 2 wide and 2 high. Pixels move the other way.
+    # The axis meets the picture at `middle`, in clip space with y upwards, where the picture is 2 wide and 2 high. The
+    # coordinates of pixels move the other way.
     shift = (-float(middle[0]) / 2, float(middle[1]) / 2)
     projection: Any = "perspective" if perspective else "orthographic"
     return Camera(eye, extent, "y", projection, size=size, shift=shift, name="viewport")

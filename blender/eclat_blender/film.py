@@ -7,8 +7,9 @@ from __future__ import annotations
 from dataclasses import replace
 from typing import Any
 
-import eclat
 import numpy as np
+
+import eclat
 from eclat.scene import Material, Scene, grey
 
 SAMPLES = 64

@@ -89,9 +89,7 @@ def coordinates(found: Found, values: NodeValues) -> tuple[str, Affine] | None:
             return None
         matrix = matrix @ own
         at = follow(at.node.inputs["Vector"], at.groups)
-    if at.node is None:
-        uv = ""
-    elif at.node.type == "TEX_COORD" and at.socket.name == "UV":
+    if at.node is None or (at.node.type == "TEX_COORD" and at.socket.name == "UV"):
         uv = ""
     elif at.node.type == "UVMAP":
         uv = at.node.uv_map

@@ -30,7 +30,9 @@ class Part:
     loops: np.ndarray
 
 
-def read_parts(mesh: Any, tangent_maps: tuple[str, ...] = (), notices: Notices | None = None, where: str = "") -> list[Part]:
+def read_parts(
+    mesh: Any, tangent_maps: tuple[str, ...] = (), notices: Notices | None = None, where: str = ""
+) -> list[Part]:
     """Read the triangles of a Blender mesh, one part for each material that its faces use.
 
     Tangents are computed for the UV maps in `tangent_maps` ("" is that which renders).

@@ -50,7 +50,9 @@ class NodeValues:
         """Combine fields, and say so where images of different places had to be replaced by their means."""
         field, fits = combined(function, *fields)
         if not fits:
-            self.refuse("images of different sizes or coordinates are combined; all but one are replaced by their means")
+            self.refuse(
+                "images of different sizes or coordinates are combined; all but one are replaced by their means"
+            )
         return field
 
 
@@ -84,9 +86,7 @@ def _mix_old(values: NodeValues, found: Found) -> Field | None:
     return _blended(values, found.node.blend_type, fields, True, found.node.use_clamp)
 
 
-def _blended(
-    values: NodeValues, mode: str, fields: tuple[Field, ...], clamp_factor: bool, clamp: bool
-) -> Field | None:
+def _blended(values: NodeValues, mode: str, fields: tuple[Field, ...], clamp_factor: bool, clamp: bool) -> Field | None:
     if mode not in BLENDS:
         return None
     blend = BLENDS[mode]

@@ -141,7 +141,9 @@ class ECLAT_PT_light(_Panel, bpy.types.Panel):  # noqa: N801
             "POINT": ("shadow_soft_size",),
             "SPOT": ("shadow_soft_size", "spot_size", "spot_blend"),
             "SUN": ("angle",),
-            "AREA": ("shape", "size", "size_y") if getattr(light, "shape", "") in ("RECTANGLE", "ELLIPSE") else ("shape", "size"),
+            "AREA": ("shape", "size", "size_y")
+            if getattr(light, "shape", "") in ("RECTANGLE", "ELLIPSE")
+            else ("shape", "size"),
         }
         for name in names[light.type]:
             layout.prop(light, name)

@@ -15,7 +15,14 @@ from .links import Found
 from .shaders import SHADERS, Shading, glow
 from .surfaces import CLEAR, Surface
 
-LEFT_OUT = ("Subsurface Weight", "Anisotropic", "Sheen Weight", "Coat Weight", "Thin Film Thickness", "Diffuse Roughness")
+LEFT_OUT = (
+    "Subsurface Weight",
+    "Anisotropic",
+    "Sheen Weight",
+    "Coat Weight",
+    "Thin Film Thickness",
+    "Diffuse Roughness",
+)
 """Inputs that Éclat's materials do not have; they are named where they are not 0."""
 
 LEAST_SHARE = 1e-3

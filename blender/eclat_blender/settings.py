@@ -20,7 +20,12 @@ class EclatSceneSettings(bpy.types.PropertyGroup):
 
     method: bpy.props.EnumProperty(name="Method", items=METHODS, default="irradiance-cache")
     max_error: bpy.props.FloatProperty(
-        name="Max Error", description="Relative error at which rendering stops", default=0.03, min=0.001, max=1, precision=3
+        name="Max Error",
+        description="Relative error at which rendering stops",
+        default=0.03,
+        min=0.001,
+        max=1,
+        precision=3,
     )
     use_time: bpy.props.BoolProperty(
         name="Limit Time", description="Choose the quality so that the picture is done in time", default=False
@@ -30,7 +35,9 @@ class EclatSceneSettings(bpy.types.PropertyGroup):
         name="Samples", description="Paths per pixel; 0 takes as many as Max Error needs", default=0, min=0, max=65536
     )
     denoise: bpy.props.BoolProperty(
-        name="Denoise", description="Remove the noise with Open Image Denoise, where that lowers the error", default=True
+        name="Denoise",
+        description="Remove the noise with Open Image Denoise, where that lowers the error",
+        default=True,
     )
     seed: bpy.props.IntProperty(name="Seed", default=0, min=0)
     bake_size: bpy.props.IntProperty(

@@ -189,7 +189,9 @@ def _mix(shading: Shading, found: Found) -> Surface:
     a, b = (shading.surface(found.node.inputs[index], found.groups) for index in (1, 2))
     surface, weight, fits = mixed(share, a, b)
     if not fits:
-        shading.values.refuse("images of different sizes or coordinates are mixed; all but one are replaced by their means")
+        shading.values.refuse(
+            "images of different sizes or coordinates are mixed; all but one are replaced by their means"
+        )
     if a.is_clear or b.is_clear:
         return replace(surface, material=b.material if a.is_clear else a.material)
     if a.material is None and b.material is None:

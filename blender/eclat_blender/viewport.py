@@ -9,8 +9,9 @@ from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
 
-import eclat
 import numpy as np
+
+import eclat
 from eclat.errors import EclatError
 from eclat.scene import Camera, Scene
 

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
+
+from eclat.errors import EclatError
 from eclat_blender.camera import scene_camera, view_camera
 from eclat_blender.notices import Notices
 from support.blender_standins import camera_data
-
-from eclat.errors import EclatError
 
 
 @pytest.mark.parametrize(

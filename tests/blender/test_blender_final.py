@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from eclat_blender.final import draw_final
 from support.blender_standins import Engine, camera_data, depsgraph, light, material, principled, solid, thing
 

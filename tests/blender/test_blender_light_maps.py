@@ -6,6 +6,7 @@ import math
 
 import numpy as np
 import pytest
+
 from eclat_blender.light_maps import LightMaps
 from eclat_blender.notices import Notices
 from eclat_blender.translate import translate

@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
+
+from eclat.scene import DirectionalLight, Mesh, PointLight, SpotLight, triangle_areas
 from eclat_blender.lights import lamp, spot_angles
 from eclat_blender.notices import Notices
 from support.blender_standins import light
-
-from eclat.scene import DirectionalLight, Mesh, PointLight, SpotLight, triangle_areas
 
 ABOVE = np.array([(1, 0, 0, 2), (0, 1, 0, 3), (0, 0, 1, 4), (0, 0, 0, 1)], float)
 

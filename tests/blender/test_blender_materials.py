@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from eclat_blender.materials import Materials
 from eclat_blender.notices import Notices
 from support.blender_standins import image_node, link, material, node, principled
@@ -40,7 +41,9 @@ def test_half_transmission_is_a_blend_of_an_opaque_part_and_glass():
 
 def test_emission_is_colour_times_strength_on_both_sides():
     found, _ = made(material(principled(Emission_Color=(1, 0.5, 0, 1), Emission_Strength=4.0)))
-    assert found.emission is not None and found.emission.constant == pytest.approx((4, 2, 0)) and found.emission_two_sided
+    assert (
+        found.emission is not None and found.emission.constant == pytest.approx((4, 2, 0)) and found.emission_two_sided
+    )
 
 
 def test_alpha_of_an_image_is_the_opacity():

@@ -3,11 +3,11 @@
 """Geometry: arrays of evaluated meshes, and where transforms put them."""
 
 import numpy as np
+
+from eclat.scene import Material
 from eclat_blender.materials import Made
 from eclat_blender.meshes import placed, read_parts
 from support.blender_standins import Columns, square_mesh
-
-from eclat.scene import Material
 
 MADE = Made(Material())
 

@@ -4,6 +4,7 @@
 
 import numpy as np
 import pytest
+
 from eclat_blender.image_nodes import ImageReader
 from eclat_blender.links import follow
 from eclat_blender.node_values import NodeValues
@@ -63,7 +64,9 @@ def test_an_image_is_multiplied_texel_by_texel_and_decoded_once():
     texels = np.ones((2, 3, 4)) * 0.5
     texels[0, 0, :3] = 1.0  # Top left.
     source = image_node(texels, "sRGB", is_float=False)
-    mix = node("MIX_RGB", {"Fac": 1.0, "Color1": GREY, "Color2": (0.5, 1.0, 1.0, 1.0)}, blend_type="MULTIPLY", use_clamp=False)
+    mix = node(
+        "MIX_RGB", {"Fac": 1.0, "Color1": GREY, "Color2": (0.5, 1.0, 1.0, 1.0)}, blend_type="MULTIPLY", use_clamp=False
+    )
     target = end()
     link(source, "Color", mix, "Color1")
     link(mix, "Color", target, "Color")

@@ -7,10 +7,10 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
-from eclat_blender.viewport import FIRST_SIDE, STEPS, Refiner
 
 import eclat
 from eclat.scene import Camera, Scene, look_at
+from eclat_blender.viewport import FIRST_SIDE, STEPS, Refiner
 
 
 def test_pictures_get_finer_and_the_last_is_that_of_all_samples():

@@ -6,12 +6,12 @@ from types import SimpleNamespace
 
 import numpy as np
 import pytest
+
+from eclat.scene import DirectionalLight
 from eclat_blender.image_nodes import ImageReader
 from eclat_blender.notices import Notices
 from eclat_blender.world import DrawnWorld, environment
 from support.blender_standins import link, node, picture, world
-
-from eclat.scene import DirectionalLight
 
 
 def made(given, draw=lambda _: None):
@@ -31,9 +31,7 @@ def lit_by_image(turn):
     shader = given.node_tree.nodes[1]
     texels = np.zeros((4, 8, 4))
     texels[1:3, 3:5, 0] = 1.0  # The centre, which Blender sees along +x.
-    source = node(
-        "TEX_ENVIRONMENT", {"Vector": (0, 0, 0)}, image=picture("sky", texels), projection="EQUIRECTANGULAR"
-    )
+    source = node("TEX_ENVIRONMENT", {"Vector": (0, 0, 0)}, image=picture("sky", texels), projection="EQUIRECTANGULAR")
     mapping = node(
         "MAPPING", {"Vector": (0, 0, 0), "Location": (0, 0, 0), "Rotation": (0, 0, turn), "Scale": (1, 1, 1)},
         {"Vector": (0, 0, 0)}, vector_type="POINT",
@@ -66,7 +64,9 @@ def test_other_nodes_are_drawn_and_named():
     drawn = DrawnWorld(np.ones((2, 4, 3), np.float32), sun)
     sky, found, texts = made(given, lambda _: drawn)
     assert sky.image is drawn.image and found is sun
-    assert texts == ["world 'world': Cycles has drawn it as an image of 4 × 2 pixels, and its sun is a light of its own"]
+    assert texts == [
+        "world 'world': Cycles has drawn it as an image of 4 × 2 pixels, and its sun is a light of its own"
+    ]
     sky, found, texts = made(given)
     assert sky is None and found is None and "could not be drawn" in texts[0]
 

@@ -16,6 +16,7 @@ from pathlib import Path
 
 import pytest
 
+ROOT = Path(__file__).parents[2]
 HERE = Path(__file__).parent / "in_blender"
 PYTHON = os.environ.get("ECLAT_BPY_PYTHON", "")
 
@@ -38,7 +39,8 @@ sun Éclat is up to 2 % brighter."""
 
 
 def run(program: str, folder: Path, *arguments: str) -> dict:
-    environment = {**os.environ, "PYTHONPATH": os.environ.get("PYTHONPATH", str(Path(__file__).parents[2] / "python"))}
+    paths = os.environ.get("PYTHONPATH", str(ROOT / "python"))
+    environment = {**os.environ, "PYTHONPATH": os.pathsep.join((str(ROOT / "blender"), paths))}
     command = [PYTHON, str(HERE / program), str(folder), *arguments]
     done = subprocess.run(command, capture_output=True, text=True, timeout=1200, env=environment)
     result = folder / "means.json"

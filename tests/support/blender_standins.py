@@ -53,7 +53,12 @@ def node(kind: str, inputs: dict[str, Any] | None = None, outputs: dict[str, Any
 def link(source: Any, output: str, target: Any, name: str | int) -> None:
     end = target.inputs[name]
     made = SimpleNamespace(
-        from_node=source, from_socket=source.outputs[output], to_node=target, to_socket=end, is_valid=True, is_muted=False
+        from_node=source,
+        from_socket=source.outputs[output],
+        to_node=target,
+        to_socket=end,
+        is_valid=True,
+        is_muted=False,
     )
     end.links.append(made)
     end.is_linked = True
@@ -87,7 +92,9 @@ def image_node(texels: np.ndarray, space: str = "Non-Color", is_float: bool = Tr
 
 
 def material(shader: Any, *others: Any, output: str = "BSDF") -> Any:
-    end = node("OUTPUT_MATERIAL", {"Surface": (0, 0, 0, 1), "Volume": (0, 0, 0, 1), "Displacement": (0, 0, 0)}, target="ALL")
+    end = node(
+        "OUTPUT_MATERIAL", {"Surface": (0, 0, 0, 1), "Volume": (0, 0, 0, 1), "Displacement": (0, 0, 0)}, target="ALL"
+    )
     link(shader, output, end, "Surface")
     return SimpleNamespace(
         name="stuff", name_full="stuff", diffuse_color=(0.8, 0.8, 0.8, 1), node_tree=tree(end, shader, *others)
@@ -184,7 +191,8 @@ def depsgraph(things: list[tuple[Any, np.ndarray]], size: tuple[int, int] = (8, 
     own = SimpleNamespace(use_direct=True, use_indirect=True, use_albedo=True, use_record_density=False)
     layer = SimpleNamespace(name="layer", eclat=own, use_pass_z=True, use_pass_normal=True)
     instances = [
-        SimpleNamespace(object=thing, matrix_world=matrix, show_self=True, is_instance=False) for thing, matrix in things
+        SimpleNamespace(object=thing, matrix_world=matrix, show_self=True, is_instance=False)
+        for thing, matrix in things
     ]
     scene = SimpleNamespace(name="scene", eclat=settings, render=render, camera=placed, world=world())
     return SimpleNamespace(scene=scene, view_layer=layer, object_instances=instances)
@@ -207,7 +215,8 @@ class Engine:
 
     def begin_result(self, x: int, y: int, width: int, height: int, layer: str) -> Any:
         passes = [
-            SimpleNamespace(name=name, rect=_Rect(width * height * channels)) for name, channels in self.channels.items()
+            SimpleNamespace(name=name, rect=_Rect(width * height * channels))
+            for name, channels in self.channels.items()
         ]
         return SimpleNamespace(x=x, y=y, width=width, height=height, layers=[SimpleNamespace(passes=passes)])
 

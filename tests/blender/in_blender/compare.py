@@ -2,7 +2,8 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A program for a Python that has `bpy`: draws the scenes with Éclat and with Cycles, and prints their means as JSON.
 
-Called as `compare.py FOLDER SAMPLES [NAME …]`; the folder gets the .blend files, the pictures, and pairs of them as PNG.
+With `blender/` and `python/` in PYTHONPATH, called as `compare.py FOLDER SAMPLES [NAME …]`; the folder gets the .blend
+files, the pictures, and pairs of them as PNG.
 """
 
 import json
@@ -10,14 +11,13 @@ import sys
 import time
 from pathlib import Path
 
-sys.path[:0] = [str(Path(__file__).parents[3] / "blender"), str(Path(__file__).parent)]
-
 import bpy
-import eclat_blender
 import numpy as np
 import scenes
-from eclat.images.image_files import Content, encode_png
+
+import eclat_blender
 from eclat.images.image import LAYERS
+from eclat.images.image_files import Content, encode_png
 
 
 def draw(engine: str, target: Path, samples: int) -> np.ndarray:

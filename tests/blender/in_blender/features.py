@@ -2,7 +2,7 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
 """A program for a Python that has `bpy`: passes, the exported glTF, light maps and a viewport, as numbers in means.json.
 
-Called as `features.py FOLDER`.
+With `blender/` and `python/` in PYTHONPATH, called as `features.py FOLDER`.
 """
 
 import json
@@ -11,18 +11,16 @@ import time
 from pathlib import Path
 from types import SimpleNamespace
 
-sys.path[:0] = [str(Path(__file__).parents[3] / "blender"), str(Path(__file__).parent)]
-
 import bpy
-import eclat_blender
 import numpy as np
 import OpenEXR
 import scenes
+
+import eclat
+import eclat_blender
 from eclat_blender.notices import Notices
 from eclat_blender.translate import translate
 from eclat_blender.viewport_draw import ViewportDrawing
-
-import eclat
 
 
 def layers_of(folder):

@@ -283,7 +283,9 @@ def glass_and_mixes():
     floor = material("floor", "BsdfDiffuse", Color=(0.5, 0.4, 0.3, 1.0))[0]
     add("plane", floor, size=14)
     glass = material("glass", "BsdfGlass", Color=(1, 1, 1, 1), Roughness=0.0, IOR=1.45)[0]
-    frosted = material("frosted", "BsdfPrincipled", Base_Color=(0.8, 0.9, 1.0, 1), Transmission_Weight=1.0, Roughness=0.3)[0]
+    frosted = material(
+        "frosted", "BsdfPrincipled", Base_Color=(0.8, 0.9, 1.0, 1), Transmission_Weight=1.0, Roughness=0.3
+    )[0]
     half, shader, nodes, links = material("half", "MixShader")
     shader.inputs[0].default_value = 0.3
     for index, kind in ((1, "BsdfDiffuse"), (2, "BsdfGlossy")):
