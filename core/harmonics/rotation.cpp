@@ -99,7 +99,8 @@ void SphericalRotation::apply(std::span<const double> in, std::span<double> out)
 
 TurnTiltTurn turn_tilt_turn(const Matrix3& R) {
     TurnTiltTurn out;
-    const double sin_beta = std::hypot(R[2], R[5]);
+    // No std::hypot, whose newest version would need glibc 2.35; where the squares underflow, the tilt is none.
+    const double sin_beta = std::sqrt(R[2] * R[2] + R[5] * R[5]);
     out.beta = std::atan2(sin_beta, R[8]);
     out.alpha = sin_beta > 0 ? std::atan2(R[5], R[2]) : 0;
     // The second row of R_z(−alpha) R is (sin gamma, cos gamma, 0), whichever alpha a tiny tilt has led to.

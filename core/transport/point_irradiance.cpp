@@ -115,7 +115,9 @@ Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t 
     if (!options.direct_errors.empty() && second_half > 0) {
         const float difference =
             luminance(first / static_cast<float>(first_half)) - luminance(second / static_cast<float>(second_half));
-        options.direct_errors[index] = std::hypot(options.direct_errors[index], 0.5f * difference);
+        // Squares of floats do not overflow as doubles; std::hypot would need glibc 2.35.
+        const double before = options.direct_errors[index], found = 0.5 * difference;
+        options.direct_errors[index] = static_cast<float>(std::sqrt(before * before + found * found));
     }
     return (first + second) / static_cast<float>(options.samples);
 }
