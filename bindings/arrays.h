@@ -26,6 +26,7 @@ using Colors = Array<float, -1, 4>;
 using Tangents = Array<float, -1, 4>;
 using Triangles = Array<uint32_t, -1, 3>;
 using Bytes3 = Array<uint8_t, -1, -1, -1>;
+using Floats2 = Array<float, -1, -1>;
 using Floats3 = Array<float, -1, -1, -1>;
 
 inline Vec3 vec3(const std::array<float, 3>& a) { return {a[0], a[1], a[2]}; }

@@ -82,6 +82,13 @@ struct SceneBuilder {
         lights.spots.emplace_back(vec3(p), vec3(d), color(i), inner, outer,
                                   smooth ? SpotLight::Falloff::smooth : SpotLight::Falloff::linear);
     }
+    /// `axes` are rows; `values` has a row for each polar angle.
+    void add_profile(std::array<float, 3> p, std::array<std::array<float, 3>, 3> axes, std::array<float, 3> i,
+                     std::vector<float> polar, std::vector<float> azimuth, Floats2 values) {
+        lights.profiles.emplace_back(
+            vec3(p), std::array<Vec3, 3>{vec3(axes[0]), vec3(axes[1]), vec3(axes[2])}, color(i),
+            IntensityTable{std::move(polar), std::move(azimuth), {values.data(), values.data() + values.size()}});
+    }
     void add_directional(std::array<float, 3> d, std::array<float, 3> e, float angular_radius) {
         lights.directionals.emplace_back(vec3(d), color(e), angular_radius);
     }
@@ -201,6 +208,8 @@ void bind_scene(nb::module_& m) {
         .def("add_point", &SceneBuilder::add_point)
         .def("add_spot", &SceneBuilder::add_spot, nb::kw_only(), "position"_a, "direction"_a, "intensity"_a,
              "inner_angle"_a, "outer_angle"_a, "smooth"_a)
+        .def("add_profile", &SceneBuilder::add_profile, nb::kw_only(), "position"_a, "axes"_a, "intensity"_a, "polar"_a,
+             "azimuth"_a, "values"_a)
         .def("add_directional", &SceneBuilder::add_directional)
         .def("set_environment", &SceneBuilder::set_environment)
         .def("build", &SceneBuilder::build);

@@ -46,6 +46,7 @@ std::vector<double> powers_of(const char* kind, const std::vector<Light>& lights
 Lights::Lights(LightInputs inputs)
     : points_(std::move(inputs.points)),
       spots_(std::move(inputs.spots)),
+      profiles_(std::move(inputs.profiles)),
       directionals_(std::move(inputs.directionals)),
       environment_(std::move(inputs.environment)),
       center_(inputs.scene_center),
@@ -56,6 +57,8 @@ Lights::Lights(LightInputs inputs)
         powers_of("point light", points_, total_power_, [](const PointLight& l) { return l.power(); });
     powers[static_cast<size_t>(LightKind::spot)] =
         powers_of("spot light", spots_, total_power_, [](const SpotLight& l) { return l.power(); });
+    powers[static_cast<size_t>(LightKind::profile)] =
+        powers_of("profile light", profiles_, total_power_, [](const ProfileLight& l) { return l.power(); });
     powers[static_cast<size_t>(LightKind::directional)] = powers_of(
         "directional light", directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(radius_); });
     if (environment_) sharp_environment_ = environment_->sharp_part();
@@ -154,6 +157,7 @@ LightSample Lights::finish(const LightQuery& query, LightSet set, const LightSam
         case LightKind::triangle: s = areas_[choice.index].sample(emissions_, position, u); break;
         case LightKind::point: s = points_[choice.index].sample(position); break;
         case LightKind::spot: s = spots_[choice.index].sample(position); break;
+        case LightKind::profile: s = profiles_[choice.index].sample(position); break;
         case LightKind::directional: s = directionals_[choice.index].sample(u); break;
         case LightKind::environment: s = environment_->finish(search); break;
         case LightKind::sharp_environment: s = sharp_environment_->finish(search); break;
@@ -208,6 +212,7 @@ PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) cons
         case LightKind::triangle: photon = areas_[choice.index].emit(emissions_, u_position, u_direction); break;
         case LightKind::point: photon = points_[choice.index].emit(u_direction); break;
         case LightKind::spot: photon = spots_[choice.index].emit(u_direction); break;
+        case LightKind::profile: photon = profiles_[choice.index].emit(u_direction); break;
         case LightKind::directional:
             photon = directionals_[choice.index].emit(center_, radius_, u_position, u_direction);
             break;

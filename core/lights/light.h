@@ -3,7 +3,7 @@
 
 // All lights of a scene. This is the interface of the folder.
 //
-// Emissive triangles, points, spots, directional lights (suns) and an environment are sampled as one set: `sample`
+// Emissive triangles, points, spots, measured luminaires, directional lights (suns) and an environment are sampled as one set: `sample`
 // chooses a light and a direction, `pdf_solid_angle` and `environment_pdf_solid_angle` are its exact density for
 // directions that a BSDF chose. Everything is const and thread-safe after construction, nothing has an absolute length.
 
@@ -20,6 +20,7 @@
 #include "lights/light_sample.h"
 #include "lights/light_sampler.h"
 #include "lights/point.h"
+#include "lights/profile.h"
 #include "lights/spot.h"
 
 namespace eclat {
@@ -28,6 +29,7 @@ struct LightInputs {
     std::span<const EmitterTriangle> triangles{};  // "emitter i" is triangles[i]
     std::vector<PointLight> points{};
     std::vector<SpotLight> spots{};
+    std::vector<ProfileLight> profiles{};
     std::vector<DirectionalLight> directionals{};
     std::optional<EnvironmentImage> environment{};
     Vec3 scene_center{};  // of the sphere around the geometry
@@ -104,6 +106,7 @@ class Lights {
     std::vector<Value> emissions_;  // emissions of textured lights
     std::vector<PointLight> points_;
     std::vector<SpotLight> spots_;
+    std::vector<ProfileLight> profiles_;
     std::vector<DirectionalLight> directionals_;
     std::vector<uint32_t> discs_;  // the directional lights with an extent
     std::optional<EnvironmentImage> environment_;

@@ -11,7 +11,7 @@ namespace eclat {
 namespace {
 
 // These are groups of lights that are sampled independently of their power: lamps, suns, the sky.
-constexpr std::array<size_t, light_kinds> group_of = {0, 1, 1, 2, 3, 3};
+constexpr std::array<size_t, light_kinds> group_of = {0, 1, 1, 1, 2, 3, 3};
 constexpr size_t groups = 4;
 
 /// Returns the probabilities: half is distributed by power, and half equally over the groups that emit. By power alone,

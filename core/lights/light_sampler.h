@@ -21,8 +21,8 @@ enum class LightSet {
 };
 
 /// Kinds of light, in the order in which they are numbered.
-enum class LightKind { triangle, point, spot, directional, environment, sharp_environment };
-constexpr size_t light_kinds = 6;
+enum class LightKind { triangle, point, spot, profile, directional, environment, sharp_environment };
+constexpr size_t light_kinds = 7;
 
 class LightSampler {
   public:

@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from eclat.instruction_set import use_instruction_set
     from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
+    from eclat.loaders.ies import load_ies
     from eclat.methods import (
         METHODS,
         Direct,
@@ -36,6 +37,7 @@ if TYPE_CHECKING:
     from eclat.probe_grid.grid import ProbeGrid
     from eclat.scene import Scene
     from eclat.stage.light_groups import light_groups
+    from eclat.stage.light_overrides import override_lights
     from eclat.stage.material_overrides import override_materials
     from eclat.verbs.bake import bake
     from eclat.verbs.compare import compare
@@ -50,6 +52,8 @@ _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
     "with_camera_path": "eclat.motion.camera_path",
+    "load_ies": "eclat.loaders.ies",
+    "override_lights": "eclat.stage.light_overrides",
     "override_materials": "eclat.stage.material_overrides",
     "solve": "eclat.verbs.solve",
     "refine": "eclat.verbs.solve",
@@ -117,9 +121,11 @@ __all__ = [
     "light_groups",
     "load",
     "load_dict",
+    "load_ies",
     "load_solved",
     "merge",
     "mix",
+    "override_lights",
     "override_materials",
     "probes",
     "refine",

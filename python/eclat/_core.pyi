@@ -177,6 +177,16 @@ class SceneBuilder:
         outer_angle: float,
         smooth: bool,
     ) -> None: ...
+    def add_profile(
+        self,
+        *,
+        position: Sequence[float],
+        axes: Sequence[Sequence[float]],
+        intensity: Sequence[float],
+        polar: Sequence[float],
+        azimuth: Sequence[float],
+        values: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    ) -> None: ...
     def add_directional(self, arg0: Sequence[float], arg1: Sequence[float], arg2: float, /) -> None: ...
     def set_environment(
         self,

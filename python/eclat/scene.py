@@ -13,6 +13,7 @@ The conventions, which the core shares, are:
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -20,6 +21,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
+from eclat.html import facts_table
+from eclat.light_sources import DirectionalLight as DirectionalLight
+from eclat.light_sources import Environment as Environment
+from eclat.light_sources import Light as Light
+from eclat.light_sources import PointLight as PointLight
+from eclat.light_sources import ProfileLight as ProfileLight
+from eclat.light_sources import SpotLight as SpotLight
 
 FloatArray = NDArray[np.floating]
 
@@ -62,6 +70,11 @@ class Value:
     """Whether 1 − texel is used instead of texel, for formats that store transparency instead of opacity."""
     square: bool = False
     """Whether constant² · texel² is used, because glTF stores the square root of the GGX α."""
+
+    def __repr__(self) -> str:
+        r, g, b = self.constant
+        number = f"{r:.4g}" if r == g == b else f"({r:.4g}, {g:.4g}, {b:.4g})"
+        return number if self.texture is None else f"{number} × {self.texture!r}"
 
 
 def grey(value: float) -> Value:
@@ -186,6 +199,12 @@ class Material:
     because a back face is shaded, including emission, like a front face with the normal reversed [glTF 2.0
     specification, section 3.9.6, Double Sided]."""
 
+    def __repr__(self) -> str:
+        parts = [f"{name} {value!r}" for name, value in self.parameters.items()]
+        parts += [f"children {', '.join(child.name or child.kind for child in self.children)}"] if self.children else []
+        parts += [] if self.emission is None else [f"emission {self.emission!r}"]
+        return f"<Material {self.name!r}: {', '.join([self.kind, *parts])}>"
+
 
 @dataclass(frozen=True, eq=False)
 class Mesh:
@@ -212,69 +231,6 @@ class Mesh:
 
     def __repr__(self) -> str:
         return f"<Mesh {self.name!r}: {_counted(len(self.triangles), 'triangle')}, {self.material.kind}>"
-
-
-@dataclass(frozen=True)
-class PointLight:
-    """A point that emits equally in all directions; `intensity` is in W·sr⁻¹ (candela in a photometric scene)."""
-
-    position: tuple[float, float, float]
-    intensity: tuple[float, float, float]
-    name: str = ""
-
-
-@dataclass(frozen=True)
-class SpotLight:
-    """A point that emits within a cone. `intensity` on the axis is in W·sr⁻¹; angles are in degrees from the axis.
-
-    With the `falloff` "linear", the intensity is constant up to `inner_angle` and decreases linearly with the angle to
-    0 at `outer_angle`, as in Mitsuba. With "smooth", it is the square of a clamped linear ramp of the cosine, as in
-    glTF.
-    """
-
-    position: tuple[float, float, float]
-    direction: tuple[float, float, float]
-    intensity: tuple[float, float, float]
-    inner_angle: float
-    outer_angle: float
-    falloff: Literal["linear", "smooth"] = "smooth"
-    name: str = ""
-
-
-@dataclass(frozen=True)
-class DirectionalLight:
-    """Light from infinity that travels along `direction`; `irradiance` in W·m⁻² is that on a surface that faces the
-    light.
-
-    `angular_radius` is in degrees: 0 is a delta light; 0.2665 is the sun as seen from Earth, which is visible as a
-    disc.
-    """
-
-    direction: tuple[float, float, float]
-    irradiance: tuple[float, float, float]
-    angular_radius: float = 0.0
-    name: str = ""
-
-
-Light = PointLight | SpotLight | DirectionalLight
-"""A light that is not a surface."""
-
-
-@dataclass(frozen=True, eq=False)
-class Environment:
-    """Light from infinity, given by an equirectangular float32 image (H, W, 3) of its radiance. An image of one pixel
-    means a constant radiance.
-
-    Row 0 is at the direction +y of the environment's frame; the centre column is at −z, and u increases towards +x: u =
-    0.5 + atan2(x, −z) / 2π. `to_world` is a 3×3 rotation that maps the environment's frame to the world.
-    """
-
-    image: NDArray[np.float32]
-    to_world: FloatArray = field(default_factory=lambda: np.eye(3))
-    name: str = ""
-
-    def __repr__(self) -> str:
-        return f"<Environment: {'×'.join(map(str, np.shape(self.image)[1::-1]))}>"
 
 
 @dataclass(frozen=True, eq=False)
@@ -400,6 +356,21 @@ class Scene:
             raise EclatError(f"at: expected a finite time in seconds, got {time!r}")
         return self if self.animation is None else self.animation.at(self, float(time))
 
+    def _repr_html_(self) -> str:
+        """Return what the scene contains as a table, for notebooks."""
+        glowing = [mesh.lamp or mesh.name or "unnamed" for mesh in self.meshes if mesh.material.emission is not None]
+        lights = [light.name or type(light).__name__ for light in self.lights]
+        lamps = [*glowing, *lights, *([] if self.environment is None else [self.environment.name or "sky"])]
+        facts: dict[str, object] = {
+            "meshes": f"{len(self.meshes):,}, {sum(len(mesh.triangles) for mesh in self.meshes):,} triangles",
+            "materials": listed(mesh.material.name or mesh.material.kind for mesh in self.meshes),
+            "lamps": listed(lamps),
+            "cameras": listed(camera.name or "unnamed" for camera in self.cameras),
+            "units": "photometric (cd, lx)" if self.photometric else "radiometric (W)",
+        }
+        facts |= {f"warning {i}": text for i, text in enumerate(self.warnings, 1)}
+        return facts_table(f"Scene {self.name}", facts)
+
     def __repr__(self) -> str:
         triangles = sum(len(mesh.triangles) for mesh in self.meshes)
         parts = [
@@ -413,6 +384,13 @@ class Scene:
         if self.animation is not None:
             parts.append(f"moves until {self.animation.end:g} s")
         return f"<Scene {self.name!r}: {', '.join(parts)}>"
+
+
+def listed(names: Iterable[str], most: int = 8) -> str:
+    """List distinct names, or "none"; of more than `most`, the first ones and the number of the others."""
+    distinct = list(dict.fromkeys(names))
+    more = f" and {len(distinct) - most:,} more" if len(distinct) > most else ""
+    return (", ".join(distinct[:most]) + more) or "none"
 
 
 def _counted(count: int, noun: str, plural: str = "") -> str:

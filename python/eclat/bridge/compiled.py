@@ -24,6 +24,7 @@ from eclat.scene import (
     Light,
     Material,
     PointLight,
+    ProfileLight,
     Scene,
     Texture,
     Value,
@@ -131,11 +132,23 @@ class _Compiler:
         position = tuple(float(x) for x in np.asarray(light.position, np.float64) - center)
         if isinstance(light, PointLight):
             self.builder.add_point(position, light.intensity)
+        elif isinstance(light, ProfileLight):
+            self.profile_light(light, position)
         else:
             self.builder.add_spot(
                 position=position, direction=light.direction, intensity=light.intensity, inner_angle=light.inner_angle,
                 outer_angle=light.outer_angle, smooth=light.falloff == "smooth",
             )  # fmt: skip
+
+    def profile_light(self, light: ProfileLight, position: tuple[float, ...]) -> None:
+        grid = light.profile.grid()
+        matrix = np.asarray(light.to_world, np.float64)
+        if matrix.shape != (3, 3) or not np.allclose(matrix @ matrix.T, np.eye(3), atol=1e-5):
+            raise EclatError(f"light {light.name!r}: to_world must be a 3×3 rotation, got {matrix.tolist()}")
+        self.builder.add_profile(
+            position=position, axes=(grid.axes @ matrix.T).tolist(), intensity=light.scale, polar=grid.polar.tolist(),
+            azimuth=grid.azimuth.tolist(), values=np.ascontiguousarray(grid.values, np.float32),
+        )  # fmt: skip
 
     def texture(self, texture: Texture) -> int:
         index = self.textures.get(id(texture))

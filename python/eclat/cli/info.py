@@ -13,7 +13,7 @@ from eclat.cli.command import Command
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import load_file, posed, scene_argument
 from eclat.errors import printable
-from eclat.scene import DirectionalLight, PointLight, SpotLight
+from eclat.scene import DirectionalLight, PointLight, ProfileLight, SpotLight
 from eclat.stage.material_overrides import material_names
 
 if TYPE_CHECKING:
@@ -24,7 +24,12 @@ EXAMPLES = {
     "eclat info room.glb --json": "List the same as JSON, for programs:",
 }
 
-_LIGHTS: dict[type, str] = {PointLight: "point", SpotLight: "spot", DirectionalLight: "directional"}
+_LIGHTS: dict[type, str] = {
+    PointLight: "point",
+    SpotLight: "spot",
+    ProfileLight: "profile",
+    DirectionalLight: "directional",
+}
 
 
 @click.command(

@@ -36,7 +36,7 @@ REPEATED = (
         "crop",
         "light_groups",
     ),
-    *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "materials"),
+    *("camera", "camera_from", "camera_to", "camera_up", "fov", "sun", "environment", "ies", "materials"),
     *("at", "camera_path"),
 )
 """Names of the flags that determine the values of a picture. The scene is not among them: it is given again, since

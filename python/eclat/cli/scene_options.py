@@ -48,8 +48,16 @@ light_options = together(
         section=LIGHT,
         help="Replace the scene's environment by an image file or by a constant radiance R,G,B.",
     ),
+    option(
+        "--ies",
+        metavar="LIGHT=FILE",
+        multiple=True,
+        section=LIGHT,
+        help="Replace the point or spot light called LIGHT by a luminaire measured in this photometric file (IES LM-63), as in "
+        "lamp=downlight.ies; repeatable.",
+    ),
 )
-"""Adds the options that replace the scene's suns and environment."""
+"""Adds the options that replace the scene's suns, environment and lamps."""
 
 camera_options = together(
     option(
@@ -152,6 +160,8 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
     scene = load_file(flags)
     if flags["materials"]:
         scene = eclat.override_materials(scene, _overrides(flags["materials"]))
+    if flags.get("ies"):
+        scene = eclat.override_lights(scene, _light_overrides(flags["ies"]))
     exposure: float | Literal["auto"] | None = flags.get("exposure")
     if exposure is None:
         made_up = wants_exposure(scene, sun=flags.get("sun"), environment=flags.get("environment"))
@@ -189,6 +199,21 @@ def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
             raise EclatError(f"--material: {name} is given twice, expected it once")
         materials[name] = bsdf
     return materials
+
+
+def _light_overrides(texts: Sequence[str]) -> dict[str, str]:
+    from eclat.stage.light_overrides import parsed_light_override
+
+    files: dict[str, str] = {}
+    for text in texts:
+        try:
+            name, file = parsed_light_override(text)
+        except EclatError as error:
+            raise EclatError(f"--ies: {error}") from None
+        if name in files:
+            raise EclatError(f"--ies: {name} is given twice, expected it once")
+        files[name] = file
+    return files
 
 
 def camera_index(scene: Scene, wanted: str | None) -> int:

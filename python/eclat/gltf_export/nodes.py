@@ -4,13 +4,15 @@
 
 from __future__ import annotations
 
+import base64
 import math
 
 import numpy as np
 
 from eclat.errors import warn
 from eclat.gltf_export.document import Document, Json
-from eclat.scene import Camera, DirectionalLight, FloatArray, Light, SpotLight, look_at
+from eclat.loaders.ies import encode_ies
+from eclat.scene import Camera, DirectionalLight, FloatArray, Light, ProfileLight, SpotLight, look_at
 
 NEAR, FAR = 1e-3, 2.0
 """The distances of the near and the far clipping plane, divided by the distance D of the farthest point of the scene.
@@ -54,6 +56,8 @@ def _farthest(place: FloatArray, bounds: FloatArray) -> float:
 
 def light_node(document: Document, light: Light) -> int:
     """Write a light, and return the index of its node."""
+    if isinstance(light, ProfileLight):
+        return _profile_node(document, light)
     if isinstance(light, DirectionalLight):
         json: Json = {"type": "directional"} | _colored(light.irradiance)
         matrix = _towards((0.0, 0.0, 0.0), light.direction)
@@ -80,6 +84,22 @@ def light_node(document: Document, light: Light) -> int:
     known.append(named | json)
     node = {"extensions": {extension: {"light": len(known) - 1}}, "matrix": matrix.T.ravel().tolist()}
     return document.add("nodes", named | node)
+
+
+def _profile_node(document: Document, light: ProfileLight) -> int:
+    """Write a light with a profile as a data URI [EXT_lights_ies], and return the index of its node."""
+    extension = document.use("EXT_lights_ies")
+    known = document.root.setdefault("extensions", {}).setdefault(extension, {"lights": []})["lights"]
+    mime = "application/x-ies-lm-63"
+    data = base64.b64encode(encode_ies(light.profile)).decode("ascii")
+    known.append({"uri": f"data:{mime};base64,{data}", "mimeType": mime, "name": light.profile.name})
+    largest = max(light.scale)
+    color = [c / largest for c in light.scale] if largest > 0 else [1.0, 1.0, 1.0]
+    matrix = np.eye(4)
+    matrix[:3, :3], matrix[:3, 3] = light.to_world, light.position
+    reference = {"light": len(known) - 1, "multiplier": largest, "color": color}
+    node = {"name": light.name, "extensions": {extension: reference}, "matrix": matrix.T.ravel().tolist()}
+    return document.add("nodes", node)
 
 
 def _colored(power: tuple[float, float, float]) -> Json:

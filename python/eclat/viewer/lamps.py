@@ -16,10 +16,11 @@ import numpy as np
 
 from eclat import _core
 from eclat.bridge.arguments import picture_size
+from eclat.errors import warn
 from eclat.gltf_export import Part, scene_parts
 from eclat.lightmap.lightmap import Lightmap
 from eclat.measure.photometry import luminance
-from eclat.scene import Camera, DirectionalLight, Environment, FloatArray, PointLight, Scene, SpotLight
+from eclat.scene import Camera, DirectionalLight, Environment, FloatArray, PointLight, ProfileLight, Scene, SpotLight
 from eclat.verbs.bake import bake
 from eclat.viewer.messages import encode_message
 
@@ -82,6 +83,12 @@ def lights_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:
             )
             continue
         position = (np.asarray(light.position, np.float64) - center).tolist()
+        if isinstance(light, ProfileLight):
+            # The page does not know profiles; the flux of the lamp is right, but not where it goes.
+            warn(f"light {light.name!r}: the viewer shows its direct light as that of an even point light")
+            mean = light.profile.flux / (4 * np.pi)
+            found.append({"kind": "point", "position": position, "intensity": [float(c * mean) for c in light.scale]})
+            continue
         entry = {"kind": "point", "position": position, "intensity": list(map(float, light.intensity))}
         if isinstance(light, SpotLight):
             entry |= {

@@ -140,15 +140,18 @@ TEST_CASE("photons of a textured triangle leave where the texture shines") {
                    0.05);
 }
 
+/// The irradiance of the plane z = 0 by the intensity of a point light.
+auto by_intensity_from(Vec3 at, std::function<double(Vec3)> intensity) {
+    return [=](double x, double y) {
+        const Vec3 d = Vec3{float(x), float(y), 0} - at;
+        const double r = length(d);
+        return intensity(d / float(r)) * -d.z / (r * r * r);
+    };
+}
+
 TEST_CASE("photons of points and spots") {
     const Vec3 at{0.4f, -0.6f, 1.7f};
-    const auto by_intensity = [&](std::function<double(Vec3)> intensity) {
-        return [=](double x, double y) {
-            const Vec3 d = Vec3{float(x), float(y), 0} - at;
-            const double r = length(d);
-            return intensity(d / float(r)) * -d.z / (r * r * r);
-        };
-    };
+    const auto by_intensity = [&](std::function<double(Vec3)> intensity) { return by_intensity_from(at, intensity); };
     SUBCASE("point") {
         check_emission({.points = {{at, Color(2, 5, 1)}}}, 20 * M_PI, by_intensity([](Vec3) { return 5.0; }));
     }
@@ -172,6 +175,40 @@ TEST_CASE("photons of points and spots") {
                            return 5 * x * x;
                        }));
     }
+}
+
+TEST_CASE("photons of a measured luminaire, whose intensity varies in both angles") {
+    const Vec3 at{0.4f, -0.6f, 1.7f}, pole = normalize({-0.3f, 0.4f, -1});
+    const Frame frame = Frame::around(pole);
+    // I = (2 + θ/90) (1 + φ/720) over a full turn, which is linear in both angles, so that coarse nodes hold it exactly; its
+    // jump at φ = 0 is part of the test.
+    const auto value = [](double polar, double azimuth) { return (2 + polar / 90) * (1 + azimuth / 720); };
+    IntensityTable table{{0, 40, 90, 120}, {0, 70, 200, 360}, {}};
+    for (const float p : table.polar)
+        for (const float a : table.azimuth) table.values.push_back(float(value(p, a)));
+    const auto intensity = [=](Vec3 w) {
+        const double x = dot(w, frame.u), y = dot(w, frame.v), z = dot(w, pole);
+        double polar = std::atan2(std::hypot(x, y), z) * 180 / M_PI, azimuth = std::atan2(y, x) * 180 / M_PI;
+        if (azimuth < 0) azimuth += 360;
+        return polar <= 120 ? 5 * value(polar, azimuth) : 0.0;
+    };
+    // ∫ (2 + θ/90°) sin θ dθ to 120° is 2 · 1.5 + (sin b − b cos b) · 2/π, and the mean of the other factor over a turn is 1.25.
+    const double b = radians(120);
+    const double power = 5 * 2 * M_PI * 1.25 * (3 + (std::sin(b) - b * std::cos(b)) * 2 / M_PI);
+    const ProfileLight light(at, {frame.u, frame.v, pole}, Color(5.0f), table);
+    check_emission({.profiles = {light}}, power, by_intensity_from(at, intensity));
+    // Illuminance is I cos / d² at any point.
+    const Vec3 directions[] = {normalize(pole + frame.v * 0.2f), normalize(pole + frame.u * 0.7f + frame.v * 0.1f),
+                               normalize(pole * 0.2f - frame.v), frame.u * -1.0f};
+    for (const Vec3 w : directions) {
+        const LightSample s = Lights({.profiles = {light}}).sample(at + w * 3.0f, 0.5f, {0.5f, 0.5f});
+        CHECK(s.radiance.g / s.pdf_solid_angle == doctest::Approx(intensity(w) / 9).epsilon(1e-4));
+    }
+    CHECK(light.sample(at - pole * 2.0f).pdf_solid_angle == 0);
+    CHECK_THROWS_AS(ProfileLight(at, {frame.u, frame.v, pole}, Color(1.0f), {{0, 90}, {0, 0}, {1, 1, 1, 1}}),
+                    std::invalid_argument);
+    CHECK_THROWS_AS(ProfileLight(at, {frame.u, frame.v, pole}, Color(1.0f), {{0, 90}, {0, 360}, {1, 1, 1}}),
+                    std::invalid_argument);
 }
 
 TEST_CASE("photons of suns, without extent and with") {

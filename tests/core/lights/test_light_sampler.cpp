@@ -11,7 +11,7 @@ using namespace eclat;
 
 TEST_CASE("half of the choices follow power, half are shared by the groups, so that no group starves") {
     // Two dim triangles under a sun; the sun's group and the triangles' are the only ones that shine.
-    const LightSampler sampler({{{1, 1}, {}, {}, {98}, {}}});
+    const LightSampler sampler({{{1, 1}, {}, {}, {}, {98}, {}}});
     const auto pdf = [&](LightKind kind, uint32_t i) { return sampler.pdf_discrete(LightSet::all, kind, i); };
     CHECK(pdf(LightKind::triangle, 0) == doctest::Approx(0.5 * 1 / 100 + 0.5 * 1 / (2 * 2)).epsilon(1e-5));
     CHECK(pdf(LightKind::triangle, 1) == doctest::Approx(pdf(LightKind::triangle, 0)).epsilon(1e-5));
@@ -19,7 +19,7 @@ TEST_CASE("half of the choices follow power, half are shared by the groups, so t
 }
 
 TEST_CASE("point and spot lights are one group, and the environment can be excluded") {
-    const LightSampler sampler({{{}, {3}, {1}, {}, {4}}});
+    const LightSampler sampler({{{}, {3}, {1}, {}, {}, {4}}});
     const auto pdf = [&](LightSet set, LightKind kind) { return sampler.pdf_discrete(set, kind, 0); };
     CHECK(pdf(LightSet::all, LightKind::point) == doctest::Approx(0.5 * 3 / 8 + 0.5 * 3 / (2 * 4)).epsilon(1e-5));
     CHECK(pdf(LightSet::all, LightKind::environment) == doctest::Approx(0.5 * 4 / 8 + 0.5 / 2).epsilon(1e-5));
@@ -29,7 +29,7 @@ TEST_CASE("point and spot lights are one group, and the environment can be exclu
 }
 
 TEST_CASE("photons are emitted by power alone") {
-    const LightSampler sampler({{{1, 1}, {}, {}, {98}, {}}});
+    const LightSampler sampler({{{1, 1}, {}, {}, {}, {98}, {}}});
     int suns = 0;
     for (int i = 0; i < 1000; ++i)
         suns += sampler.choose_emission((float(i) + 0.5f) / 1000).kind == LightKind::directional;

@@ -38,14 +38,17 @@ std::vector<EmitterTriangle> lamp(float scale = 1) {
 /// One light of each kind in a scene of radius 4; lengths times `scale`.
 LightInputs everything(const std::vector<EmitterTriangle>& triangles, float scale = 1) {
     const Color strength = Color(5, 4, 3) * (scale * scale);
-    return {.triangles = triangles,
-            .points = {{Vec3{0.5f, -1, 2} * scale, strength}},
-            .spots = {SpotLight(Vec3{-1, 1, 2} * scale, {0.2f, 0, -1}, strength, 20, 35, SpotLight::Falloff::smooth)},
-            .directionals = {DirectionalLight({0, 0.2f, -1}, Color(1.5f), 0),
-                             DirectionalLight({0.5f, 0, -1}, Color(2.5f), 3)},
-            .environment = sky(),
-            .scene_center = Vec3{0.5f, 0.5f, 1} * scale,
-            .scene_radius = 4 * scale};
+    return {
+        .triangles = triangles,
+        .points = {{Vec3{0.5f, -1, 2} * scale, strength}},
+        .spots = {SpotLight(Vec3{-1, 1, 2} * scale, {0.2f, 0, -1}, strength, 20, 35, SpotLight::Falloff::smooth)},
+        .profiles = {ProfileLight(Vec3{1, 0.5f, 2.5f} * scale, {Vec3{1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, 0, -1}}, strength,
+                                  {{0, 60, 180}, {0, 90, 360}, {1, 1, 1, 0.5f, 0.8f, 0.5f, 0.1f, 0.1f, 0.1f}})},
+        .directionals = {DirectionalLight({0, 0.2f, -1}, Color(1.5f), 0),
+                         DirectionalLight({0.5f, 0, -1}, Color(2.5f), 3)},
+        .environment = sky(),
+        .scene_center = Vec3{0.5f, 0.5f, 1} * scale,
+        .scene_radius = 4 * scale};
 }
 
 double degrees(double x) { return x * M_PI / 180; }
@@ -139,16 +142,19 @@ TEST_CASE("all lights together give the sum of their irradiances") {
     const Vec3 at{0.2f, 0.1f, 0}, normal = normalize({0.1f, 0.2f, 1});
     const LightInputs all = everything(triangles);
     const int samples = 300000;
-    const Lights only[] = {Lights({.triangles = triangles}), Lights({.points = all.points}),
-                           Lights({.spots = all.spots}), Lights({.directionals = all.directionals}),
+    const Lights only[] = {Lights({.triangles = triangles}),
+                           Lights({.points = all.points}),
+                           Lights({.spots = all.spots}),
+                           Lights({.profiles = all.profiles}),
+                           Lights({.directionals = all.directionals}),
                            Lights({.environment = all.environment})};
     double sum = 0, error = 0, without = 0;
-    for (int i = 0; i < 5; ++i) {
+    for (int i = 0; i < 6; ++i) {
         const RunningMean mean = irradiance(only[i], at, normal, samples);
         CHECK(mean.mean() > 0);
         sum += mean.mean();
         error += mean.standard_error() * mean.standard_error();
-        if (i < 4) without = sum;
+        if (i < 5) without = sum;
     }
     const Lights lights(all);
     const RunningMean together = irradiance(lights, at, normal, samples);
@@ -186,8 +192,8 @@ TEST_CASE("densities are those of sampling for each kind and set, with the choic
             ++counted;
         }
         CHECK(sky_samples > 1000);
-        // Point, spot (which does shine here) and parallel light: three deltas, each counted once in the mean.
-        CHECK(of_deltas / 20000 == doctest::Approx(3).epsilon(0.08));
+        // Point, spot (which does shine here), profile and parallel light: four deltas, each counted once in the mean.
+        CHECK(of_deltas / 20000 == doctest::Approx(4).epsilon(0.08));
     }
     // The image is left out, the sun's disc stays.
     const Vec3 sun = normalize({-0.5f, 0, 1}), elsewhere{0, 1, 0};

@@ -385,7 +385,13 @@ def test_settings_repeat_a_run(api: FakeApi, capsys: Output) -> None:
 
 
 def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
-    settings = dict.fromkeys(REPEATED) | {"method": "path", "settings": [], "light_groups": [], "size": [0, 5]}
+    settings = dict.fromkeys(REPEATED) | {
+        "method": "path",
+        "settings": [],
+        "light_groups": [],
+        "ies": [],
+        "size": [0, 5],
+    }
     Image(np.zeros((1, 1, 3), np.float32), metadata={"settings": settings}).save("a.exr")
     assert main(["render", "cornell-box", "--replay-settings", "a.exr"]) == 2
     assert "--size: expected a width and a height" in errors(capsys)

@@ -66,6 +66,7 @@ VALUES: dict[str, list[str]] = {
     "--isa": ["x86-64-v2"],
     "--at": ["1"],
     "--camera-path": ["walk.json"],
+    "--ies": ["bulb=absent.ies"],
 }
 """A value unlike the default for each flag that takes one."""
 

@@ -10,6 +10,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from eclat.errors import EclatError, warn
+from eclat.intensity_profile import IntensityProfile
 from eclat.loaders.budget import OBJECT, spend
 from eclat.loaders.gltf.accessors import Accessors
 from eclat.loaders.gltf.animations import read_animations
@@ -17,7 +18,7 @@ from eclat.loaders.gltf.bending import bend_primitive
 from eclat.loaders.gltf.cameras import read_camera
 from eclat.loaders.gltf.container import Document
 from eclat.loaders.gltf.element import Element
-from eclat.loaders.gltf.lights import read_light
+from eclat.loaders.gltf.lights import read_light, read_profile_light
 from eclat.loaders.gltf.materials import Materials, used_uv_sets
 from eclat.loaders.gltf.nodes import Matrix, instances, scene_nodes
 from eclat.loaders.gltf.primitives import (
@@ -29,6 +30,7 @@ from eclat.loaders.gltf.primitives import (
     transform_primitive,
 )
 from eclat.loaders.gltf.skins import joint_matrices
+from eclat.loaders.ies import parse_ies
 from eclat.loaders.parts import Parts
 from eclat.motion.animation import Pose
 from eclat.scene import Camera, Light, Material, Mesh
@@ -51,6 +53,8 @@ class Sources:
         """The meshes of the rest pose, once it has been built."""
         self.primitives: dict[tuple[object, ...], _Read] = {}
         """The primitives of the rest pose."""
+        self.profiles: dict[int, IntensityProfile] = {}
+        """The photometric files, by their indices."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,6 +100,8 @@ class Builder:
         self._primitives: dict[tuple[object, ...], _Read] = dict(sources.primitives)
         extension = document.root.extension("KHR_lights_punctual")
         self._known_lights = [] if extension is None else extension.children("lights")
+        extension = document.root.extension("EXT_lights_ies")
+        self._known_profiles = [] if extension is None else extension.children("lights")
         self._meshes: dict[Hashable, Mesh] = {}
         self._made: dict[Hashable, Made] = {}
         self._lights: dict[Hashable, Light] = {}
@@ -113,6 +119,10 @@ class Builder:
             if reference is not None:
                 with self.parts.one():
                     self._add_light(index, node, reference, to_world)
+            measured = node.extension("EXT_lights_ies")
+            if measured is not None:
+                with self.parts.one():
+                    self._add_profile_light(index, node, measured, to_world)
             self._add_camera(index, node, to_world)
         if self._sources.resting is None:
             self._sources.resting, self._sources.primitives = self._made, self._primitives
@@ -231,6 +241,20 @@ class Builder:
         key = ("light", index)
         self._lights[key] = read_light(light, to_world, node.text("name") or light.text("name"))
         self.origins[key] = Origin(index, number)
+
+    def _add_profile_light(self, index: int, node: Element, reference: Element, to_world: Matrix) -> None:
+        number = reference.index("light", len(self._known_profiles), "lights")
+        if number is None:
+            raise EclatError(f"{reference.where}: expected the index of a light as 'light', but it is missing")
+        element, known = self._known_profiles[number], self._sources.profiles
+        if number not in known:
+            view = self._document.buffer_view(element)
+            data = self._document.uri_bytes(element.text("uri"), element.where) if view is None else bytes(view[0])
+            known[number] = parse_ies(data, element.where)
+        key = ("profile", index)
+        name = node.text("name") or element.text("name")
+        self._lights[key] = read_profile_light(reference, known[number], to_world, name)
+        self.origins[key] = Origin(index, None)
 
     def _add_camera(self, index: int, node: Element, to_world: Matrix) -> None:
         camera = self._document.element(node, "camera", "cameras")

@@ -25,6 +25,7 @@ SUPPORTED = frozenset(
         "KHR_mesh_quantization",
         "KHR_node_visibility",
         "KHR_texture_transform",
+        "EXT_lights_ies",
         "EXT_mesh_gpu_instancing",
         "EXT_texture_avif",
         "EXT_texture_webp",

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError, warn
+from eclat.intensity_profile import IntensityProfile
 from eclat.loaders.gltf.element import Element
-from eclat.scene import DirectionalLight, Light, PointLight, SpotLight
+from eclat.scene import DirectionalLight, Light, PointLight, ProfileLight, SpotLight
 
 
 def read_light(light: Element, to_world: NDArray[np.float64], name: str) -> Light:
@@ -47,6 +48,35 @@ def read_light(light: Element, to_world: NDArray[np.float64], name: str) -> Ligh
         inner, outer = _cone(light)
         return SpotLight((x, y, z), _direction(light, to_world), color, inner, outer, "smooth", name)
     raise EclatError(f"{light.at('type')}: expected point, spot or directional, got {kind[:20]!r}")
+
+
+def read_profile_light(
+    reference: Element, profile: IntensityProfile, to_world: NDArray[np.float64], name: str
+) -> ProfileLight:
+    """Read a light with an IES profile, which aims along −z of its node [EXT_lights_ies].
+
+    Parameters
+    ----------
+    reference : the extension of the node, which holds the multiplier and the colour.
+    profile : the profile that it names.
+    to_world : the 4×4 transform of the node, whose scale does not matter.
+    name : the name that the light gets.
+
+    Raises
+    ------
+    EclatError : a number is invalid, or the transform of the node flattens the light.
+    """
+    power = reference.number("multiplier", 1.0)
+    if power < 0:
+        raise EclatError(f"{reference.at('multiplier')}: expected a number of at least 0, got {power:g}")
+    r, g, b = reference.levels("color", (1, 1, 1), 1.0)
+    u, values, vt = np.linalg.svd(to_world[:3, :3])
+    if not values[-1] > 1e-9 * values[0]:
+        raise EclatError(
+            f"{reference.where}: expected a light with a direction, but the transform of its node is singular"
+        )
+    x, y, z = (float(v) for v in to_world[:3, 3])
+    return ProfileLight((x, y, z), profile, (r * power, g * power, b * power), u @ vt, name)
 
 
 def _direction(light: Element, to_world: NDArray[np.float64]) -> tuple[float, float, float]:

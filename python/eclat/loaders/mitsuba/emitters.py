@@ -13,15 +13,17 @@ from numpy.typing import NDArray
 
 from eclat.daylight.sky import SUN_ANGULAR_RADIUS
 from eclat.errors import EclatError, did_you_mean, warn
-from eclat.loaders.files import read_texture
+from eclat.loaders.files import read_bytes, read_texture
+from eclat.loaders.ies import parse_ies
 from eclat.loaders.mitsuba.daylight import mitsuba_sun_sky
 from eclat.loaders.mitsuba.kinds import PLUGINS
 from eclat.loaders.mitsuba.node import Node, Vector
 from eclat.loaders.mitsuba.sun_position import sun_direction
 from eclat.loaders.mitsuba.textures import Textures, image_data
 from eclat.loaders.mitsuba.transforms import Matrix, normalize, transform_directions
+from eclat.measure.photometry import LUMENS_PER_WATT
 from eclat.measure.spectrum import srgb_to_linear
-from eclat.scene import DirectionalLight, Environment, Light, PointLight, SpotLight
+from eclat.scene import DirectionalLight, Environment, Light, PointLight, ProfileLight, SpotLight
 
 Emission = tuple[list[Light], Environment | None]
 
@@ -119,6 +121,18 @@ def _directional(node: Node, textures: Textures) -> Emission:
     return [DirectionalLight(direction, _color(node, textures, "irradiance"))], None
 
 
+def _ies(node: Node, textures: Textures) -> Emission:
+    """Convert an emitter with the profile `filename`, which aims along +z as a spot does. This type is an addition of Éclat.
+
+    `intensity` is a colour or a factor. The candela of the file become W·sr⁻¹, because Mitsuba's scenes are radiometric.
+    """
+    path = node.file("filename")
+    profile = parse_ies(read_bytes(path, where=f"{node.where}, filename"), path.name)
+    factor = node.number("scale", default=1.0) / LUMENS_PER_WATT
+    r, g, b = (factor * c for c in _color(node, textures, "intensity"))
+    return [ProfileLight(_position(node), profile, (r, g, b), _rotation(node) @ np.diag([1.0, -1.0, -1.0]))], None
+
+
 def _constant(node: Node, textures: Textures) -> Emission:
     radiance = _color(node, textures, "radiance")
     return [], Environment(np.array(radiance, dtype=np.float32).reshape(1, 1, 3))
@@ -201,6 +215,7 @@ _MAKERS: dict[str, Callable[[Node, Textures], Emission]] = {
     "point": _point,
     "spot": _spot,
     "directional": _directional,
+    "ies": _ies,
     "constant": _constant,
     "envmap": _envmap,
     "sun": _sky,

@@ -21,7 +21,9 @@ PLUGINS: dict[str, frozenset[str]] = {
         "merl"
     ),
     "emitter": _words(
-        "area point spot directional constant envmap sun sky sunsky directionalarea projector collimated timed_sunsky"
+        "area point spot directional constant envmap sun sky sunsky directionalarea projector collimated timed_sunsky "
+        # IES profiles are an addition of Éclat, because Mitsuba has no plugin for them.
+        "ies"
     ),
     "sensor": _words(
         "perspective thinlens orthographic telecentric spherical batch distant irradiancemeter radiancemeter "
