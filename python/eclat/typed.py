@@ -8,13 +8,13 @@ import functools
 import inspect
 import numbers
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, ParamSpec, TypeVar
 
 import numpy as np
 
-from eclat.errors import EclatError, shown
+from eclat.errors import EclatError, did_you_mean, shown
 
 P = ParamSpec("P")
 R = TypeVar("R")
@@ -162,6 +162,7 @@ def typed(function: Callable[P, R]) -> Callable[P, R]:
         try:
             bound = signature.bind(*args, **kwargs)
         except TypeError:
+            refuse_unknown(function.__name__, kwargs, signature.parameters)
             return function(*args, **kwargs)  # which raises Python's own message
         for name, value in bound.arguments.items():
             if name in kinds:
@@ -169,6 +170,16 @@ def typed(function: Callable[P, R]) -> Callable[P, R]:
         return function(*bound.args, **bound.kwargs)
 
     return checked
+
+
+def refuse_unknown(name: str, given: Mapping[str, Any], known: Collection[str]) -> None:
+    """Raise TypeError for a keyword argument of the function `name` that is not among those known, as Python does, with the
+    most similar known one.
+    """
+    for key in given:
+        if key not in known:
+            near = did_you_mean(key, known) or f"; expected one of {', '.join(known)}"
+            raise TypeError(f"{name}() got an unexpected keyword argument {key!r}{near}")
 
 
 def _taken(value: Any, kinds: list[Kind], where: str) -> Any:

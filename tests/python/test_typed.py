@@ -57,6 +57,16 @@ def test_wrong_types_are_named(arguments: dict[str, Any], message: str) -> None:
 def test_missing_and_unknown_arguments_are_pythons_own_errors() -> None:
     with pytest.raises(TypeError, match="missing 1 required"):
         mixed()  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"mixed\(\) got an unexpected keyword argument 'nmaes'; did you mean 'names'"):
+        mixed(1, nmaes="a")  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match="'quick'; expected one of count, share, on, size, names"):
+        mixed(1, quick=True)  # type: ignore[call-arg]
+    with pytest.raises(
+        TypeError, match=r"render\(\) got an unexpected keyword argument 'sample'; did you mean 'samples'"
+    ):
+        eclat.render("furnace", sample=3)  # type: ignore[call-arg]
+    with pytest.raises(TypeError, match=r"PhotonMap\(\) got an unexpected .* 'photon'; did you mean 'photons'"):
+        eclat.PhotonMap(photon=3)  # type: ignore[call-arg]
     with pytest.raises(TypeError, match="unexpected keyword argument 'colour'"):
         mixed(1, colour=2)  # type: ignore[call-arg]
 

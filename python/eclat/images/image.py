@@ -5,16 +5,19 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field, replace
 from typing import Any, Literal
 
 import numpy as np
-from numpy.typing import DTypeLike, NDArray
+import PIL.Image
+from numpy.typing import ArrayLike, DTypeLike, NDArray
 
-from eclat.errors import EclatError, warn
+from eclat.errors import EclatError, did_you_mean, warn
 from eclat.files.atomic_file import check_writable, write_file
 from eclat.images import image_files
-from eclat.images.tone import check_display, exposure_stops
+from eclat.images.exposure_slider import exposure_slider
+from eclat.images.tone import check_display, exposure_stops, srgb_decode, to_display
 from eclat.typed import typed
 
 LAYERS: dict[str, str] = {
@@ -192,6 +195,70 @@ class Image:
         """
         content = image_files.read(path, check_size)
         return Image(content.pixels, content.layers, content.metadata)
+
+    def __getitem__(self, name: str) -> NDArray[np.float32]:
+        """Return a layer by its name, or the pixels by "pixels". Raises KeyError for an unknown name."""
+        if name == "pixels":
+            return self.pixels
+        if name not in self.layers:
+            known = ["pixels", *self.layers]
+            raise KeyError(f"no layer {name!r}, expected one of {', '.join(known)}{did_you_mean(str(name), known)}")
+        return self.layers[name]
+
+    def __contains__(self, name: object) -> bool:
+        return name == "pixels" or name in self.layers
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.keys())
+
+    def keys(self) -> list[str]:
+        """List what `image[name]` accepts: "pixels" and the names of the layers."""
+        return ["pixels", *self.layers]
+
+    @staticmethod
+    @typed
+    def from_array(pixels: ArrayLike, layers: Mapping[str, ArrayLike] | None = None) -> Image:
+        """Make an image of linear radiance from arrays: (H, W, 3), or (H, W) and (H, W, 1) for grey.
+
+        Raises
+        ------
+        EclatError : an array has another shape or does not contain numbers.
+        """
+        try:
+            array = np.asarray(pixels, np.float32)
+            others = {name: np.asarray(layer, np.float32) for name, layer in (layers or {}).items()}
+        except (TypeError, ValueError):
+            raise EclatError("image: expected arrays of numbers, got something else") from None
+        if array.ndim == 2 or (array.ndim == 3 and array.shape[2] == 1):
+            array = np.repeat(array.reshape(*array.shape[:2], 1), 3, axis=2)
+        return Image(array, others)
+
+    @typed
+    def to_pil(self, exposure: float | Literal["auto"] = 0.0, tone_mapping: str = "none") -> PIL.Image.Image:
+        """Convert the image to a Pillow image of 8-bit sRGB, as `save` writes a PNG file.
+
+        Parameters and errors are those of `save`.
+        """
+        stops = exposure_stops(exposure, self.pixels)
+        check_display(stops, tone_mapping)
+        return PIL.Image.fromarray(to_display(self.pixels, stops, tone_mapping))
+
+    @staticmethod
+    def from_pil(picture: PIL.Image.Image) -> Image:
+        """Make an image of linear radiance from a Pillow image, whose colours are sRGB if it has 8 bits per channel.
+
+        White becomes 1, and alpha is left out. Raises EclatError if it is no Pillow image.
+        """
+        if not isinstance(picture, PIL.Image.Image):
+            raise EclatError(f"from_pil: expected a Pillow image, got {type(picture).__name__}")
+        if picture.mode in ("F", "I", "I;16", "I;16B"):
+            grey = np.asarray(picture, np.float32)
+            return Image.from_array(grey if picture.mode == "F" else grey / np.float32(65535))
+        return Image(srgb_decode(np.asarray(picture.convert("RGB")) / 255).astype(np.float32))
+
+    def _repr_html_(self) -> str:
+        """Return the image with a slider for its exposure, for notebooks."""
+        return exposure_slider(self.pixels, self._repr_png_())
 
     def _repr_png_(self) -> bytes:
         """Return the image as a PNG file, for notebooks."""

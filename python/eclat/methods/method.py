@@ -11,6 +11,7 @@ estimators of radiance along camera rays and of irradiance at points. A result t
 from __future__ import annotations
 
 import dataclasses
+import functools
 import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
@@ -23,12 +24,13 @@ from eclat import _core
 from eclat.bridge.compiled import fingerprint
 from eclat.errors import EclatError, did_you_mean, shown, warn
 from eclat.files.archive import write_archive
+from eclat.html import facts_table
 from eclat.measure.error_estimate import ErrorEstimate, error_text
 from eclat.methods.saved import Common, read_saved
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
-from eclat.typed import typed
+from eclat.typed import refuse_unknown, typed
 
 PassEstimator = Callable[[int, _core.Progress], _core.Estimator]
 """A function from the index of a sample, from 0, to the estimator that takes this sample."""
@@ -221,6 +223,16 @@ class Solved(Prepared):
     def __repr__(self) -> str:
         return f"<{type(self).__name__}: {self.describe()}>"
 
+    def _repr_html_(self) -> str:
+        """Return the facts as a table, for notebooks."""
+        rows: dict[str, object] = {
+            "method": self.options.name, self.consists_of: f"{len(self):,}", "state": self.describe(),
+            "memory": f"{self.nbytes / 1e6:.1f} MB",
+        }  # fmt: skip
+        changed = {f.name: getattr(self.options, f.name) for f in dataclasses.fields(self.options)}
+        rows["options"] = ", ".join(f"{name}={value}" for name, value in changed.items())
+        return facts_table(type(self).__name__, rows)
+
 
 @dataclass(frozen=True)
 class Method(ABC):
@@ -288,7 +300,20 @@ S = TypeVar("S", bound=Solved)
 def register(method: M) -> M:
     """Add a method to `METHODS`, which makes it available in all verbs and commands."""
     METHODS[method.name] = method
+    _refuse_misspelt_options(method)
     return method
+
+
+def _refuse_misspelt_options(method: type[Method]) -> None:
+    """Let the class name the most similar option if one that it does not have is given."""
+    made, known = method.__init__, [field.name for field in dataclasses.fields(method)]
+
+    @functools.wraps(made)
+    def checked(self: Method, *args: Any, **kwargs: Any) -> None:
+        refuse_unknown(type(self).__name__, kwargs, known)
+        made(self, *args, **kwargs)
+
+    setattr(method, "__init__", checked)  # noqa: B010 - an assignment would be an error of types
 
 
 def solving_methods() -> list[str]:

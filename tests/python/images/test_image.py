@@ -177,3 +177,41 @@ def test_ctrl_c_while_writing_leaves_the_old_picture(
         picture(8, 8).save(path)
     assert path.read_bytes() == before
     assert os.listdir(tmp_path) == [path.name]
+
+
+def test_layers_are_read_like_a_dict() -> None:
+    image = Image(picture().pixels, {"depth": np.ones((4, 6), np.float32)})
+    assert image["pixels"] is image.pixels and image["depth"] is image.layers["depth"]
+    assert list(image) == image.keys() == ["pixels", "depth"] and "depth" in image and "normal" not in image
+    with pytest.raises(KeyError, match="no layer 'dept', expected one of pixels, depth; did you mean 'depth'"):
+        image["dept"]
+    np.testing.assert_array_equal(np.asarray(image), image.pixels)
+
+
+def test_images_from_arrays() -> None:
+    grey = np.random.default_rng(1).random((3, 5))
+    for array in (grey, grey[:, :, None]):
+        np.testing.assert_array_equal(
+            Image.from_array(array).pixels, np.repeat(grey[..., None], 3, 2).astype(np.float32)
+        )
+    layered = Image.from_array(np.ones((3, 5, 3)), {"depth": grey})
+    np.testing.assert_array_equal(layered["depth"], grey.astype(np.float32))
+    for wrong in ("picture", np.ones(3), np.ones((3, 5, 2)), [[object()]]):
+        with pytest.raises(EclatError, match="image: expected"):
+            Image.from_array(wrong)
+
+
+def test_images_to_pillow_and_back(tmp_path: Path) -> None:
+    image = picture()
+    image.save(tmp_path / "a.png", exposure=1.0, tone_mapping="filmic")
+    with PIL.Image.open(tmp_path / "a.png") as read:
+        np.testing.assert_array_equal(np.asarray(read), np.asarray(image.to_pil(1.0, "filmic")))
+    bytes_ = np.random.default_rng(2).integers(0, 256, (4, 5, 3), dtype=np.uint8)
+    again = Image.from_pil(PIL.Image.fromarray(bytes_)).to_pil()
+    np.testing.assert_array_equal(np.asarray(again), bytes_)
+    assert Image.from_pil(PIL.Image.new("RGBA", (2, 1), (255, 0, 0, 0))).pixels.tolist() == [[[1, 0, 0]] * 2]
+    assert Image.from_pil(PIL.Image.fromarray(np.full((1, 1), 2.5, np.float32))).pixels.tolist() == [[[2.5] * 3]]
+    with pytest.raises(EclatError, match="from_pil: expected a Pillow image, got ndarray"):
+        Image.from_pil(bytes_)  # type: ignore[arg-type]
+    with pytest.raises(EclatError, match="tone_mapping: expected one of none, filmic"):
+        image.to_pil(tone_mapping="film")
