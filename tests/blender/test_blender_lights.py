@@ -7,7 +7,8 @@ import math
 import numpy as np
 import pytest
 
-from eclat.scene import DirectionalLight, Mesh, PointLight, SpotLight, triangle_areas
+from eclat.scene import Camera, DirectionalLight, Mesh, PointLight, Scene, SpotLight, triangle_areas
+from eclat_blender.lamps_in_view import name_lamps_in_view
 from eclat_blender.lights import lamp, spot_angles
 from eclat_blender.notices import Notices
 from support.blender_standins import light
@@ -72,3 +73,27 @@ def test_what_lamps_cannot_do_is_named():
     lamp(light("SUN", 10.0, use_shadow=False), ABOVE, "three", notices)
     assert [text.split(":")[0] for text in notices.texts] == ["light 'one'", "light 'two'", "light 'three'"]
     assert lamp(light("POINT", 0.0), ABOVE, "dark", notices) is None
+
+
+@pytest.mark.parametrize(
+    ("kind", "place", "turned", "seen"),
+    [
+        ("POINT", (0, 0, -5), False, True),
+        ("POINT", (0, 0, 5), False, False),  # Behind the camera.
+        ("POINT", (9, 0, -5), False, False),  # Beside the picture.
+        ("AREA", (0, 0, -5), False, False),  # It looks where the camera looks.
+        ("AREA", (0, 0, -5), True, True),
+    ],
+)
+@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
+def test_a_lamp_in_the_picture_is_named(kind, place, turned, seen, projection):
+    camera = Camera(np.eye(4), 40.0 if projection == "perspective" else 4.0, projection=projection, size=(16, 9))
+    to_world = np.diag((1.0, -1.0, -1.0, 1.0)) if turned else np.eye(4)
+    to_world[:3, 3] = place
+    made = lamp(light(kind, 10.0, shadow_soft_size=0.2), to_world, "lamp", Notices())
+    notices = Notices()
+    name_lamps_in_view(Scene(meshes=(made,)), ("",), camera, notices)
+    assert (notices.texts != []) == seen
+    notices = Notices()
+    name_lamps_in_view(Scene(meshes=(made,)), ("object",), camera, notices)
+    assert notices.texts == []
