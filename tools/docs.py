@@ -85,6 +85,9 @@ def main() -> int:
     parser.add_argument("--output", type=Path, default=ROOT / "build/docs/html", help="folder to write")
     arguments = parser.parse_args()
     options = ["-D", "plot_gallery=0"] if arguments.fast else []
+    if (arguments.output / ".buildinfo").exists():
+        for page in arguments.output.rglob("*.html"):
+            page.unlink()  # Pages whose source is gone would stay.
     failed = build("html", arguments.output, *options) != 0
     problems = list(problems_of(arguments.output))
     print("".join(f"{problem}\n" for problem in problems), end="")
