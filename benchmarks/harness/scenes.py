@@ -42,7 +42,7 @@ class BenchmarkScene:
             return self.change(eclat.override_materials(scene, self.materials))
         path = FOLDER / self.source
         if not path.is_file():
-            how = "set ECLAT_SCENES to the folder of real scenes (README, 'Real scenes')"
+            how = "set ECLAT_SCENES to the folder of real scenes (CONTRIBUTING.md, 'Real scenes')"
             raise UnavailableError(f"{path} is absent: {how}")
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")  # what the file's own dirt calls for, named by `eclat info`

@@ -48,7 +48,7 @@ CASES = [
 @pytest.mark.filterwarnings("ignore::eclat.EclatWarning")
 def test_the_bias_is_no_more_than_stated(scenes: Path, case: Case) -> None:
     if not (scenes / case.file).is_file():
-        pytest.skip(f"{case.file} is not in {scenes}: see README, 'Real scenes'")
+        pytest.skip(f"{case.file} is not in {scenes}: see CONTRIBUTING.md, 'Real scenes'")
     scene = eclat.load(scenes / case.file)
 
     def blocks(what: eclat.Path | eclat.Solution, samples: int, seed: int) -> np.ndarray:

@@ -100,7 +100,7 @@ def test_bias_in_sibenik_is_no_more_than_stated(scenes: Path) -> None:
     would be, in the mean 0.006 to 0.011 less, of which 0.005 may be noise, over two seeds; the rest is room for noise."""
     file = scenes / "sibenik/nave.xml"
     if not file.is_file():
-        pytest.skip(f"{file.name} is not in {file.parent}: see README, 'Real scenes'")
+        pytest.skip(f"{file.name} is not in {file.parent}: see CONTRIBUTING.md, 'Real scenes'")
     scene, of_blocks, of_mean = eclat.load(file), 0.03, 0.02
 
     def blocks(what: eclat.Path | eclat.Photons, samples: int, seed: int) -> np.ndarray:
