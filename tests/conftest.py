@@ -17,5 +17,7 @@ def scenes() -> Path:
     """The folder of real scenes, or a skip that says how to get it."""
     folder = Path(os.environ.get("ECLAT_SCENES", ROOT.parent / "shared" / "scenes"))
     if not folder.is_dir():
-        pytest.skip(f"real scenes not found in {folder}: set ECLAT_SCENES to their folder (CONTRIBUTING.md, 'Real scenes')")
+        pytest.skip(
+            f"real scenes not found in {folder}: set ECLAT_SCENES to their folder (CONTRIBUTING.md, 'Real scenes')"
+        )
     return folder
