@@ -118,10 +118,10 @@ uniform vec4 eye;
 uniform vec2 size;
 const float pi = 3.14159265358979;
 
-// The sums of splats at a pixel. Where no record serves, in cracks between records, the nearest pixels of the same surface
+// The sums of splats of an image at a pixel. Where no record serves, in cracks between records, the nearest pixels of the same surface
 // stand in: of the same plane if there are any, otherwise of similar normals. The overlay of what is left out marks them.
-vec4 sumAt(ivec2 pixel) {
-  vec4 sum = texelFetch(sums, pixel, 0);
+vec4 sumAt(highp sampler2D image, ivec2 pixel) {
+  vec4 sum = texelFetch(image, pixel, 0);
   vec3 p = texelFetch(positions, pixel, 0).xyz, n = texelFetch(normals, pixel, 0).xyz;
   for (int attempt = 0; attempt < 2; ++attempt) {
     vec2 similar = attempt == 0 ? vec2(0.98, 0.1) : vec2(0.5, 0.7);
@@ -132,7 +132,7 @@ vec4 sumAt(ivec2 pixel) {
         if (any(lessThan(other, ivec2(0))) || any(greaterThanEqual(other, ivec2(size)))) continue;
         vec3 d = texelFetch(positions, other, 0).xyz - p;
         float turned = dot(texelFetch(normals, other, 0).xyz, n);
-        vec4 found = texelFetch(sums, other, 0);
+        vec4 found = texelFetch(image, other, 0);
         if (turned > similar.x && abs(dot(d, n)) < similar.y * length(d) && found.w > 0.0) sum += vec4(found.rgb / found.w, 1.0);
       }
     }
@@ -151,10 +151,10 @@ void main() {
     outRadiance = vec4(hasSky ? skyTowards(direction) : vec3(0.0), 1.0);
     return;
   }
-  vec4 sum = sumAt(pixel);
+  vec4 sum = sumAt(sums, pixel);
   vec3 radiance = showDirect ? texelFetch(radiances, pixel, 0).rgb + texelFetch(lampLight, pixel, 0).rgb : vec3(0.0);
   if (showIndirect && sum.w > 0.0) radiance += texelFetch(albedos, pixel, 0).rgb / pi * sum.rgb / sum.w;
-  vec4 gloss = texelFetch(glossSums, pixel, 0);
+  vec4 gloss = texelFetch(normals, pixel, 0).w > 0.5 ? sumAt(glossSums, pixel) : vec4(0.0);
   if (showIndirect && gloss.w > 0.0) radiance += gloss.rgb / gloss.w;
   outRadiance = vec4(radiance, 1.0);
 }
