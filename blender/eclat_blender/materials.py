@@ -23,10 +23,12 @@ PLAIN = 0.8
 
 @dataclass(frozen=True)
 class Made:
-    """A material and the names of the UV maps of its texture coordinates, "" for that which renders."""
+    """A material, the names of the UV maps of its texture coordinates, "" for that which renders, and whether it has images
+    that need them."""
 
     material: Material
     uv_maps: tuple[str, ...] = ("",)
+    uses_images: bool = False
 
 
 class Materials:
@@ -58,7 +60,7 @@ class Materials:
             if output.inputs[name].is_linked:
                 self._notices.add(where, f"{name.lower()} is not supported and is left out")
         found = self._finished(shading, surface)
-        return Made(replace(found, name=material.name), tuple(shading.uv_maps))
+        return Made(replace(found, name=material.name), tuple(shading.uv_maps), shading.uses_images)
 
     def _finished(self, shading: Shading, surface: Surface) -> Material:
         base = surface.material or Material("diffuse", {"reflectance": grey(0)})

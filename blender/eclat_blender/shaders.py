@@ -30,9 +30,11 @@ class Shading:
 
     values: NodeValues
     uv_maps: list[str] = field(default_factory=lambda: [""])
+    uses_images: bool = False
 
     def uv_set(self, name: str) -> int:
         """Number the UV map `name`, of which a material may have two: that which renders, and one by name."""
+        self.uses_images = True
         if name not in self.uv_maps:
             if len(self.uv_maps) == 2:
                 self.values.refuse(f"the UV map {name!r} is a third one, and that which renders is used instead")

@@ -13,7 +13,7 @@ from eclat.scene import Environment, Mesh, Scene
 
 from .image_nodes import ImageReader
 from .lights import Light, lamp
-from .materials import Materials
+from .materials import Made, Materials
 from .meshes import Part, placed, read_parts
 from .notices import Notices
 from .world import DrawWorld, environment
@@ -73,7 +73,7 @@ class _Objects:
             self._parts[key] = self._read(thing, tuple(sorted(maps)))
         for part in self._parts[key]:
             made = found[min(part.slot, len(found) - 1)]
-            self._name_missing_maps(thing, part, made.uv_maps)
+            self._name_missing_maps(thing, part, made)
             self.meshes.append(placed(part, to_world, made, thing.name))
             self.sources.append(thing.name_full)
 
@@ -86,10 +86,13 @@ class _Objects:
         finally:
             thing.to_mesh_clear()
 
-    def _name_missing_maps(self, thing: Any, part: Part, wanted: tuple[str, ...]) -> None:
-        for name in wanted:
-            if name and name not in part.uvs:
-                self.notices.add(f"object {thing.name!r}", f"it has no UV map {name!r}, which a material asks for")
+    def _name_missing_maps(self, thing: Any, part: Part, made: Made) -> None:
+        if not made.uses_images:
+            return
+        for name in made.uv_maps:
+            if name not in part.uvs:
+                which = f"UV map {name!r}" if name else "UV map"
+                self.notices.add(f"object {thing.name!r}", f"it has no {which}, which the images of a material need")
 
     def _name_visibility(self, thing: Any) -> None:
         flags = [

@@ -6,7 +6,18 @@ import numpy as np
 import pytest
 
 from eclat_blender.final import draw_final
-from support.blender_standins import Engine, camera_data, depsgraph, light, material, principled, solid, thing
+from support.blender_standins import (
+    Engine,
+    camera_data,
+    depsgraph,
+    image_node,
+    light,
+    link,
+    material,
+    principled,
+    solid,
+    thing,
+)
 
 NOTHING = lambda _: None  # noqa: E731
 
@@ -98,6 +109,16 @@ def test_what_is_not_supported_is_reported():
     warned = [text for kind, text in engine.reports if kind == "WARNING"]
     assert any("'Coat Weight' is not supported" in text for text in warned)
     assert any("object 'cloud'" in text for text in warned) and any("light 'spot'" in text for text in warned)
+
+
+def test_images_without_a_uv_map_are_reported():
+    shader, source = principled(), image_node(np.ones((2, 2, 4)))
+    link(source, "Color", shader, "Base Color")
+    bare = solid(materials=(material(shader, source),))
+    bare.to_mesh().uv_layers = []
+    for square, named in ((bare, 1), (solid(materials=(material(shader, source),)), 0)):
+        reports = drawn(depsgraph([(square, np.eye(4))])).reports
+        assert sum("it has no UV map, which the images" in text for _, text in reports) == named
 
 
 def test_a_scene_without_a_camera_is_an_error():
