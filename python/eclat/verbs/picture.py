@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import time as clock
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import asdict, dataclass
 from typing import Any
@@ -20,7 +20,7 @@ from eclat.bridge.running import ProgressReport, run
 from eclat.errors import warn
 from eclat.images.image import Image
 from eclat.images.record_overlay import record_density
-from eclat.measure.error_estimate import LIGHT_BY_CHANCE, ErrorEstimate, with_light_by_chance
+from eclat.measure.error_estimate import LIGHT_BY_CHANCE, ErrorEstimate, error_text, with_light_by_chance
 from eclat.methods import Prepared
 from eclat.methods.work import View, Work
 from eclat.sampling.adaptive_sampling import Counts
@@ -249,4 +249,19 @@ class Picture:
             f"the first is sample {sample} of pixel ({x}, {y})\n"
             f"         to repeat it, call eclat.render(…) with the same arguments and samples={sample + 1}, "
             f"crop=({x}, {y}, {x + 1}, {y + 1}), size=({self.view.size[0]}, {self.view.size[1]}){halves}"
+        )
+
+
+CLEARLY_MORE = 1.25
+"""Ratio of an estimated error to the wanted one above which it is not the estimate's own uncertainty: this is a fifth or more."""
+
+
+def warn_of_error(statistics: Mapping[str, float], max_error: float) -> None:
+    """Warn if the probes of a finished picture found clearly more than the wanted error, which its noise had reached."""
+    found = statistics.get("estimated_error", 0.0)
+    if found > CLEARLY_MORE * max_error:
+        wanted = f"above the wanted {100 * max_error:.2g} %"
+        warn(
+            f"render: {error_text(statistics)}, {wanted}, although the noise is low enough: what is left are errors of "
+            "records and of the denoiser, which a smaller max_error or refine=True lower"
         )

@@ -39,7 +39,7 @@ from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
 from eclat.verbs.first_look import first_look, is_reduced
-from eclat.verbs.picture import Picture, SampleTaker
+from eclat.verbs.picture import Picture, SampleTaker, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
 from eclat.verbs.solve import require_check
 
@@ -217,7 +217,7 @@ def render(
     sampling = _sampling(picture, 1 + halves, order, keep_partial, preview)
     if begun is not None:
         begun.restore(sampling)
-    image = _rendered(picture, sampling, _goal_of_samples(goal, estimate, halves and check), check, deadline)
+    image = _rendered(picture, sampling, goal, halves, check)
     if continuable or begun is not None:
         make_continuable(image, begun, sampling, scene, chosen, (view.size, *settings[1:5], adaptive, halves))
     return image
@@ -239,16 +239,20 @@ def _source(what: Source | type[Method] | str | None, max_error: float, refine: 
     return source
 
 
-def _rendered(picture: Picture, sampling: Sampling, goal: Goal, check: bool, deadline: float | None) -> Image:
-    """Take all samples, measure the error until `deadline` if there is one, and make the Image. Warn of noise that is
-    left, and of bad samples.
+def _rendered(picture: Picture, sampling: Sampling, wanted: Goal, halves: bool, check: bool) -> Image:
+    """Take all samples, measure the error until the deadline if there is one, and make the Image. Warn of noise and errors
+    that are left above those wanted, and of bad samples.
     """
+    goal = _goal_of_samples(wanted, picture.estimate, halves and check)
     with picture.kept(sampling):
         sampling.run(goal)
-        probed = picture.probed(sampling, deadline) if check else None
-    if goal.samples is None and goal.deadline is None:
-        _warn_of_noise(sampling, goal)
+        probed = picture.probed(sampling, wanted.deadline) if check else None
     image = picture.finished(sampling, probed)
+    if goal.samples is None and goal.deadline is None:
+        if sampling.error > goal.max_error:
+            _warn_of_noise(sampling, goal)
+        else:
+            warn_of_error(image.metadata["statistics"], wanted.max_error)
     picture.tell_bad_samples(image)
     return image
 
@@ -377,11 +381,10 @@ def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image],
 
 
 def _warn_of_noise(sampling: Sampling, goal: Goal) -> None:
-    """Warn if sampling stopped before it reached its goal."""
-    if sampling.error > goal.max_error:
-        what = "relative noise after denoising" if sampling.denoised else "relative noise"
-        noise = f"the {what} is still {sampling.error:.2g}, above the wanted {goal.max_error:.2g}"
-        warn(f"render: stopped after {sampling.taken:,} samples per pixel; {noise}")
+    """Warn that sampling stopped before it reached its goal."""
+    what = "relative noise after denoising" if sampling.denoised else "relative noise"
+    noise = f"the {what} is still {sampling.error:.2g}, above the wanted {goal.max_error:.2g}"
+    warn(f"render: stopped after {sampling.taken:,} samples per pixel; {noise}")
 
 
 def _checked_filter(name: str) -> _core.Filter:

@@ -12,8 +12,10 @@ import numpy as np
 import pytest
 
 import eclat
+from eclat.errors import EclatWarning
 from eclat.images.image import RECORD_MARK
 from eclat.scenes import build
+from eclat.verbs.picture import warn_of_error
 
 SIZE = (48, 48)
 
@@ -151,3 +153,16 @@ def test_the_samples_that_a_time_limit_chose_are_stated(cornell: eclat.Scene) ->
     samples = int(timed.metadata["statistics"]["samples"])
     again = eclat.render(cornell, eclat.Path(), samples=samples, size=SIZE, **made)
     assert np.array_equal(timed.pixels, again.pixels)
+
+
+def test_an_error_above_the_wanted_one_is_a_warning(recwarn: pytest.WarningsRecorder) -> None:
+    """A room with a pane and a curtain stopped after 8 samples for an error of 3 %, and only its statistics said 6.9 %."""
+
+    def found(error: float) -> dict[str, float]:
+        return {"estimated_error": error, "estimated_error_low": 0.8 * error, "estimated_error_high": 1.2 * error}
+
+    warn_of_error(found(0.033), 0.03)
+    warn_of_error({}, 0.03)
+    assert not recwarn
+    with pytest.warns(EclatWarning, match=r"estimated error 6\.9 %.* above the wanted 3 %"):
+        warn_of_error(found(0.069), 0.03)
