@@ -75,7 +75,7 @@ def points_near(solution: Solution, rng: np.random.Generator) -> tuple[FloatArra
 def cornell_box() -> Shown:
     require_node(), require_browser(), require_page()
     scene = scenes.build("cornell-box")
-    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.02), view_independent=True, check=False)
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.02), size=SIZE, check=False)
     points, normals = points_near(solution, np.random.default_rng(1))
     picture = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
     with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
