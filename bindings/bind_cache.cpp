@@ -269,16 +269,17 @@ void bind_solved_caches(nb::module_& m) {
 void bind_record_solves(nb::module_& m) {
     // These functions fill `caches` in place, so that it holds the finished passes after an interrupt.
     m.def(
-        "solve_for_camera",
-        [](const CoreScene& scene, const Camera& camera, const IrradianceCacheOptions& options, SolvedCaches& caches,
-           Progress& progress) { solve_irradiance_cache(scene.world(), camera, options, caches, progress); },
-        "scene"_a, "camera"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
+        "solve_for_cameras",
+        [](const CoreScene& scene, const std::vector<Camera>& cameras, const IrradianceCacheOptions& options,
+           SolvedCaches& caches,
+           Progress& progress) { solve_irradiance_cache(scene.world(), cameras, options, caches, progress); },
+        "scene"_a, "cameras"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def(
-        "solve_radiance_for_camera",
-        [](const CoreScene& scene, const Camera& camera, const RadianceTables& tables,
+        "solve_radiance_for_cameras",
+        [](const CoreScene& scene, const std::vector<Camera>& cameras, const RadianceTables& tables,
            const RadianceCacheOptions& options, SolvedCaches& caches,
-           Progress& progress) { solve_radiance_cache(scene.world(), camera, tables, options, caches, progress); },
-        "scene"_a, "camera"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a,
+           Progress& progress) { solve_radiance_cache(scene.world(), cameras, tables, options, caches, progress); },
+        "scene"_a, "cameras"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a,
         nb::call_guard<nb::gil_scoped_release>());
     m.def(
         "solve_at_points",

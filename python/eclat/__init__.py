@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from eclat.stage.light_groups import light_groups
     from eclat.stage.light_overrides import override_lights
     from eclat.stage.material_overrides import override_materials
+    from eclat.verbs.animate import animate
     from eclat.verbs.bake import bake
     from eclat.verbs.compare import compare
     from eclat.verbs.denoise import denoise
@@ -60,6 +61,7 @@ _HOMES = {
     "render": "eclat.verbs.render",
     "irradiance": "eclat.verbs.irradiance",
     "bake": "eclat.verbs.bake",
+    "animate": "eclat.verbs.animate",
     "probes": "eclat.verbs.probes",
     "compare": "eclat.verbs.compare",
     "denoise": "eclat.verbs.denoise",
@@ -113,6 +115,7 @@ __all__ = [
     "Solution",
     "Solved",
     "Viewer",
+    "animate",
     "bake",
     "compare",
     "denoise",

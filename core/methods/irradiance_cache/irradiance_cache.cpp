@@ -84,44 +84,60 @@ std::vector<Candidate> camera_candidates(const World& world, const Camera& camer
                                     });
 }
 
-void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
-                      const std::function<void(std::span<const Vec2>, float step)>& pass) {
-    pass(lattice(camera, coarsest, 0), coarsest);
+void for_each_lattice(Cameras cameras, const IrradianceCacheOptions& options, const LatticePass& pass) {
+    const auto of_all = [&](float step, int kind) {
+        for (size_t i = 0; i < cameras.size(); ++i) pass(i, lattice(cameras[i], step, kind), step);
+    };
+    of_all(coarsest, 0);
     for (float step = coarsest / 2; step >= finest_step(options); step /= 2)
-        for (int kind : {1, 2, 3}) pass(lattice(camera, step, kind), step);
+        for (int kind : {1, 2, 3}) of_all(step, kind);
 }
 
-uint64_t camera_passes(const IrradianceCacheOptions& options, int sweeps) {
+uint64_t camera_passes(const IrradianceCacheOptions& options, size_t cameras, int sweeps) {
     const auto sweep = 1 + 3 * static_cast<uint64_t>(std::ilogb(coarsest / finest_step(options)));
-    return far_passes(options) + static_cast<uint64_t>(sweeps) * sweep;
+    return far_passes(options) + static_cast<uint64_t>(sweeps) * sweep * cameras;
 }
 
-void solve_far_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                          RecordSolve& solve, Progress& progress) {
+void set_camera(Candidate& candidate, size_t camera) {
+    if (camera == 0) return;
+    const auto index = static_cast<uint32_t>(camera);
+    candidate.key = hash(candidate.key, index);
+    if (candidate.region != 0) candidate.region = hash(candidate.region, index);
+}
+
+void solve_far_for_cameras(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
+                           RecordSolve& solve, Progress& progress) {
     // This is the distance in pixels between the points from which far candidates are searched, chosen by judgement: a
     // picture of 512 × 512 has 1024 such points, so that 8000 rays start evenly from all visible surfaces. A smaller
-    // distance would only take more camera rays.
-    constexpr int far_sources = 16;
-    solve_far(world, camera_candidates(world, camera, lattice(camera, far_sources, 0), options, progress), options,
-              solve, progress);
+    // distance would only take more camera rays. Several cameras share about that number of points.
+    constexpr float far_sources = 16;
+    const float step = std::round(far_sources * std::sqrt(static_cast<float>(cameras.size())));
+    std::vector<Candidate> sources;
+    for (size_t i = 0; i < cameras.size(); ++i)
+        for (Candidate& c : camera_candidates(world, cameras[i], lattice(cameras[i], step, 0), options, progress)) {
+            set_camera(c, i);
+            sources.push_back(c);
+        }
+    solve_far(world, sources, options, solve, progress);
 }
 
-void solve_near_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                           RecordSolve& solve, Progress& progress, const MarkCached& mark) {
+void solve_near_for_cameras(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
+                            RecordSolve& solve, Progress& progress, const MarkCached& mark) {
     solve.read_cells = true;
-    for_each_lattice(camera, options, [&](std::span<const Vec2> pixels, float step) {
-        add_near(world, camera_candidates(world, camera, pixels, options, progress, mark), options, solve, progress,
-                 rows_share(step));
+    for_each_lattice(cameras, options, [&](size_t index, std::span<const Vec2> pixels, float step) {
+        auto candidates = camera_candidates(world, cameras[index], pixels, options, progress, mark);
+        for (Candidate& c : candidates) set_camera(c, index);
+        add_near(world, candidates, options, solve, progress, rows_share(step));
     });
 }
 
-void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+void solve_irradiance_cache(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
                             SolvedCaches& caches, Progress& progress) {
     caches = empty_caches(options);
     RecordSolve solve{caches};
-    progress.begin(camera_passes(options, 1));
-    solve_far_for_camera(world, camera, options, solve, progress);
-    solve_near_for_camera(world, camera, options, solve, progress);
+    progress.begin(camera_passes(options, cameras.size(), 1));
+    solve_far_for_cameras(world, cameras, options, solve, progress);
+    solve_near_for_cameras(world, cameras, options, solve, progress);
 }
 
 CachedIrradiance read_near(const SolvedCaches& caches) {

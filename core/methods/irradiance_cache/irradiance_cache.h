@@ -18,27 +18,38 @@ namespace eclat {
 /// frame.
 using MarkCached = std::function<void(SurfacePoint& point, Vec3 wo)>;
 
-/// Fills both caches for the surfaces that `camera` sees. After an exception or a cancellation, the caches hold the
+/// The cameras whose pictures share one cache, such as those along a path. Each pass visits all of them, one after the
+/// other, before the next finer pass begins, and a camera's candidates are looked up among the records of those before
+/// it. So all pictures want the same records, and none has a seam against the next.
+using Cameras = std::span<const Camera>;
+
+/// Fills both caches for the surfaces that `cameras` see. After an exception or a cancellation, the caches hold the
 /// passes that were finished. `progress` counts passes.
-void solve_irradiance_cache(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
+void solve_irradiance_cache(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
                             SolvedCaches& caches, Progress& progress);
 
 // These are the steps of the solve, between which another cache can be filled in a separate sweep.
 
-/// Returns the number of passes of a solve with that number of sweeps over the pixels.
-uint64_t camera_passes(const IrradianceCacheOptions& options, int sweeps);
+/// Returns the number of passes of a solve for that number of cameras with that number of sweeps over the pixels.
+uint64_t camera_passes(const IrradianceCacheOptions& options, size_t cameras, int sweeps);
 /// Fills the far cache.
-void solve_far_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                          RecordSolve& solve, Progress& progress);
+void solve_far_for_cameras(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
+                           RecordSolve& solve, Progress& progress);
 /// Fills the near cache in one sweep. Chains do not follow lobes that `mark` marks.
-void solve_near_for_camera(const World& world, const Camera& camera, const IrradianceCacheOptions& options,
-                           RecordSolve& solve, Progress& progress, const MarkCached& mark = {});
+void solve_near_for_cameras(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
+                            RecordSolve& solve, Progress& progress, const MarkCached& mark = {});
 
-/// Calls `pass(pixels)` with pixel centres (x, y) from coarse to fine, so that each pixel occurs once. If records may
-/// be smaller than pixels, positions between the centres follow, because an edge inside a pixel would otherwise never
-/// have records on both sides.
-void for_each_lattice(const Camera& camera, const IrradianceCacheOptions& options,
-                      const std::function<void(std::span<const Vec2>, float step)>& pass);
+/// Makes the random numbers and the region of a candidate of the camera with the given index its own. Those of the first
+/// camera stay as they are.
+void set_camera(Candidate& candidate, size_t camera);
+
+/// A pass over some pixel centres (x, y) of the camera with the given index, `step` pixels apart.
+using LatticePass = std::function<void(size_t camera, std::span<const Vec2> pixels, float step)>;
+
+/// Calls `pass` for pixel centres from coarse to fine, so that each pixel of each camera occurs once, and all cameras in
+/// turn at each fineness. If records may be smaller than pixels, positions between the centres follow, because an edge
+/// inside a pixel would otherwise never have records on both sides.
+void for_each_lattice(Cameras cameras, const IrradianceCacheOptions& options, const LatticePass& pass);
 
 /// The number of paths that continue from a visible vertex that no record serves. A single path would appear as a
 /// bright dot among pixels without noise. In a furnished room, two paths reach the same noise in 0.92 of the time of

@@ -158,24 +158,25 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
 
 }  // namespace
 
-void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
+void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
     const IrradianceCacheOptions& irradiance = options.irradiance;
     caches = empty_caches(irradiance);
     RecordSolve solve{caches};
-    progress.begin(camera_passes(irradiance, 2));
-    solve_far_for_camera(world, camera, irradiance, solve, progress);
+    progress.begin(camera_passes(irradiance, cameras.size(), 2));
+    solve_far_for_cameras(world, cameras, irradiance, solve, progress);
 
     const RadianceProjection projection(options.order, Rows::balanced, options.rows);
     caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
-    for_each_lattice(camera, irradiance, [&](std::span<const Vec2> pixels, float) {
-        add_radiance(world, glossy_candidates(world, camera, tables, caches.radiance, pixels, options, progress),
-                     projection, options, solve, progress);
+    for_each_lattice(cameras, irradiance, [&](size_t index, std::span<const Vec2> pixels, float) {
+        auto candidates = glossy_candidates(world, cameras[index], tables, caches.radiance, pixels, options, progress);
+        for (GlossyCandidate& c : candidates) set_camera(c.at, index);
+        add_radiance(world, candidates, projection, options, solve, progress);
     });
 
     // If radiance records serve a lobe, the surfaces that it reflects need no irradiance records.
-    solve_near_for_camera(world, camera, irradiance, solve, progress, [&](SurfacePoint& point, Vec3 wo) {
+    solve_near_for_cameras(world, cameras, irradiance, solve, progress, [&](SurfacePoint& point, Vec3 wo) {
         if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
         ReflectedFactors factors;
         tables.reflect(point.bsdf, wo, factors);

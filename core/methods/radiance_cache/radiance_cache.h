@@ -19,9 +19,9 @@ struct RadianceCacheOptions {
     float spacing = 0.8f;  // spacing as for irradiance records, for a lobe as wide as a Lambertian one
 };
 
-/// Does the work of `solve_irradiance_cache`, and makes radiance records on the glossy surfaces that `camera` sees
+/// Does the work of `solve_irradiance_cache`, and makes radiance records on the glossy surfaces that `cameras` see
 /// directly or by way of mirrors and narrow lobes.
-void solve_radiance_cache(const World& world, const Camera& camera, const RadianceTables& tables,
+void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress);
 
 /// Does the work of `solve_everywhere`, and makes radiance records on all glossy surfaces for all view directions.

@@ -27,6 +27,7 @@ from eclat.errors import EclatError, printable
 
 COMMANDS: dict[str, str] = {
     "render": "eclat.cli.render",
+    "animate": "eclat.cli.animate",
     "solve": "eclat.cli.solve",
     "irradiance": "eclat.cli.irradiance",
     "bake": "eclat.cli.bake",

@@ -5,7 +5,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from typing import Any, NoReturn
 
 import click
@@ -163,6 +163,21 @@ class Name(_Type):
 
     def shell_complete(self, ctx: click.Context, param: click.Parameter, incomplete: str) -> list[CompletionItem[str]]:
         return [CompletionItem(name) for name in self.names if name.startswith(incomplete)]
+
+
+class Parsed(_Type):
+    """The type of a text that a function parses, which raises EclatError if the text is invalid. `expected` says what is."""
+
+    def __init__(self, name: str, expected: str, parse: Callable[[str], Any]) -> None:
+        self.name, self.expected, self._parse = name, expected, parse
+
+    def convert(self, value: Any, parameter: click.Parameter | None, context: click.Context | None) -> Any:
+        if not isinstance(value, str):
+            return value
+        try:
+            return self._parse(value)
+        except EclatError:
+            self.refuse(value, parameter, context)
 
 
 class LightGroups(_Type):

@@ -46,6 +46,14 @@ class View:
 
 
 @dataclass(frozen=True, eq=False)
+class Views:
+    """The purpose of several pictures of one scene, such as those along the path of a camera. The order of the views
+    decides in which order their wants are looked up. There is at least one view."""
+
+    views: tuple[View, ...]
+
+
+@dataclass(frozen=True, eq=False)
 class AtPoints:
     """The purpose of irradiance at points: positions and unit normals, (N, 3) each."""
 
@@ -58,4 +66,4 @@ class Everywhere:
     """The purpose of all surfaces, for all views."""
 
 
-Purpose = View | AtPoints | Everywhere
+Purpose = View | Views | AtPoints | Everywhere

@@ -428,7 +428,7 @@ TEST_CASE(
         IrradianceCacheOptions options;
         options.least_pixels = least_pixels;
         std::vector<std::pair<float, float>> all;
-        for_each_lattice(camera, options, [&](std::span<const Vec2> places, float) {
+        for_each_lattice({&camera, 1}, options, [&](size_t, std::span<const Vec2> places, float) {
             for (Vec2 at : places) all.emplace_back(at.x, at.y);
         });
         std::sort(all.begin(), all.end());

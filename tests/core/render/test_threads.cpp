@@ -66,14 +66,34 @@ bool same_bits(const Film& a, const Film& b) {
 
 }  // namespace
 
+TEST_CASE("several cameras share one cache, which has the same bits on one thread and on two") {
+    const Room room = closed_room({0.5f, 0.7f, 0.2f, 0.6f, 0.5f, 0.5f}, {0, 0, 3, 0, 0, 0});
+    Camera left = camera_in_room(), right = left;
+    right.position = right.position + right.right * 0.05f;
+    const auto solved = [&](std::vector<Camera> cameras, int threads) {
+        Progress progress;
+        SolvedCaches caches;
+        solve_irradiance_cache(room.world(), cameras, small_solve(threads), caches, progress);
+        CHECK(progress.done() == progress.total());
+        return caches.near.records();
+    };
+    const auto one = solved({left, right}, 1), two = solved({left, right}, 2);
+    REQUIRE(one.size() == two.size());
+    CHECK(std::memcmp(one.data(), two.data(), one.size() * sizeof(one[0])) == 0);
+    // The second camera sees nearly the same, so it wants few further records.
+    const auto alone = solved({left}, 1).size(), other = solved({right}, 1).size();
+    CHECK(one.size() >= std::max(alone, other));
+    CHECK(one.size() < 3 * (alone + other) / 4);
+}
+
 TEST_CASE("records and picture have the same bits on one thread and on two, and in any order of tiles") {
     const Room room = closed_room({0.5f, 0.7f, 0.2f, 0.6f, 0.5f, 0.5f}, {0, 0, 3, 0, 0, 0});
     const Camera camera = camera_in_room();
     Progress progress;
     SolvedCaches one;
-    solve_irradiance_cache(room.world(), camera, small_solve(1), one, progress);
+    solve_irradiance_cache(room.world(), {&camera, 1}, small_solve(1), one, progress);
     SolvedCaches two;
-    solve_irradiance_cache(room.world(), camera, small_solve(2), two, progress);
+    solve_irradiance_cache(room.world(), {&camera, 1}, small_solve(2), two, progress);
     REQUIRE(one.near.records().size() > 20);
     for (auto caches : {std::pair{&one.near, &two.near}, std::pair{&one.far, &two.far}}) {
         const auto &a = caches.first->records(), &b = caches.second->records();
@@ -118,7 +138,7 @@ TEST_CASE("a closed room of equal walls: L = L_e / (1 − ρ), by paths and thro
     const Camera camera = camera_in_room();
     Progress progress;
     SolvedCaches caches;
-    solve_irradiance_cache(room.world(), camera, small_solve(2), caches, progress);
+    solve_irradiance_cache(room.world(), {&camera, 1}, small_solve(2), caches, progress);
     for (bool cached : {false, true}) {
         CAPTURE(cached);
         PathOptions paths;
@@ -137,7 +157,7 @@ TEST_CASE("a solve and a render end when they are cancelled") {
     Progress progress;
     progress.cancelled = true;
     SolvedCaches caches;
-    CHECK_THROWS_AS(solve_irradiance_cache(room.world(), camera, small_solve(2), caches, progress), Cancelled);
+    CHECK_THROWS_AS(solve_irradiance_cache(room.world(), {&camera, 1}, small_solve(2), caches, progress), Cancelled);
     Film film(camera.width, camera.height);
     CHECK_THROWS_AS(render(camera, path_estimator(room.world(), {}), all_pixels(camera, 1, 2), film, progress),
                     Cancelled);

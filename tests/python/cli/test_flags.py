@@ -65,6 +65,11 @@ VALUES: dict[str, list[str]] = {
     "--window": ["hanning"],
     "--isa": ["x86-64-v2"],
     "--at": ["1"],
+    "--frames": ["0:2"],
+    "--fps": ["12"],
+    "--shutter": ["0.5"],
+    "--moments": ["4"],
+    "--shard": ["1/2"],
     "--camera-path": ["walk.json"],
     "--ies": ["bulb=absent.ies"],
 }
@@ -91,17 +96,21 @@ class Recorder:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.said: list[str] = []
-        for verb in ("render", "solve", "refine", "irradiance", "bake", "probes", "load_solved"):
+        for verb in ("animate", "render", "solve", "refine", "irradiance", "bake", "probes", "load_solved"):
             monkeypatch.setitem(vars(eclat), verb, self.verb(verb))
         monkeypatch.setattr("eclat.verbs.compare.render", self.verb("render"))
 
     def verb(self, name: str) -> Any:
         def called(*arguments: Any, **keywords: Any) -> Any:
             keywords.pop("progress", None)
+            told = {key: value for key, value in keywords.items() if key != "finished"}
             statistics = keywords.pop("statistics", None)
             if statistics is not None:
                 statistics["points"] = 1.0
-            self.said.append(f"{name} {[self._text(a) for a in arguments]} {sorted(keywords.items(), key=str)}")
+            self.said.append(f"{name} {[self._text(a) for a in arguments]} {sorted(told.items(), key=str)}")
+            if name == "animate":
+                keywords["finished"](Path("out.png"), False)
+                return [Path("out.png")]
             if name == "render":
                 return Image(np.linspace(0.2, 3, 108 * 3, dtype=np.float32).reshape(9, 12, 3), {}, {})
             return np.ones((1, 3), np.float32) if name == "irradiance" else Result(self.said)
@@ -162,6 +171,8 @@ def outcome(command: str, arguments: list[str], monkeypatch: pytest.MonkeyPatch,
     for path in Path.cwd().glob("out*"):
         path.unlink()
     base = [command, "room.glb"] + (["-o", f"out{ENDING[command]}"] if "--output" not in arguments else [])
+    if command == "animate" and "--frames" not in arguments:
+        base += ["--frames", "0:1"]
     if command == "irradiance" and "--points" not in arguments:
         base += ["--points", "here.csv"]
     if command == "compare" and "--methods" not in arguments:

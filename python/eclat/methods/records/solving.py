@@ -22,7 +22,7 @@ from eclat.methods.records.laws import CHECK_SHARE_OF_REFINEMENT, core_options, 
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
 from eclat.methods.records.solution import Solution, solved_from_core
-from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, Work
+from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, Views, Work
 from eclat.scene import Scene
 
 SURFACE_POINTS = 1 << 14
@@ -234,10 +234,13 @@ def functions_for(scene: Scene, purpose: Purpose) -> CacheFunctions:
             lambda caches, c, p, _: _core.estimate_error_everywhere(prepared.core, SURFACE_POINTS, caches, c, p),
             lambda caches, tables, o, p: _core.solve_radiance_everywhere(prepared.core, tables, o, caches, p),
         )
-    camera = prepared.camera(purpose.camera, purpose.size)
+    views = purpose.views if isinstance(purpose, Views) else (purpose,)
+    cameras = [prepared.camera(view.camera, view.size) for view in views]
+    # The error of several views is not estimated here: each of their pictures measures its own.
+    first = cameras[0]
     return CacheFunctions(
-        lambda caches, o, p: _core.solve_for_camera(prepared.core, camera, o, caches, p),
-        lambda caches, c, p, tables: _core.estimate_error_for_camera(prepared.core, camera, caches, c, p, tables),
-        lambda caches, tables, o, p: _core.solve_radiance_for_camera(prepared.core, camera, tables, o, caches, p),
+        lambda caches, o, p: _core.solve_for_cameras(prepared.core, cameras, o, caches, p),
+        lambda caches, c, p, tables: _core.estimate_error_for_camera(prepared.core, first, caches, c, p, tables),
+        lambda caches, tables, o, p: _core.solve_radiance_for_cameras(prepared.core, cameras, tables, o, caches, p),
         estimates_gloss=True,
     )
