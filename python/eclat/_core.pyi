@@ -686,12 +686,12 @@ class SolvedCaches:
     @property
     def far_count(self) -> int: ...
 
-def solve_for_camera(
-    scene: Scene, camera: Camera, options: IrradianceCacheOptions, caches: SolvedCaches, progress: Progress
+def solve_for_cameras(
+    scene: Scene, cameras: Sequence[Camera], options: IrradianceCacheOptions, caches: SolvedCaches, progress: Progress
 ) -> None: ...
-def solve_radiance_for_camera(
+def solve_radiance_for_cameras(
     scene: Scene,
-    camera: Camera,
+    cameras: Sequence[Camera],
     tables: RadianceTables,
     options: RadianceCacheOptions,
     caches: SolvedCaches,

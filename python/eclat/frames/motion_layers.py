@@ -53,7 +53,7 @@ def motion_layers(
     places = _places(corners, shares, meshes, directions)
     # These are the centres of the pixels. Computed like those of the other frame, what rests has a motion of exactly 0.
     start = _projected(now.camera, places, meshes, size)
-    layers = {"object_id": (meshes + 1).reshape(height, width).astype(np.float32)}
+    layers: dict[str, Layer] = {"object_id": (meshes + 1).reshape(height, width).astype(np.float32)}
     for name, other in (("motion_next", following), ("motion_previous", previous)):
         there = _places(_corners(now.scene, other.scene, meshes, triangles), shares, meshes, directions)
         moved = _projected(other.camera, there, meshes, size) - start

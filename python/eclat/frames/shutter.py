@@ -56,4 +56,4 @@ def mean_of(pictures: Sequence[Image]) -> Image:
             statistics[name] = math.sqrt(math.fsum(v * v for v in values) / len(values))
     metadata = middle.metadata | {"statistics": statistics, "moments": len(pictures)}
     pixels = np.mean([picture.pixels for picture in pictures], axis=0, dtype=np.float64)
-    return Image(pixels.astype(np.float32), {n: np.asarray(v, np.float32) for n, v in layers.items()}, metadata)
+    return Image(np.asarray(pixels, np.float32), {n: np.asarray(v, np.float32) for n, v in layers.items()}, metadata)

@@ -27,8 +27,12 @@ LAYERS: dict[str, str] = {
     "normal": "XYZ",
     "depth": "Z",
     "record_density": "Y",
+    "object_id": "Y",
+    "motion_next": "XYZ",
+    "motion_previous": "XYZ",
 }
-"""The layers that `render` can write, with the letters of their channels in an EXR file (`indirect.R`, `depth.Z`)."""
+"""The layers that `render` and `animate` can write, with the letters of their channels in an EXR file (`indirect.R`,
+`depth.Z`)."""
 
 RECORD_MARK = (1.0, 0.25, 0.0)
 """The linear RGB colour of the marks of records, relative to white. Orange is rare in scenes, and visible on dark and on
