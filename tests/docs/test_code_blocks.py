@@ -14,6 +14,7 @@ import pytest
 
 from eclat.gltf_export import encode_glb
 from eclat.scenes import build
+from support.gltf_files import moving_file
 from support.page_blocks import ROOT, blocks_of, run_block, write_command
 from support.small_work import make_small, smaller
 
@@ -60,6 +61,8 @@ def give_files(page: Path) -> None:
     for name in ("scene.xml", "upload/room.xml", "sibenik/nave.xml", "sponza-dabrovic/sun.xml"):
         Path(name).parent.mkdir(exist_ok=True)
         Path(name).write_text(sphere, encoding="utf-8")
+    for name in ("walk.glb", "scene.glb"):
+        moving_file(Path(), name)
     for name in ("points.csv", "desks.csv"):
         Path(name).write_text("0 0 0 0 1 0\n0.5 0 0 0 1 0\n", encoding="utf-8")
 

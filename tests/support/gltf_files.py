@@ -87,6 +87,16 @@ class GltfFile:
         return path
 
 
+def moving_file(folder: Path, name: str = "scene.glb") -> Path:
+    """Write a file with a triangle "door" that slides by 4 m along x in 2 s; its path."""
+    file = GltfFile()
+    node = file.mesh_node(name="door")
+    sampler = {"input": file.accessor([0, 2]), "output": file.accessor([[0, 0, 0], [4, 0, 0]])}
+    channel = {"sampler": 0, "target": {"node": node, "path": "translation"}}
+    file.append("animations", {"samplers": [sampler], "channels": [channel]})
+    return file.save(folder, name)
+
+
 def png_bytes(pixels: Any) -> bytes:
     """An (H, W, C) uint8 image as PNG."""
     array = np.asarray(pixels, dtype=np.uint8)

@@ -20,6 +20,7 @@ MOST = {"--samples": 4.0, "--reference-samples": 4.0, "--levels": 1.0, "--time":
 LEAST = {"--max-error": 0.2, "--texel-size": 0.25}
 ADDED = {
     "render": ["--size", "32x24"],
+    "animate": ["--size", "32x24", "--samples", "2", "--method", "path"],
     "solve": ["--size", "32x24", "--max-error", "0.2"],
     "irradiance": ["--max-error", "0.2"],
     "bake": ["--texel-size", "0.25", "--max-error", "0.2"],
@@ -51,6 +52,9 @@ def smaller(arguments: list[str]) -> list[str]:
             out[i + 1] = f"{min(float(value), MOST[name]):g}"
         if name in LEAST and is_number(value):
             out[i + 1] = f"{max(float(value), LEAST[name]):g}"
+        if name == "--frames":
+            first = int(value.split(":")[0])
+            out[i + 1] = f"{first}:{first + 1}"
         if name == "--size":
             out[i + 1] = f"{SIZE[0]}x{SIZE[1]}"
     if out and not any(name in out for name in SETTINGS_STAY) and "--help" not in out:

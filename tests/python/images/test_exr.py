@@ -20,10 +20,11 @@ RANDOM = np.random.default_rng(3)
 
 
 def layered(height: int = 5, width: int = 7) -> Image:
-    colour = RANDOM.random((5, height, width, 3), dtype=np.float32)
-    grey = RANDOM.random((2, height, width), dtype=np.float32)
-    names = ("direct", "indirect", "albedo", "normal")
-    layers = dict(zip(names, colour[1:], strict=True)) | {"depth": grey[0], "record_density": grey[1]}
+    names = [name for name, letters in LAYERS.items() if len(letters) == 3]
+    greys = [name for name, letters in LAYERS.items() if len(letters) == 1]
+    colour = RANDOM.random((1 + len(names), height, width, 3), dtype=np.float32)
+    grey = RANDOM.random((len(greys), height, width), dtype=np.float32)
+    layers = dict(zip(names, colour[1:], strict=True)) | dict(zip(greys, grey, strict=True))
     return Image(colour[0], layers, {"scene": "Ümlaut", "seed": 7, "options": {"max_error": 0.01}, "version": "0.1"})
 
 

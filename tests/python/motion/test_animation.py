@@ -18,7 +18,7 @@ from eclat.errors import EclatError
 from eclat.motion.animation import Joined, Motion, Pose
 from eclat.scene import Mesh, PointLight, Scene
 from eclat.scenes.geometry import icosphere
-from support.gltf_files import GltfFile
+from support.gltf_files import moving_file
 
 LAMP = PointLight((0.0, 3.0, 0.0), (9.0, 9.0, 9.0))
 
@@ -83,15 +83,6 @@ def test_two_animations_of_one_scene() -> None:
 def test_a_time_that_is_not_finite() -> None:
     with pytest.raises(EclatError, match="finite time"):
         rolling().at(float("nan"))
-
-
-def moving_file(folder: Path) -> Path:
-    file = GltfFile()
-    node = file.mesh_node(name="door")
-    sampler = {"input": file.accessor([0, 2]), "output": file.accessor([[0, 0, 0], [4, 0, 0]])}
-    channel = {"sampler": 0, "target": {"node": node, "path": "translation"}}
-    file.append("animations", {"samplers": [sampler], "channels": [channel]})
-    return file.save(folder)
 
 
 def test_info_tells_what_moves(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
