@@ -109,9 +109,40 @@ def _gltf() -> list[Files]:
     written = {**small.json, "buffers": [{"byteLength": len(small.binary)}]}
     return [
         {"scene.glb": plain.glb()},
+        {"scene.glb": _moving_gltf()},
         {"scene.gltf": json.dumps(split).encode(), **files},
         {"scene.glb": glb(json.dumps(written).encode(), bytes(small.binary))},
     ]
+
+
+def _moving_gltf() -> bytes:
+    """A mesh with a skin and a morph target, a light and a material, all of which an animation changes."""
+    file = GltfFile()
+    skinned = file.primitive(QUAD, [0, 1, 2, 0, 2, 3], material=file.append("materials", {"emissiveFactor": [1, 1, 1]}))
+    skinned["attributes"]["JOINTS_0"] = file.accessor([[0, 1, 0, 0]] * 4, "u1")
+    skinned["attributes"]["WEIGHTS_0"] = file.accessor([[0.5, 0.5, 0, 0]] * 4)
+    skinned["targets"] = [{"POSITION": file.accessor([(0, 0.1, 0)] * 4)}]
+    joints = [file.append("nodes", {"translation": [0, n, 0]}) for n in range(2)]
+    file.append("skins", {"joints": joints})
+    node = file.mesh_node(skinned, skin=0, weights=[0.5])
+    file.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point", "intensity": 4}]}}
+    file.append("nodes", {"extensions": {"KHR_lights_punctual": {"light": 0}}})
+    light = {"KHR_animation_pointer": {"pointer": "/extensions/KHR_lights_punctual/lights/0/intensity"}}
+    glow = {"KHR_animation_pointer": {"pointer": "/materials/0/emissiveFactor"}}
+    quaternions = [[0, 0, 0, 1], [0, 0, 0.6, 0.8]]
+    cubic = [[0, 0, 0], [0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 0, 0], [0, 0, 0]]
+    targets: list[tuple[dict[str, Any], Any, str]] = [
+        ({"node": joints[1], "path": "rotation"}, quaternions, "LINEAR"),
+        ({"node": joints[0], "path": "translation"}, cubic, "CUBICSPLINE"),
+        ({"node": node, "path": "weights"}, [0.0, 1.0], "STEP"),
+        ({"path": "pointer", "extensions": light}, [1.0, 9.0], "LINEAR"),
+        ({"path": "pointer", "extensions": glow}, [[0, 0, 0], [1, 2, 3]], "LINEAR"),
+    ]
+    times = file.accessor([0.0, 1.5])
+    samplers = [{"input": times, "output": file.accessor(v), "interpolation": mode} for _, v, mode in targets]
+    channels = [{"sampler": n, "target": target} for n, (target, _, _) in enumerate(targets)]
+    file.append("animations", {"samplers": samplers, "channels": channels})
+    return file.glb()
 
 
 def _obj() -> list[Files]:
@@ -189,6 +220,10 @@ _SHAPES = """<scene version="2.1.0">
 _MORE = '<scene version="2.1.0"><emitter type="constant"><rgb name="radiance" value="0.4"/></emitter></scene>'
 
 
+_MOVING = """<shape type="cube"><animation name="toWorld"><transform time="0"><scale value="0.2"/></transform>
+<transform time="1.5"><scale x="0.3"/><rotate y="1" angle="80"/><translate x="1"/></transform></animation></shape>"""
+
+
 def _mitsuba() -> list[Files]:
     obj = b"v 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nf 1/1 2/1 3/1\n"
     beside = {"a.ply": ply_file("binary_little_endian"), "a.obj": obj, "a.serialized": serialized_file(4)}
@@ -197,6 +232,7 @@ def _mitsuba() -> list[Files]:
     # Daylight takes as long as twenty other scenes.
     return [
         *[{"scene.xml": WHOLE.encode()}] * 4,
+        *[{"scene.xml": WHOLE.replace("</scene>", _MOVING + "</scene>").encode()}] * 2,
         *[{"scene.xml": _SHAPES.encode(), **files}] * 4,
         *[{"scene.xml": sky.encode(), "sky.hdr": radiance_picture()}] * 4,
         {"scene.xml": WHOLE.replace("</scene>", _DAYLIGHT + "</scene>").encode()},

@@ -69,6 +69,8 @@ def _with_foreign_values(tree: dict[str, Any], random: Random) -> None:
 
 
 def _try_loaded(scene: Scene, random: Random) -> str:
+    if scene.animation is not None:
+        scene = scene.at(random.uniform(scene.animation.start - 1, scene.animation.end + 1))
     for mesh in scene.meshes:
         check_mesh(mesh)
     repr(scene)
