@@ -5,9 +5,7 @@
 from __future__ import annotations
 
 from collections.abc import Hashable, Mapping
-from dataclasses import dataclass, replace
-
-import numpy as np
+from dataclasses import dataclass
 
 from eclat.errors import EclatError
 from eclat.loaders.gltf.animations import Channels
@@ -17,7 +15,6 @@ from eclat.loaders.gltf.nodes import moving_with
 from eclat.loaders.gltf.skins import joint_indices
 from eclat.loaders.posing import later
 from eclat.motion.animation import Motion, Pose
-from eclat.scene import Camera, Light
 
 
 @dataclass(frozen=True)
@@ -44,9 +41,10 @@ def motion_of(document: Document, sources: Sources, builder: Builder, rest: Pose
         return [key for key in group if key in moved or origins[key].index in indices]
 
     lights = changed(rest.lights, changing.lights)
+    cameras = changed(rest.cameras, changing.cameras)
 
     def pose(time: float) -> Pose:
-        return _pose_at(document, sources, changing.materials, rest, time)
+        return _pose_at(document, sources, changing.materials, rest, {*lights, *cameras}, time)
 
     return Motion(
         rest=rest,
@@ -55,7 +53,7 @@ def motion_of(document: Document, sources: Sources, builder: Builder, rest: Pose
         end=channels.end,
         objects=tuple(dict.fromkeys(rest.meshes[key].name for key in changed(rest.meshes, changing.materials))),
         lights=tuple(rest.lights[key].name or f"light {n}" for n, key in enumerate(rest.lights) if key in lights),
-        cameras=tuple(rest.cameras[key].name for key in changed(rest.cameras, changing.cameras)),
+        cameras=tuple(rest.cameras[key].name for key in cameras),
     )
 
 
@@ -76,21 +74,16 @@ def _changing(document: Document, channels: Channels) -> _Changing:
     return _Changing(moving | shaped, channels.of("materials"), lights, channels.of("cameras"))
 
 
-def _pose_at(document: Document, sources: Sources, materials: set[int], rest: Pose, time: float) -> Pose:
+def _pose_at(
+    document: Document, sources: Sources, materials: set[int], rest: Pose, moving: set[Hashable], time: float
+) -> Pose:
+    """Return the pose at a time in seconds, with the materials, and the lights and cameras with the keys `moving`, that
+    change; all others are those of the rest pose.
+    """
     assert sources.channels is not None
     changed = document.changed(sources.channels.at(document.root.data, time))
     builder = Builder(changed, sources, sources.materials.changed(changed, materials) if materials else None)
     found = builder.build()
-    lights: dict[Hashable, Light] = {}
-    for key, light in found.lights.items():
-        same = rest.lights.get(key)
-        lights[key] = same if same is not None and same == light else light
-    cameras: dict[Hashable, Camera] = {}
-    for key, camera in found.cameras.items():
-        resting = rest.cameras.get(key)
-        cameras[key] = resting if resting is not None and _same_camera(resting, camera) else camera
-    return Pose(found.meshes, lights, cameras)
-
-
-def _same_camera(a: Camera, b: Camera) -> bool:
-    return np.array_equal(a.to_world, b.to_world) and replace(a, to_world=b.to_world).__dict__ == b.__dict__
+    lights = {key: light for key, light in found.lights.items() if key in moving}
+    cameras = {key: camera for key, camera in found.cameras.items() if key in moving}
+    return Pose(found.meshes, {**rest.lights, **lights}, {**rest.cameras, **cameras})
