@@ -308,3 +308,20 @@ def test_a_camera_and_a_light_on_a_moving_node(tmp_path: Path) -> None:
     assert scene.at(0.5).lights[0].position == (0, 0, 3)  # type: ignore[union-attr]
     assert scene.animation is not None
     assert (scene.animation.lights, scene.animation.cameras) == (("dolly",), ("dolly",))
+
+
+def test_what_rests_is_the_same_object_at_all_times(tmp_path: Path) -> None:
+    file = GltfFile()
+    file.mesh_node()
+    file.json["extensions"] = {"KHR_lights_punctual": {"lights": [{"type": "point"}]}}
+    file.append("nodes", {"extensions": {"KHR_lights_punctual": {"light": 0}}})
+    camera = file.append("cameras", {"type": "perspective", "perspective": {"yfov": 1.0, "znear": 0.1}})
+    file.append("nodes", {"camera": camera})
+    node = file.append("nodes", {"camera": camera})
+    animate(file, {"node": node, "path": "translation"}, [0, 1], [[0, 0, 0], [0, 0, 6]])
+    scene = load(file, tmp_path)
+    moved = scene.at(0.5)
+    assert moved.meshes[0] is scene.meshes[0]
+    assert moved.lights[0] is scene.lights[0]
+    assert moved.cameras[0] is scene.cameras[0]
+    assert moved.cameras[1].to_world[2, 3] == pytest.approx(3)
