@@ -11,6 +11,7 @@ from collections.abc import Callable
 from typing import TypeVar
 
 from eclat import _core
+from eclat.bridge.notebook import notebook_report
 
 ProgressReport = Callable[[str, float, dict[str, float]], None]
 """A function that is called about ten times a second in the main thread, with the phase, the finished fraction (0..1)
@@ -22,9 +23,12 @@ T = TypeVar("T")
 def run(phase: str, call: Callable[[_core.Progress], T], report: ProgressReport | None, progress: _core.Progress) -> T:
     """Run `call(progress)` in another thread and return its result.
 
+    In a notebook, a call without `report` shows a progress bar.
+
     An exception in `report`, or Ctrl-C, cancels the call and is raised. The call has always ended when this function
     returns or raises. Raises MemoryError if no thread can be started.
     """
+    report = report or notebook_report()
     outcome: list[T] = []
     failure: list[BaseException] = []
     # Thread.join is not used, because after Ctrl-C it may treat a running thread as finished (CPython 3.11).

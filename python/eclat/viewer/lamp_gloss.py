@@ -18,6 +18,7 @@ from eclat.bridge.compiled import compiled
 from eclat.gltf_export.textures import average, constant_of
 from eclat.measure.photometry import luminance
 from eclat.scene import DirectionalLight, FloatArray, Scene, SpotLight
+from eclat.viewer.even_lights import even_light
 
 POINTS = 256
 """Number of points on all glowing surfaces together."""
@@ -57,7 +58,7 @@ def emitters_of(scene: Scene) -> Emitters:
         axis = np.cross(corners[1] - corners[0], corners[2] - corners[0]) / (2 * areas[i])
         places = _places(corners, max(1, POINTS // len(glowing)))
         found += [(p, axis, radiance * (share * areas[i] / len(places)), kind, None) for p in places]
-    for light in scene.lights:
+    for light in map(even_light, scene.lights):
         if isinstance(light, DirectionalLight):
             axis = np.asarray(light.direction, float) / np.linalg.norm(light.direction)
             found.append((np.full(3, np.nan), axis, np.asarray(light.irradiance, float), SUN, light))

@@ -22,6 +22,7 @@ from eclat.lightmap.lightmap import Lightmap
 from eclat.measure.photometry import luminance
 from eclat.scene import Camera, DirectionalLight, Environment, FloatArray, PointLight, ProfileLight, Scene, SpotLight
 from eclat.verbs.bake import bake
+from eclat.viewer.even_lights import even_light
 from eclat.viewer.messages import encode_message
 
 LARGEST_HALF = 60000.0
@@ -71,7 +72,10 @@ def light_message(lightmap: Lightmap | None) -> bytes:
 def lights_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:
     """Return the point, spot and directional lights, with positions relative to `center`."""
     found: list[dict[str, Any]] = []
-    for light in scene.lights:
+    for given in scene.lights:
+        if isinstance(given, ProfileLight):
+            warn(f"light {given.name!r}: the viewer shows its direct light as that of an even point light")
+        light = even_light(given)
         if isinstance(light, DirectionalLight):
             found.append(
                 {
@@ -83,12 +87,6 @@ def lights_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:
             )
             continue
         position = (np.asarray(light.position, np.float64) - center).tolist()
-        if isinstance(light, ProfileLight):
-            # The page does not know profiles; the flux of the lamp is right, but not where it goes.
-            warn(f"light {light.name!r}: the viewer shows its direct light as that of an even point light")
-            mean = light.profile.flux / (4 * np.pi)
-            found.append({"kind": "point", "position": position, "intensity": [float(c * mean) for c in light.scale]})
-            continue
         entry = {"kind": "point", "position": position, "intensity": list(map(float, light.intensity))}
         if isinstance(light, SpotLight):
             entry |= {
