@@ -38,17 +38,6 @@ namespace {
 // smaller one large records overlap.
 constexpr float coarsest = 32;
 
-/// Returns the pixel centres, or positions between them, of one pass: the three new points of each lattice cell of `2 ·
-/// step`, or all points of the first lattice. `step` is a power of two.
-std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
-    std::vector<Vec2> out;
-    const auto dx = static_cast<float>(kind & 1), dy = static_cast<float>(kind >> 1);
-    const float period = kind == 0 ? step : 2 * step;
-    for (float y = 0.5f + dy * step; y < static_cast<float>(camera.height); y += period)
-        for (float x = 0.5f + dx * step; x < static_cast<float>(camera.width); x += period) out.push_back({x, y});
-    return out;
-}
-
 /// Returns the distance in pixels between the candidates of the last passes, which is at most the radius of the
 /// smallest records.
 float finest_step(const IrradianceCacheOptions& options) {
@@ -69,6 +58,15 @@ float rows_share(float step) {
 }
 
 }  // namespace
+
+std::vector<Vec2> lattice(const Camera& camera, float step, int kind) {
+    std::vector<Vec2> out;
+    const auto dx = static_cast<float>(kind & 1), dy = static_cast<float>(kind >> 1);
+    const float period = kind == 0 ? step : 2 * step;
+    for (float y = 0.5f + dy * step; y < static_cast<float>(camera.height); y += period)
+        for (float x = 0.5f + dx * step; x < static_cast<float>(camera.width); x += period) out.push_back({x, y});
+    return out;
+}
 
 std::vector<Candidate> camera_candidates(const World& world, const Camera& camera, std::span<const Vec2> pixels,
                                          const IrradianceCacheOptions& options, Progress& progress,
@@ -125,10 +123,16 @@ void solve_near_for_cameras(const World& world, Cameras cameras, const Irradianc
                             RecordSolve& solve, Progress& progress, const MarkCached& mark) {
     solve.read_cells = true;
     for_each_lattice(cameras, options, [&](size_t index, std::span<const Vec2> pixels, float step) {
-        auto candidates = camera_candidates(world, cameras[index], pixels, options, progress, mark);
-        for (Candidate& c : candidates) set_camera(c, index);
-        add_near(world, candidates, options, solve, progress, rows_share(step));
+        add_near_of_lattice(world, cameras[index], {pixels, step, index}, options, solve, progress, mark);
     });
+}
+
+void add_near_of_lattice(const World& world, const Camera& camera, const LatticePart& part,
+                         const IrradianceCacheOptions& options, RecordSolve& solve, Progress& progress,
+                         const MarkCached& mark) {
+    auto candidates = camera_candidates(world, camera, part.pixels, options, progress, mark);
+    for (Candidate& c : candidates) set_camera(c, part.camera);
+    add_near(world, candidates, options, solve, progress, rows_share(part.step));
 }
 
 void solve_irradiance_cache(const World& world, Cameras cameras, const IrradianceCacheOptions& options,

@@ -39,6 +39,22 @@ void solve_far_for_cameras(const World& world, Cameras cameras, const Irradiance
 void solve_near_for_cameras(const World& world, Cameras cameras, const IrradianceCacheOptions& options,
                             RecordSolve& solve, Progress& progress, const MarkCached& mark = {});
 
+/// Pixel centres (x, y) that are `step` pixels apart, of the camera with that index.
+struct LatticePart {
+    std::span<const Vec2> pixels;
+    float step = 0;
+    size_t camera = 0;
+};
+
+/// Performs one pass of that sweep, with the candidates that the pixels of `part` see.
+void add_near_of_lattice(const World& world, const Camera& camera, const LatticePart& part,
+                         const IrradianceCacheOptions& options, RecordSolve& solve, Progress& progress,
+                         const MarkCached& mark = {});
+
+/// Returns the pixel centres, or positions between them, of one pass: the three new points of each lattice cell of `2 ·
+/// step` by `kind` from 1 to 3, or all points of the lattice for the kind 0. `step` is a power of two.
+std::vector<Vec2> lattice(const Camera& camera, float step, int kind);
+
 /// Makes the random numbers and the region of a candidate of the camera with the given index its own. Those of the first
 /// camera stay as they are.
 void set_camera(Candidate& candidate, size_t camera);

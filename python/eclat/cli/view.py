@@ -22,10 +22,13 @@ from eclat.cli.quality_options import (
 )
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import light_options, load_scene_to_show, material_option, scene_argument, work_options
+from eclat.errors import EclatError
+from eclat.files.atomic_file import check_writable
 
 EXAMPLES = {
     "eclat view cornell-box": "Solve a built-in scene and walk through it in the browser:",
     "eclat view room.glb --cache room.npz": "Show records that `eclat solve --view-independent` wrote:",
+    "eclat view room.glb --save room.npz": "Keep what was solved while you walked:",
     "eclat view room.glb --export site": "Write the page and the scene as files for a web server:",
 }
 
@@ -38,8 +41,8 @@ EXAMPLES = {
     notes=lambda: method_notes(that_solve=True),
     help="""Show SCENE in the browser, with the global illumination of its records.
 
-    The graphics card draws each record as a splat over the surfaces that it serves. Without --cache, records are computed for
-    all surfaces first. The page is served on this machine only, at an address with a secret token, until you press Ctrl-C.
+    The graphics card draws each record as a splat over the surfaces that it serves. Records that a view lacks are computed
+    while you look at it. The page is served on this machine only, at an address with a secret token, until you press Ctrl-C.
     No request leaves the machine.""",
 )
 @scene_argument
@@ -56,6 +59,18 @@ EXAMPLES = {
     default=True,
     section="Output",
     help="Open the page in the default browser, or only print its address [on].",
+)
+@option(
+    "--whole",
+    is_flag=True,
+    section="Output",
+    help="Solve all surfaces before the page opens; otherwise what a view lacks is solved while you look at it.",
+)
+@option(
+    "--save",
+    metavar="FILE",
+    section="Output",
+    help="Write the records that were solved until Ctrl-C to this .npz file, as `eclat solve` does.",
 )
 @exposure_option("Exposure in stops with which the page begins [0; chosen in the page if the light was added].", None)
 @max_error_option("Relative error of the indirect light")
@@ -85,6 +100,10 @@ def command(context: click.Context, /, **flags: Any) -> None:
             what = eclat.load_solved(flags["cache"], scene)
         common = {name: flags[name] for name in ("max_error", "texel_size", "samples", "seed", "threads")}
         common |= {"exposure": 0.0 if exposure == "auto" else exposure, "progress": reporter.progress}
+        if flags["save"]:
+            if flags["folder"] is not None:
+                raise EclatError("--save cannot be combined with --export: `eclat solve` writes the records of a scene")
+            check_writable(flags["save"])
         if flags["folder"] is not None:
             files = eclat.export_view(scene, flags["folder"], what, **common)
             size = sum(file.stat().st_size for file in files)
@@ -95,9 +114,12 @@ def command(context: click.Context, /, **flags: Any) -> None:
                 bytes=size,
             )
             return
-        with eclat.view(scene, what, open_browser=flags["open_browser"], **common) as viewer:
+        shown = {"open_browser": flags["open_browser"], "whole": flags["whole"]}
+        with eclat.view(scene, what, **shown, **common) as viewer:
             reporter.result(f"{viewer.url} (stop with Ctrl-C)", url=viewer.url)
             try:
                 viewer.wait()
             except KeyboardInterrupt:
-                return
+                if flags["save"]:
+                    viewer.solution.save(flags["save"])
+                    reporter.note(f"{flags['save']}: {viewer.solution.describe()}")

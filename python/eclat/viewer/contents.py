@@ -13,10 +13,12 @@ from eclat.errors import EclatError, shown
 from eclat.files.atomic_file import write_files
 from eclat.lightmap.lightmap import Lightmap
 from eclat.methods import IrradianceCache, Method, Source, as_method
+from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.solution import Solution
 from eclat.scene import Scene
 from eclat.verbs.solve import solve
 from eclat.viewer.gloss import gloss_message
+from eclat.viewer.growth import empty_solution
 from eclat.viewer.lamps import light_message, parts_of, soft_light_of
 from eclat.viewer.page import page_files
 from eclat.viewer.record_rows import records_message
@@ -66,6 +68,7 @@ def contents_of(
     scene: Scene,
     what: Source | type[Method] | str | None = None,
     *,
+    whole: bool = True,
     exposure: float,
     max_error: float,
     soft_light: Mapping[str, Any],
@@ -75,7 +78,7 @@ def contents_of(
 
     Parameters
     ----------
-    scene, what, exposure, max_error : as for `showing.view`.
+    scene, what, whole, exposure, max_error : as for `showing.view`.
     soft_light : the arguments `texel_size` and `samples` of `eclat.bake`.
     work : the arguments `seed`, `threads` and `progress` of `eclat.solve` and `eclat.bake`.
     """
@@ -84,8 +87,12 @@ def contents_of(
     if isinstance(source, Method):
         if not source.has_records or source.solved is None:
             raise EclatError(f"view: expected a method with records, got {source.name!r}")
-        source = solve(scene, source, view_independent=True, check=False, **work)
+        if not whole and isinstance(source, RecordOptions) and not isinstance(source, RadianceOptions):
+            source = empty_solution(scene, source)
+        else:
+            source = solve(scene, source, view_independent=True, check=False, **work)
     if not isinstance(source, Solution):
         raise EclatError(f"view: expected records, as `eclat.solve` makes them, got {shown(source)}")
-    source.require_match(scene, source.max_depth)
+    if len(source):
+        source.require_match(scene, source.max_depth)
     return Contents(scene, source, soft_light_of(scene, **soft_light, **work), exposure)

@@ -29,6 +29,9 @@ if TYPE_CHECKING:
 
 HOST = "127.0.0.1"
 
+LARGEST_MESSAGE = 1 << 14
+"""Largest size in bytes of a message that a page may send; longer ones close its web socket."""
+
 HEADERS = {
     # Scripts, styles and data come from the page's own address only; a notebook on this machine may frame the page.
     "Content-Security-Policy": (
@@ -129,7 +132,15 @@ class Server:
         app = application(files, self.token, self.port, routes(self.token) if routes else ())
         # The access log would print the token of every request.
         self._server = uvicorn.Server(
-            uvicorn.Config(app, log_level="error", access_log=False, server_header=False, lifespan="off")
+            uvicorn.Config(
+                app,
+                log_level="critical",  # a page that leaves in the middle of a message is no error
+                access_log=False,
+                server_header=False,
+                lifespan="off",
+                ws_max_size=LARGEST_MESSAGE,
+                timeout_graceful_shutdown=2,
+            )
         )
         self._thread = threading.Thread(
             target=self._server.run, kwargs={"sockets": [self._socket]}, name="eclat view", daemon=True

@@ -13,10 +13,12 @@ from typing import Self
 
 from eclat.bridge.running import ProgressReport
 from eclat.methods import Method, Source
+from eclat.methods.records.solution import Solution
 from eclat.scene import Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.viewer.contents import Contents, contents_of
+from eclat.viewer.live import Live, with_live
 from eclat.viewer.server import Server
 
 FRAME = (960, 600)
@@ -30,10 +32,20 @@ class Viewer:
     closes at the end of the block.
     """
 
-    def __init__(self, contents: Contents) -> None:
-        """Start to serve the contents on this machine."""
+    def __init__(self, contents: Contents, *, seed: int = 0, threads: int | None = None) -> None:
+        """Start to serve the contents on this machine, and to solve what views lack."""
         self.contents = contents
-        self._server = Server(contents.files())
+        self._live = Live(contents.scene, contents.solution, seed=seed, threads=threads or 0)
+        try:
+            self._server = Server(with_live(contents.files()), self._live.routes)
+        except BaseException:
+            self._live.close()
+            raise
+
+    @property
+    def solution(self) -> Solution:
+        """The records so far, with those that views lacked; `save` keeps them in a file, as for `eclat.solve`."""
+        return self._live.growth.solution()
 
     @property
     def url(self) -> str:
@@ -46,6 +58,7 @@ class Viewer:
 
     def close(self) -> None:
         """Stop serving the page."""
+        self._live.close()
         self._server.close()
 
     def __enter__(self) -> Self:
@@ -73,6 +86,7 @@ def view(
     scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,
     *,
+    whole: bool = False,
     open_browser: bool = False,
     exposure: float = 0.0,
     max_error: float = 0.01,
@@ -87,7 +101,9 @@ def view(
     Parameters
     ----------
     what : a `Solution` of `eclat.solve`, or a method with records, its class or its name; None means irradiance caching. A
-        method is solved for all surfaces. A solution for one view shows other places without indirect light.
+        method is solved while one looks: the page asks for the records that its view lacks, also beside a solution.
+        Radiance caching is solved for all surfaces first, because only records of irradiance are added.
+    whole : whether a method is solved for all surfaces before the page is served.
     open_browser : whether to open the page in the default browser; otherwise open `url`, or end a cell of a notebook
         with this call.
     exposure : the exposure in stops with which the page begins.
@@ -113,11 +129,11 @@ def view(
     """
     scene = staged(scene)
     contents = contents_of(
-        scene, what, exposure=exposure, max_error=max_error,
+        scene, what, whole=whole, exposure=exposure, max_error=max_error,
         soft_light={"texel_size": texel_size, "samples": samples},
         work={"seed": seed, "threads": threads, "progress": progress},
     )  # fmt: skip
-    viewer = Viewer(contents)
+    viewer = Viewer(contents, seed=seed, threads=threads)
     if open_browser:
         webbrowser.open(viewer.url)
     return viewer

@@ -1,0 +1,221 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Records that grow while someone walks, and pictures by paths of what they see, each in a thread of its own."""
+
+from __future__ import annotations
+
+import threading
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from eclat import _core
+from eclat.bridge.compiled import compiled
+from eclat.methods.path import Path
+from eclat.methods.records.laws import core_options
+from eclat.methods.records.solution import Solution, solved_from_core
+from eclat.scene import Scene
+from eclat.viewer.record_rows import ROW, record_rows
+
+MOST_SAMPLES = 1 << 14
+"""Number of samples per pixel after which a picture by paths is finished."""
+
+
+def empty_solution(scene: Scene, options: Any, max_depth: int = -1) -> Solution:
+    """Make a solution without records, with which growth begins."""
+    return solved_from_core(
+        scene, options, _core.SolvedCaches(), {"records": 0.0, "rays": 0.0}, max_depth=max_depth, complete=False
+    )
+
+
+@dataclass(frozen=True)
+class State:
+    """How far the records are: whether passes are being made, how many are left of the view, and the records."""
+
+    solving: bool
+    passes_left: int
+    records: int
+
+
+class Growth:
+    """The records of a scene, to which those that a view lacks are added.
+
+    The passes are those of `eclat.solve` for a camera, in a thread of its own, one view after another: the latest wish
+    counts. Where nobody is left who wished for the view, its passes end.
+    """
+
+    def __init__(self, scene: Scene, solution: Solution, *, threads: int = 0, seed: int = 0) -> None:
+        """Begin with the records of `solution`, which must belong to the scene."""
+        self._scene, self._begun_with = scene, solution
+        options = core_options(solution.options, max_depth=solution.max_depth, seed=seed, threads=threads)
+        begin = solution.core() if len(solution.near) or len(solution.far) else _core.SolvedCaches()
+        self._cache = _core.GrowingCache(compiled(scene).core, options, begin)
+        self._rows = record_rows(self._cache.caches) if len(solution.near) else np.zeros((0, ROW), np.float32)
+        self._grown = False
+        self._rays = 0.0
+        self._lock = threading.Condition()  # guards what follows
+        self._passing = threading.Lock()  # is held while the caches are read or filled
+        self._wished: tuple[object, _core.Camera] | None = None
+        self._viewers: dict[object, Callable[[], None]] = {}
+        self._closed = False
+        self._state = State(False, 0, len(self._rows))
+        self._progress = _core.Progress()
+        self.failure: Exception | None = None
+        """What ended the thread, if anything but `close` did."""
+        self._thread = threading.Thread(target=self._work, name="eclat view: records", daemon=True)
+        self._thread.start()
+
+    def join(self, viewer: object, changed: Callable[[], None]) -> None:
+        """Add a viewer; `changed` is called, in another thread, whenever rows or state have changed."""
+        with self._lock:
+            self._viewers[viewer] = changed
+
+    def leave(self, viewer: object) -> None:
+        """Remove a viewer, and drop its wish."""
+        with self._lock:
+            self._viewers.pop(viewer, None)
+            if self._wished is not None and self._wished[0] is viewer:
+                self._wished = None
+
+    def wish(self, viewer: object, camera: _core.Camera) -> None:
+        """Ask for the records that this view lacks."""
+        with self._lock:
+            self._wished = (viewer, camera)
+            self._lock.notify()
+
+    @property
+    def rows(self) -> np.ndarray:
+        """The rows (n, 52) of all records so far (`record_rows`). Rows only change or are appended; the array does not."""
+        with self._lock:
+            return self._rows
+
+    @property
+    def state(self) -> State:
+        """How far the records are."""
+        with self._lock:
+            return self._state
+
+    def solution(self) -> Solution:
+        """Return the records so far as a Solution, which waits for the pass that is being made."""
+        with self._passing:
+            if not self._grown:
+                return self._begun_with
+            caches = self._cache.caches
+            begun = self._begun_with
+            statistics = {
+                "records": float(caches.near_count),
+                "far_records": float(caches.far_count),
+                "rays": begun.statistics.get("rays", 0.0) + self._rays,
+            }
+            return solved_from_core(
+                self._scene, begun.options, caches, statistics, max_depth=begun.max_depth, complete=False
+            )
+
+    def close(self) -> None:
+        """End the thread, and the pass that it makes."""
+        with self._lock:
+            self._closed = True
+            self._progress.cancel()
+            self._lock.notify()
+        self._thread.join()
+
+    def _work(self) -> None:
+        looking: tuple[object, _core.Camera] | None = None
+        left = 0
+        try:
+            while True:
+                with self._lock:
+                    while not self._closed and (self._wished is None or (self._wished is looking and left == 0)):
+                        self._tell(False, left)
+                        self._lock.wait()
+                    if self._closed:
+                        return
+                    wished = self._wished
+                    self._progress = _core.Progress()
+                with self._passing:
+                    if wished is not None and wished is not looking:
+                        self._cache.look(wished[1])
+                        looking = wished
+                    self._cache.step(self._progress)
+                    self._rays += float(self._progress.rays)
+                    self._grown = True
+                    rows, left = record_rows(self._cache.caches), int(self._cache.passes_left)
+                with self._lock:
+                    self._rows = rows
+                    self._tell(left > 0, left)
+        except _core.Cancelled:
+            return  # by `close`
+        except Exception as error:  # It is kept for whoever looks for it; the page keeps what it has.
+            self.failure = error
+            with self._lock:
+                self._tell(False, 0)
+
+    def _tell(self, solving: bool, left: int) -> None:
+        """Set the state and call the viewers; the caller holds the lock."""
+        state = State(solving, left, len(self._rows))
+        if state == self._state:
+            return
+        self._state = state
+        for changed in self._viewers.values():
+            changed()
+
+
+class TruthPicture:
+    """A picture by paths, which gets better until it is stopped."""
+
+    def __init__(
+        self,
+        scene: Scene,
+        camera: _core.Camera,
+        size: tuple[int, int],
+        changed: Callable[[], None],
+        *,
+        max_depth: int = -1,
+        threads: int = 0,
+    ) -> None:
+        """Begin to render; `changed` is called, in another thread, whenever the picture is better."""
+        self._scene, self._camera, self._size, self._changed = scene, camera, size, changed
+        self._max_depth, self._threads = max_depth, threads
+        self._progress = _core.Progress()
+        self._lock = threading.Lock()
+        self._latest: tuple[int, np.ndarray] | None = None
+        self._thread = threading.Thread(target=self._work, name="eclat view: truth", daemon=True)
+        self._thread.start()
+
+    @property
+    def latest(self) -> tuple[int, np.ndarray] | None:
+        """The number of samples per pixel and the radiance (height, width, 3) float32, row 0 at the top; None at first."""
+        with self._lock:
+            return self._latest
+
+    def stop(self) -> None:
+        """End the thread."""
+        self._progress.cancel()
+        self._thread.join()
+
+    def _work(self) -> None:
+        film, (width, height) = _core.Film(*self._size), self._size
+        # `eclat render` warns of caustics that no path finds; here is nobody to read it.
+        estimator = _core.path_estimator(
+            compiled(self._scene).core, max_depth=self._max_depth, roulette_depth=Path().roulette_depth
+        )
+        pixels = _core.RenderRange(
+            crop=(0, 0, width, height),
+            seed=0,
+            threads=self._threads,
+            filter=_core.Filter.box,
+            tile_order=[],
+        )
+        taken, next_count = 0, 1
+        try:
+            while taken < MOST_SAMPLES:
+                first, end = (np.array([n], np.uint32) for n in (taken, next_count))
+                _core.render(self._camera, film, estimator, pixels, first, end, self._progress)
+                taken, next_count = next_count, 2 * next_count
+                with self._lock:
+                    self._latest = (taken, np.asarray(film.radiance))
+                self._changed()
+        except _core.Cancelled:
+            pass

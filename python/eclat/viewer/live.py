@@ -1,0 +1,302 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The web socket of the viewer: the page asks for what its view lacks, and gets records as they are made.
+
+From the page come texts, JSON objects of at most `LARGEST_REQUEST` bytes:
+
+    {"kind": "wish", "view": VIEW}     solve the records that this view lacks
+    {"kind": "truth", "view": VIEW}    render this view by paths, until the next such request or "stop"
+    {"kind": "stop"}                   end the picture by paths
+
+A VIEW is {"to_world": 16 numbers, "half_extent": [x, y], "shift": [x, y], "orthographic": bool, "size": [w, h]}: the
+matrix row by row, from the camera, which looks along −z, to the scene relative to its center; half the width and height of
+the picture at distance 1 (orthographic: in metres); and pixels.
+
+To the page go texts, {"kind": "state", "solving", "passes_left", "records"}, and binary messages (`messages`) of the kinds
+
+    records    as in the file: changed rows, and new ones
+    truth      `samples` per pixel, and `picture` (height, width, 3) of "f4", linear radiance, row 0 at the top
+
+A page that does not read, sends too much, or sends anything else is disconnected: each connection holds at most one
+message that was not taken, because the next is made of what has changed until then.
+"""
+
+from __future__ import annotations
+
+import asyncio
+import json
+import math
+from collections.abc import Iterator, Mapping
+from typing import TYPE_CHECKING, Any
+
+import msgspec
+import numpy as np
+
+from eclat import _core
+from eclat.bridge.reach import FARTHEST
+from eclat.methods.records.solution import Solution
+from eclat.scene import Scene
+from eclat.viewer.growth import Growth, TruthPicture
+from eclat.viewer.messages import encode_message
+from eclat.viewer.record_rows import reading_of
+
+if TYPE_CHECKING:
+    from starlette.routing import BaseRoute
+    from starlette.websockets import WebSocket
+
+LARGEST_REQUEST = 4096
+"""Largest size of a text from the page in bytes; a wish has about 600."""
+MOST_CONNECTIONS = 8
+"""Number of pages that may be open at once."""
+MOST_PIXELS = 1280 * 960
+"""Number of pixels of a view; a larger one is made smaller, with the same records up to their smallest radius."""
+SECONDS_TO_READ = 20.0
+"""Time after which a page that takes no message is disconnected."""
+ROWS_AT_ONCE = 4096
+"""Number of records of a message, of 208 bytes each."""
+GAP = 16
+"""Number of unchanged records between changed ones that are sent along, which costs less than a message."""
+
+POLICY, TOO_MANY, WRONG = 1008, 1013, 1007
+"""Codes with which web sockets are closed [RFC 6455]."""
+
+
+class View(msgspec.Struct, forbid_unknown_fields=True):
+    """What a page sees."""
+
+    to_world: tuple[
+        float, float, float, float, float, float, float, float,
+        float, float, float, float, float, float, float, float,
+    ]  # fmt: skip
+    half_extent: tuple[float, float]
+    shift: tuple[float, float]
+    orthographic: bool
+    size: tuple[int, int]
+
+
+class Request(msgspec.Struct, forbid_unknown_fields=True):
+    """A text from the page."""
+
+    kind: str
+    view: View | None = None
+
+
+def parsed_request(text: str | bytes) -> Request:
+    """Decode a request. Raises ValueError if it is not one."""
+    request = msgspec.json.decode(text, type=Request)
+    if request.kind not in ("wish", "truth", "stop") or (request.kind == "stop") != (request.view is None):
+        raise ValueError(f"a request of the kind {request.kind[:20]!r} is unknown or incomplete")
+    return request
+
+
+def camera_of(view: View) -> tuple[_core.Camera, tuple[int, int]]:
+    """Make the camera of a view, and the size of its picture, of at most `MOST_PIXELS`. Raises ValueError if the view
+    makes no sense: axes that are not orthonormal, positions out of reach, fields of view of nothing or of more than
+    179.9°."""
+    matrix = np.array(view.to_world).reshape(4, 4)
+    axes, position = matrix[:3, :3], matrix[:3, 3]
+    if not np.isfinite(matrix).all() or np.abs(axes.T @ axes - np.eye(3)).max() > 1e-3:
+        raise ValueError("the axes are not orthonormal")
+    if np.abs(position).max() > FARTHEST or max(map(abs, view.shift)) > 10:
+        raise ValueError("the position or the shift is out of reach")
+    least, most = (1e-6, FARTHEST) if view.orthographic else (1e-6, math.tan(math.radians(89.95)))
+    if not all(least <= half <= most for half in view.half_extent):
+        raise ValueError("the field of view is out of range")
+    width, height = view.size
+    if not (1 <= width <= 1 << 14 and 1 <= height <= 1 << 14):
+        raise ValueError("the size is out of range")
+    scale = min(1.0, math.sqrt(MOST_PIXELS / (width * height)))
+    size = max(1, int(scale * width)), max(1, int(scale * height))
+    camera = _core.Camera(
+        axes=tuple(tuple(map(float, axes[:, i])) for i in range(3)),
+        position=tuple(map(float, position)),
+        size=size,
+        half_extent=view.half_extent,
+        shift=view.shift,
+        lens=(0.0, 1.0),
+        orthographic=view.orthographic,
+    )
+    return camera, size
+
+
+def changed_rows(sent: np.ndarray, rows: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
+    """Iterate over the first index and the rows of the parts of `rows` that differ from those `sent` or are new."""
+    old = len(sent)
+    different = np.ones(len(rows), bool)
+    different[:old] = (rows[:old] != sent).any(axis=1)
+    at = np.flatnonzero(different)
+    if not len(at):
+        return
+    for part in np.split(at, np.flatnonzero(np.diff(at) > GAP) + 1):
+        for first in range(int(part[0]), int(part[-1]) + 1, ROWS_AT_ONCE):
+            yield first, rows[first : min(first + ROWS_AT_ONCE, int(part[-1]) + 1)]
+
+
+def with_live(files: Mapping[str, bytes]) -> dict[str, bytes]:
+    """Tell the page, among its `files`, that a web socket answers it."""
+    marked = files["index.html"].replace(b"<head>", b'<head>\n    <meta name="eclat-live" content="live" />', 1)
+    return {**files, "index.html": marked}
+
+
+class Live:
+    """The web sockets of one scene."""
+
+    def __init__(self, scene: Scene, solution: Solution, *, threads: int = 0, seed: int = 0) -> None:
+        """Begin with the records of `solution`, which pages have loaded before they connect."""
+        self.growth = Growth(scene, solution, threads=threads, seed=seed)
+        self._scene, self._max_depth, self._threads = scene, solution.max_depth, threads
+        self._reading = reading_of(solution)
+        self._loaded = self.growth.rows
+        self._connections: set[_Connection] = set()
+
+    def routes(self, token: str) -> list[BaseRoute]:
+        """Make the routes of the server: the web socket `live`, and the cache file `cache.npz`."""
+        from starlette.routing import Route, WebSocketRoute
+
+        return [WebSocketRoute(f"/{token}/live", self._serve), Route(f"/{token}/cache.npz", self._saved)]
+
+    def close(self) -> None:
+        """Stop solving, and all pictures."""
+        for connection in list(self._connections):
+            connection.stop()
+        self.growth.close()
+
+    async def _serve(self, socket: WebSocket) -> None:
+        if len(self._connections) >= MOST_CONNECTIONS:
+            await socket.accept()
+            await socket.close(TOO_MANY)
+            return
+        await socket.accept()
+        connection = _Connection(self, socket)
+        self._connections.add(connection)
+        try:
+            await connection.run()
+        finally:
+            self._connections.discard(connection)
+
+    async def _saved(self, request: Any) -> Any:
+        """Answer with the usual cache file of what was solved."""
+        import tempfile
+        from pathlib import Path
+
+        from starlette.responses import Response
+
+        from eclat.viewer.server import HEADERS
+
+        def encoded() -> bytes:
+            with tempfile.TemporaryDirectory() as folder:
+                path = Path(folder) / "cache.npz"
+                self.growth.solution().save(path)
+                return path.read_bytes()
+
+        data = await asyncio.to_thread(encoded)
+        return Response(data, media_type="application/octet-stream", headers=HEADERS)
+
+    def records_message(self, first: int, rows: np.ndarray, count: int) -> bytes:
+        """Encode rows of records from the record `first` on, after which there are `count`."""
+        return encode_message(
+            "records", {"first": first, "count": count, "reading": self._reading}, {"rows": np.ascontiguousarray(rows)}
+        )
+
+
+class _Connection:
+    """One page: what it was sent, and what it asked for."""
+
+    def __init__(self, live: Live, socket: WebSocket) -> None:
+        self._live, self._socket = live, socket
+        self._sent = live._loaded
+        self._truth: TruthPicture | None = None
+        self._samples_sent = 0
+        self._changed = asyncio.Event()
+        self._loop = asyncio.get_running_loop()
+
+    def changed(self) -> None:
+        """Note, from any thread, that there is something to send."""
+        self._loop.call_soon_threadsafe(self._changed.set)
+
+    def stop(self) -> None:
+        """End the picture by paths."""
+        truth, self._truth = self._truth, None
+        if truth is not None:
+            truth.stop()
+
+    async def run(self) -> None:
+        """Serve the page until it leaves or misbehaves."""
+        self._live.growth.join(self, self.changed)
+        self._changed.set()
+        tasks = [asyncio.create_task(part) for part in (self._receive(), self._send())]
+        try:
+            done, _ = await asyncio.wait(tasks, return_when=asyncio.FIRST_COMPLETED)
+            code = next((task.result() for task in done if not task.exception()), None)
+        finally:
+            self._live.growth.leave(self)
+            for task in tasks:
+                task.cancel()
+            await asyncio.gather(*tasks, return_exceptions=True)
+            await asyncio.to_thread(self.stop)
+        if code is not None:
+            try:
+                await asyncio.wait_for(self._socket.close(code), SECONDS_TO_READ)
+            except (TimeoutError, RuntimeError, OSError):
+                return
+
+    async def _receive(self) -> int | None:
+        """Take requests; return the code with which to close the socket, or None if the page has left."""
+        while True:
+            message = await self._socket.receive()
+            if message["type"] != "websocket.receive":
+                return None
+            text = message.get("text")
+            if text is None or len(text) > LARGEST_REQUEST:
+                return WRONG
+            try:
+                await self._answer(parsed_request(text))
+            except (ValueError, OverflowError):  # msgspec's errors are ValueErrors
+                return POLICY
+
+    async def _answer(self, request: Request) -> None:
+        if request.view is None:
+            await asyncio.to_thread(self.stop)
+            return
+        camera, size = camera_of(request.view)
+        if request.kind == "wish":
+            self._live.growth.wish(self, camera)
+            return
+        await asyncio.to_thread(self.stop)
+        self._samples_sent = 0
+        self._truth = TruthPicture(
+            self._live._scene,
+            camera,
+            size,
+            self.changed,
+            max_depth=self._live._max_depth,
+            threads=self._live._threads,
+        )
+
+    async def _send(self) -> int:
+        """Send what has changed; return the code with which to close the socket of a page that does not read."""
+        try:
+            while True:
+                await self._changed.wait()
+                self._changed.clear()
+                await self._send_changes()
+        except TimeoutError:
+            return POLICY
+
+    async def _send_changes(self) -> None:
+        growth = self._live.growth
+        state, rows = growth.state, growth.rows
+        for first, part in changed_rows(self._sent, rows):
+            count = max(len(self._sent), first + len(part))
+            await self._in_time(self._socket.send_bytes(self._live.records_message(first, part, count)))
+        self._sent = rows
+        told = {"kind": "state", "solving": state.solving, "passes_left": state.passes_left, "records": len(rows)}
+        await self._in_time(self._socket.send_text(json.dumps(told)))
+        latest = self._truth.latest if self._truth is not None else None
+        if latest is not None and latest[0] > self._samples_sent:
+            self._samples_sent, picture = latest
+            message = encode_message("truth", {"samples": latest[0]}, {"picture": picture.astype(np.float32)})
+            await self._in_time(self._socket.send_bytes(message))
+
+    async def _in_time(self, sending: Any) -> None:
+        await asyncio.wait_for(sending, SECONDS_TO_READ)
