@@ -61,10 +61,10 @@ EXAMPLES = {
     help="Open the page in the default browser, or only print its address [on].",
 )
 @option(
-    "--whole",
-    is_flag=True,
+    "--whole/--no-whole",
+    default=True,
     section="Output",
-    help="Solve all surfaces before the page opens; otherwise what a view lacks is solved while you look at it.",
+    help="Solve all surfaces before the page opens, or only what views ask for [on].",
 )
 @option(
     "--save",
