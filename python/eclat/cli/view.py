@@ -61,10 +61,10 @@ EXAMPLES = {
     help="Open the page in the default browser, or only print its address [on].",
 )
 @option(
-    "--whole/--no-whole",
-    default=True,
+    "--whole",
+    is_flag=True,
     section="Output",
-    help="Solve all surfaces before the page opens, or only what views ask for [on].",
+    help="Solve all surfaces before the page opens; otherwise what a view lacks is solved while you look at it.",
 )
 @option(
     "--save",

@@ -86,7 +86,7 @@ def view(
     scene: Scene | str | os.PathLike[str],
     what: Source | type[Method] | str | None = None,
     *,
-    whole: bool = True,
+    whole: bool = False,
     open_browser: bool = False,
     exposure: float = 0.0,
     max_error: float = 0.01,

@@ -5,6 +5,7 @@
 
 import * as three from 'three';
 import { decodeMessage, type GlossHeader, type LightHeader, type RecordsHeader, type SceneHeader } from './messages';
+import { described, Live, Wishes } from './live';
 import { Navigation } from './navigation';
 import { fillPanel } from './panel';
 import { Pose } from './pose';
@@ -115,12 +116,28 @@ async function start(): Promise<void> {
     panel.showRecord(number < 0 ? [['No record', 'serves this place']] : recordFacts(renderer.records, number, header));
   };
   byId('panel').hidden = false;
-  panel.facts.textContent =
-    `${header.name}: ${renderer.surfaces.triangles.toLocaleString('en')} triangles, ` +
-    `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
-    (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : '');
+  const tell = () =>
+    (panel.facts.textContent =
+      `${header.name}: ${renderer.surfaces.triangles.toLocaleString('en')} triangles, ` +
+      `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
+      (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : ''));
+  tell();
+  const live = Live.connect({
+    records: (message) => {
+      renderer.acceptRecords(message);
+      tell();
+      changed();
+    },
+    state: (state) => {
+      byId('live').textContent = described(state);
+      byId('live').hidden = state !== undefined && !state.solving;
+    },
+  });
+  const wishes = live && new Wishes(() => live.wish(pose, canvas.clientWidth, canvas.clientHeight));
+  if (live) byId('panel').append(cacheLink());
 
   let last = performance.now();
+  let seen = '';
   const frame = (now: number) => {
     const moves = navigation.step(Math.min(0.1, (now - last) / 1000));
     last = now;
@@ -128,6 +145,12 @@ async function start(): Promise<void> {
       stale = false;
       draw();
     }
+    const view = [...pose.toWorld.elements, ...pose.halfExtent, canvas.clientWidth, canvas.clientHeight].join();
+    wishes?.step(now, view !== seen, () => {
+      changed(); // the measure draws over the picture
+      return renderer.missing(pose, canvas.clientWidth / canvas.clientHeight);
+    });
+    seen = view;
     requestAnimationFrame(frame);
   };
   new ResizeObserver(changed).observe(canvas);
@@ -138,7 +161,9 @@ async function start(): Promise<void> {
 function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number): EclatView {
   return {
     precision: renderer.precision,
-    records: renderer.records.count,
+    get records() {
+      return renderer.records.count;
+    },
     linear: (number, width, height, look = {}) => {
       const camera = header.cameras[number];
       if (!camera) throw new Error(`The scene has no camera ${number}.`);
@@ -152,6 +177,17 @@ function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number):
       return renderer.readRecords(points, normals, width, height).subarray(0, (points.length / 3) * 4);
     },
   };
+}
+
+/** A link that saves the records, with those that were solved for views, as the usual cache file. */
+function cacheLink(): HTMLElement {
+  const link = document.createElement('a');
+  link.href = './cache.npz';
+  link.download = 'cache.npz';
+  link.textContent = 'Save the records as a cache file';
+  const paragraph = document.createElement('p');
+  paragraph.append(link);
+  return paragraph;
 }
 
 /** Copies the flags that give `eclat render` this camera. Returns what to tell. */

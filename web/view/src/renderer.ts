@@ -112,6 +112,24 @@ export class Renderer {
     this.records.accept(message);
   }
 
+  /**
+   * Returns the share of a small picture in which matte surfaces lack records. It draws into the images of the picture, which
+   * must be drawn anew.
+   */
+  missing(pose: Pose, aspect: number): number {
+    const [width, height] = [96, Math.max(1, Math.round(96 / aspect))];
+    this.drawLinear(pose, USUAL_LOOK, width, height);
+    const sums = this.read(this.targets.sums, width, height);
+    const albedos = new Float32Array(sums.length);
+    this.gl.readRenderTargetPixels(this.targets.surfaces, 0, 0, width, height, albedos, undefined, 2);
+    let missing = 0;
+    for (let i = 0; i < sums.length; i += 4) {
+      const matte = Math.max(albedos[i] ?? 0, albedos[i + 1] ?? 0, albedos[i + 2] ?? 0) > 0;
+      if (matte && !((sums[i + 3] ?? 0) > 0)) ++missing;
+    }
+    return missing / (width * height);
+  }
+
   acceptGloss(message: Message<GlossHeader>): void {
     this.gloss.accept(this.gl, message);
   }

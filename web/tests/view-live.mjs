@@ -1,0 +1,42 @@
+// SPDX-FileCopyrightText: the Éclat authors
+// SPDX-License-Identifier: Apache-2.0
+
+// Opens the page of `eclat view` and waits until its records have grown: node view-live.mjs CHROMIUM < request.json > answer.json
+// The request is { page: URL, width, height, shot }; the answer { begun, records, told, message, messages, requests, picture,
+// shot }: the numbers of records at first and in the end, what the page told on the way, the linear picture of the first camera
+// as float32 in base64, and a PNG of the page if a shot was asked for.
+
+import { text } from 'node:stream/consumers';
+import { inBrowser } from './browser.mjs';
+
+const { page: url, width, height, shot } = JSON.parse(await text(process.stdin));
+
+const answer = await inBrowser(process.argv[2], async (page, messages) => {
+  const requests = [];
+  page.on('request', (request) => requests.push(request.url()));
+  await page.setViewportSize({ width: 640, height: 360 });
+  await page.goto(url);
+  await page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
+  const begun = await page.evaluate(() => window.eclatView?.records);
+  const told = [];
+  await page.waitForFunction(() => !document.getElementById('live').hidden, undefined, { timeout: 60000 });
+  told.push(await page.evaluate(() => document.getElementById('live').textContent));
+  await page.waitForFunction(() => document.getElementById('live').hidden, undefined, { timeout: 90000 });
+  const found = await page.evaluate(
+    ({ width, height }) => {
+      const pixels = window.eclatView.linear(0, width, height);
+      const bytes = new Uint8Array(pixels.buffer, pixels.byteOffset, pixels.byteLength);
+      let binary = '';
+      for (let i = 0; i < bytes.length; i += 32768) binary += String.fromCharCode(...bytes.subarray(i, i + 32768));
+      return {
+        picture: btoa(binary),
+        records: window.eclatView.records,
+        message: document.getElementById('message').textContent,
+      };
+    },
+    { width, height },
+  );
+  if (shot) found.shot = (await page.screenshot()).toString('base64');
+  return { ...found, begun, told, messages, requests };
+});
+process.stdout.write(JSON.stringify(answer));
