@@ -66,6 +66,8 @@ class Tracer {
             const Vec2 u_position = sampler.next_2d(), u_direction = sampler.next_2d();
             const PhotonSample photon = world_.lights.emit(u, u_position, u_direction);
             if (is_black(photon.power)) continue;
+            // Light of a wide ground far away would hide what is found by chance here.
+            if (photon.importance < 1) continue;
             State state{.power = photon.power, .sampler = sampler};
             Vec3 origin = photon.origin;
             if (photon.triangle != no_triangle) {

@@ -7,7 +7,7 @@
 
 #include "base/error.h"
 #include "base/frame.h"
-#include "lights/light_sample.h"
+#include "lights/emission_discs.h"
 #include "sampling/warp.h"
 
 namespace eclat {
@@ -43,14 +43,14 @@ class DirectionalLight {
         return {frame_.to_world(square_to_uniform_cone(u, drop_)), infinity, radiance_, pdf_solid_angle(), false};
     }
 
-    PhotonSample emit(Vec3 center, float radius, Vec2 u_position, Vec2 u_direction) const {
-        return emit_from_infinity(sample(u_direction), center, radius, u_position);
+    PhotonSample emit(const EmissionDiscs& discs, Vec2 u_position, Vec2 u_direction) const {
+        return discs.emit(sample(u_direction), u_position);
     }
 
-    /// Returns the flux through the scene's bounding disc perpendicular to the light.
-    Color power(float radius) const {
+    /// Returns the flux through a disc perpendicular to the light.
+    Color power(float area) const {
         const Color through = is_delta() ? irradiance_ : radiance_ * (1 / pdf_solid_angle());
-        return through * (pi * radius * radius);
+        return through * area;
     }
 
   private:

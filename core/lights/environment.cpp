@@ -221,8 +221,8 @@ LightSample EnvironmentImage::finish(const Search& search) const {
     return {w, infinity, at.radiance, at.pdf_solid_angle, false};
 }
 
-PhotonSample EnvironmentImage::emit(Vec3 center, float radius, Vec2 u_position, Vec2 u_direction) const {
-    return emit_from_infinity(sample(u_direction), center, radius, u_position);
+PhotonSample EnvironmentImage::emit(const EmissionDiscs& discs, Vec2 u_position, Vec2 u_direction) const {
+    return discs.emit(sample(u_direction), u_position);
 }
 
 }  // namespace eclat

@@ -15,7 +15,7 @@
 #include <span>
 #include <vector>
 
-#include "lights/light_sample.h"
+#include "lights/emission_discs.h"
 #include "sampling/discrete.h"
 
 namespace eclat {
@@ -57,7 +57,7 @@ class EnvironmentImage {
     void find_cell(Search& search) const;
     LightSample finish(const Search& search) const;
     /// A photon from a disc outside of the scene's sphere, in a direction chosen as `sample` does.
-    PhotonSample emit(Vec3 center, float radius, Vec2 u_position, Vec2 u_direction) const;
+    PhotonSample emit(const EmissionDiscs& discs, Vec2 u_position, Vec2 u_direction) const;
 
     /// ∫ L dω, W m^-2: times the area of the scene's bounding disc it is the power.
     Color integral() const { return integral_; }

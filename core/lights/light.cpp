@@ -49,8 +49,8 @@ Lights::Lights(LightInputs inputs)
       profiles_(std::move(inputs.profiles)),
       directionals_(std::move(inputs.directionals)),
       environment_(std::move(inputs.environment)),
-      center_(inputs.scene_center),
-      radius_(inputs.scene_radius > 0 ? inputs.scene_radius : 1) {
+      discs_of_emission_({inputs.scene_center, inputs.scene_radius > 0 ? inputs.scene_radius : 1}, inputs.places) {
+    const float area = discs_of_emission_.area();
     std::array<std::vector<double>, light_kinds> powers;
     powers[static_cast<size_t>(LightKind::triangle)] = add_triangles(inputs.triangles);
     powers[static_cast<size_t>(LightKind::point)] =
@@ -60,13 +60,12 @@ Lights::Lights(LightInputs inputs)
     powers[static_cast<size_t>(LightKind::profile)] =
         powers_of("profile light", profiles_, total_power_, [](const ProfileLight& l) { return l.power(); });
     powers[static_cast<size_t>(LightKind::directional)] = powers_of(
-        "directional light", directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(radius_); });
+        "directional light", directionals_, total_power_, [&](const DirectionalLight& l) { return l.power(area); });
     if (environment_) sharp_environment_ = environment_->sharp_part();
     if (sharp_environment_)
-        powers[static_cast<size_t>(LightKind::sharp_environment)] = {
-            luminance(sharp_environment_->integral() * (pi * radius_ * radius_))};
+        powers[static_cast<size_t>(LightKind::sharp_environment)] = {luminance(sharp_environment_->integral() * area)};
     if (environment_) {
-        const Color power = environment_->integral() * (pi * radius_ * radius_);
+        const Color power = environment_->integral() * area;
         total_power_ += power;
         powers[static_cast<size_t>(LightKind::environment)] = {luminance(power)};
     }
@@ -205,7 +204,7 @@ void Lights::add_discs(Vec3 direction, LightSet set, Infinite& out) const {
 }
 
 PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) const {
-    const LightSampler::Choice choice = sampler_.choose_emission(u_light);
+    const LightSampler::Choice choice = sampler_.choose(LightSet::all, u_light);
     if (choice.pdf_discrete == 0) return {};
     PhotonSample photon;
     switch (choice.kind) {
@@ -214,9 +213,9 @@ PhotonSample Lights::emit(float u_light, Vec2 u_position, Vec2 u_direction) cons
         case LightKind::spot: photon = spots_[choice.index].emit(u_direction); break;
         case LightKind::profile: photon = profiles_[choice.index].emit(u_direction); break;
         case LightKind::directional:
-            photon = directionals_[choice.index].emit(center_, radius_, u_position, u_direction);
+            photon = directionals_[choice.index].emit(discs_of_emission_, u_position, u_direction);
             break;
-        case LightKind::environment: photon = environment_->emit(center_, radius_, u_position, u_direction); break;
+        case LightKind::environment: photon = environment_->emit(discs_of_emission_, u_position, u_direction); break;
         case LightKind::sharp_environment: return {};  // photons start from the whole image
     }
     photon.power *= 1 / choice.pdf_discrete;

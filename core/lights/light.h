@@ -16,6 +16,7 @@
 
 #include "lights/area.h"
 #include "lights/directional.h"
+#include "lights/emission_discs.h"
 #include "lights/environment.h"
 #include "lights/light_sample.h"
 #include "lights/light_sampler.h"
@@ -34,6 +35,7 @@ struct LightInputs {
     std::optional<EnvironmentImage> environment{};
     Vec3 scene_center{};  // of the sphere around the geometry
     float scene_radius = 0;
+    std::vector<Ball> places{};  // where surfaces exchange light; if there are none, the whole scene is one
 };
 
 /// What one light sample needs: where the light arrives, and uniform random numbers from [0, 1).
@@ -76,9 +78,9 @@ class Lights {
     };
     Infinite infinite(Vec3 direction, LightSet set = LightSet::all) const;
 
-    /// A photon from any light, chosen by power; infinite lights start it outside of the scene's sphere.
+    /// A photon from any light, chosen as by `sample`; infinite lights start it outside of the scene's sphere.
     PhotonSample emit(float u_light, Vec2 u_position, Vec2 u_direction) const;
-    /// Power of all lights, W; of infinite lights what passes the scene's disc. Textured triangles are estimated.
+    /// Power of all lights, W; of infinite lights what passes the discs before the places. Textured triangles are estimated.
     Color total_power() const { return total_power_; }
 
     size_t emitter_count() const { return areas_.size(); }
@@ -111,8 +113,7 @@ class Lights {
     std::vector<uint32_t> discs_;  // the directional lights with an extent
     std::optional<EnvironmentImage> environment_;
     std::optional<EnvironmentImage> sharp_environment_;  // sharp part, which is direct light in every set
-    Vec3 center_;
-    float radius_ = 1;
+    EmissionDiscs discs_of_emission_;
     LightSampler sampler_;
     Color total_power_;
 };

@@ -27,15 +27,7 @@ struct PhotonSample {
     Vec3 origin, direction;
     Color power;                      // W, already divided by the density of all choices; black = nothing was emitted
     uint32_t triangle = no_triangle;  // of the scene, that it starts on
+    float importance = 1;             // of where it starts: 1 before the places where surfaces exchange light, 0 … 1
 };
-
-/// A photon that arrives from infinity along `s`: it starts on a disc that covers the scene's bounding sphere.
-inline PhotonSample emit_from_infinity(const LightSample& s, Vec3 center, float radius, Vec2 u) {
-    if (s.pdf_solid_angle == 0) return {};
-    const Vec2 d = square_to_concentric_disk(u);
-    // One radius away is outside; another keeps the start clear of whatever touches the sphere.
-    const Vec3 origin = center + Frame::around(s.wi).to_world({d.x, d.y, 2}) * radius;
-    return {origin, -s.wi, s.radiance * (pi * radius * radius / s.pdf_solid_angle)};
-}
 
 }  // namespace eclat

@@ -36,17 +36,14 @@ std::vector<double> odds(std::array<std::vector<double>, light_kinds> powers, Li
 }  // namespace
 
 LightSampler::LightSampler(const std::array<std::vector<double>, light_kinds>& powers) {
-    std::vector<double> all;
+    size_t count = 0;
     for (size_t kind = 0; kind < light_kinds; ++kind) {
-        first_[kind] = static_cast<uint32_t>(all.size());
-        all.insert(all.end(), powers[kind].begin(), powers[kind].end());
+        first_[kind] = static_cast<uint32_t>(count);
+        count += powers[kind].size();
     }
     tables_[static_cast<size_t>(LightSet::all)] = AliasTable(odds(powers, LightKind::sharp_environment));
     tables_[static_cast<size_t>(LightSet::without_smooth_environment)] =
         AliasTable(odds(powers, LightKind::environment));
-    // Photons start from the whole image.
-    if (!powers[static_cast<size_t>(LightKind::sharp_environment)].empty()) all.back() = 0;
-    emission_ = AliasTable(all);
 }
 
 }  // namespace eclat

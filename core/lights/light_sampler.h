@@ -42,10 +42,7 @@ class LightSampler {
         return tables_[static_cast<size_t>(set)].pdf_discrete(first_[static_cast<size_t>(kind)] + index);
     }
 
-    bool empty() const { return emission_.empty(); }
-
-    /// Chooses a light for photons by power alone, so that all photons have nearly the same power.
-    Choice choose_emission(float u) const { return choice(emission_.sample(u)); }
+    bool empty() const { return tables_[static_cast<size_t>(LightSet::all)].empty(); }
 
   private:
     Choice choice(const DiscreteSample& s) const {
@@ -56,7 +53,6 @@ class LightSampler {
 
     std::array<uint32_t, light_kinds> first_{};
     std::array<AliasTable, 2> tables_;  // by LightSet
-    AliasTable emission_;
 };
 
 }  // namespace eclat

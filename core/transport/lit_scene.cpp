@@ -5,6 +5,8 @@
 
 #include <utility>
 
+#include "transport/busy_places.h"
+
 namespace eclat {
 
 namespace {
@@ -40,6 +42,7 @@ LitScene light_scene(std::unique_ptr<Geometry> geometry, LightInputs lights) {
     lights.triangles = scene.emitters;
     lights.scene_center = (g.low() + g.high()) * 0.5f;
     lights.scene_radius = g.radius();
+    if (lights.environment || !lights.directionals.empty()) lights.places = busy_places(g);
     scene.lights = Lights(std::move(lights));
     return scene;
 }

@@ -11,7 +11,7 @@ import pytest
 
 import eclat
 from eclat.methods import Method
-from eclat.scene import Camera, Material, Mesh, PointLight, Scene, grey, look_at
+from eclat.scene import Camera, Environment, Material, Mesh, PointLight, Scene, grey, look_at
 
 METHODS: dict[str, Method] = {
     "direct": eclat.Direct(),
@@ -168,3 +168,34 @@ def test_photons_in_the_dark_part_of_a_room(gather: int) -> None:
     )
     assert beside.pixels.mean() == pytest.approx(alone.pixels.mean(), rel=0.01)
     assert beside.pixels.mean() == pytest.approx(truth.pixels.mean(), rel=0.06)
+
+
+SKY = Environment(np.ones((1, 1, 3), np.float32))
+
+
+def with_window(scene: Scene) -> Scene:
+    """The room without its lamp, and with an open window of 1.8 m² in the wall at x = 4 m."""
+    wall, (low, high), (bottom, top) = scene.meshes[5], (1.5, 3.0), (1.0, 2.2)
+    frame = [
+        quad(np.array([4.0, y, z]), (0, dy, 0), (0, 0, dz), wall.material)
+        for y, dy, z, dz in (
+            (0, 3.0, 0, low), (0, 3.0, high, 5 - high), (0, bottom, low, high - low), (top, 3 - top, low, high - low),
+        )
+    ]  # fmt: skip
+    return replace(scene, meshes=(*scene.meshes[:5], *frame, *scene.meshes[7:]))
+
+
+@pytest.mark.parametrize("far", ["ground", "stray"])
+def test_photons_of_a_sky_start_before_the_room(far: str) -> None:
+    """They started on a disc as wide as the scene, and a lamp was chosen by its power beside that of this disc: of 7 million
+    emissions 40 photons were stored, and without a gather 9 to 25 % of the light of the lamp was missing."""
+    ground = quad(np.array([-500.0, -500, -0.5]), (1000.0, 0, 0), (0, 1000.0, 0), Material())
+    scene = replace(room(np.zeros(3), ground if far == "ground" else stray((0, 0, 1000.0))), environment=SKY)
+    method = eclat.PhotonMap(photons=5000, caustic_photons=1000, gather=0)
+    truth, found = (
+        eclat.render(scene, m, size=(12, 12), samples=n, seed=3).pixels.mean()
+        for m, n in ((eclat.Path(), 400), (method, 16))
+    )
+    assert found == pytest.approx(truth, rel=0.04)
+    photons = eclat.solve(with_window(scene), method).positions
+    assert np.count_nonzero((np.abs(photons - (2, 1.5, 2.5)) < (2.01, 1.51, 2.51)).all(axis=1)) > 1000

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import warnings
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -49,6 +50,14 @@ def test_light_of_a_small_lamp_by_a_mirror_raises_the_stated_error() -> None:
     assert 0.1 < found[LIGHT_BY_CHANCE] < 0.4
     assert found["estimated_error"] >= found[LIGHT_BY_CHANCE]
     assert "by way of mirrors, metals or glass" in error_text(found)
+
+
+def test_light_of_a_ground_to_the_horizon_does_not_hide_that_of_a_small_lamp_by_a_mirror() -> None:
+    """A ground of a square kilometre below, dimly lit by the sky, has most of all light; 0.00 % was stated."""
+    scene, dim = lamp_beside(MIRROR, 0.01), Environment(np.full((1, 1, 3), 1e-3, np.float32))
+    ground = quad([(-500, -3, 500), (500, -3, 500), (500, -3, -500), (-500, -3, -500)], Material())
+    found = statistics(replace(scene, meshes=(*scene.meshes, ground), environment=dim))
+    assert 0.1 < found[LIGHT_BY_CHANCE] < 0.4
 
 
 @pytest.mark.parametrize(

@@ -28,7 +28,7 @@ struct State {
     Color power;
     Sampler sampler;
     uint32_t emission;  // number of its emission in the block
-    float pdf;          // density of its emission relative to uniform emission
+    float weight;       // density of its emission relative to uniform emission, times the importance of where it starts
     bool scattered_diffusely = false;
     int passed = 0;        // number of surfaces that it passed, whose edges do not count
     bool passing = false;  // whether its ray starts at such a surface
@@ -70,7 +70,7 @@ class Tracer {
             const PhotonSample photon = world_.lights.emit(u[0], {u[1], u[2]}, {u[3], u[4]});
             if (is_black(photon.power)) continue;
             const auto emission = static_cast<uint32_t>(emitted.size() - 1);
-            paths.push({photon.power * (1 / pdf), sampler, emission, pdf},
+            paths.push({photon.power * (1 / pdf), sampler, emission, pdf * photon.importance},
                        {start(photon), 0, photon.direction, infinity});
         }
         return paths;
@@ -118,7 +118,7 @@ class Tracer {
             const Vec3 normal = v.point.normal;
             const Vec3 n = dot(normal, v.wo) >= 0 ? normal : -normal;
             photons.push_back({v.point.position, states[i].power, v.wo, n, static_cast<float>(edges(states[i]))});
-            emitted[states[i].emission].value += luminance(states[i].power) * states[i].pdf;
+            emitted[states[i].emission].value += luminance(states[i].power) * states[i].weight;
         }
     }
 

@@ -27,11 +27,3 @@ TEST_CASE("point and spot lights are one group, and the environment can be exclu
     CHECK(pdf(LightSet::without_smooth_environment, LightKind::point) == doctest::Approx(0.75).epsilon(1e-5));
     CHECK(pdf(LightSet::without_smooth_environment, LightKind::spot) == doctest::Approx(0.25).epsilon(1e-5));
 }
-
-TEST_CASE("photons are emitted by power alone") {
-    const LightSampler sampler({{{1, 1}, {}, {}, {}, {98}, {}}});
-    int suns = 0;
-    for (int i = 0; i < 1000; ++i)
-        suns += sampler.choose_emission((float(i) + 0.5f) / 1000).kind == LightKind::directional;
-    CHECK(suns == doctest::Approx(980).epsilon(0.002));
-}

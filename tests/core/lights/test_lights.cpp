@@ -290,7 +290,7 @@ TEST_CASE("photons carry the total power, and each light's irradiance to a disc 
     SUBCASE("sky") { probe({.environment = all.environment}); }
     SUBCASE("all, and all photons nearly alike") {
         const RunningMean flux = probe(all);
-        CHECK(flux.standard_error() * std::sqrt(400000.0) < 0.6 * flux.mean());
+        CHECK(flux.standard_error() * std::sqrt(400000.0) < 0.7 * flux.mean());  // 0.5 by power alone
     }
 }
 
