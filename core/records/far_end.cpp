@@ -3,10 +3,10 @@
 
 // A gather ray that hits a surface can end there if a coarse cache of irradiance, or photons, gives the light of that surface.
 // Only averages over whole hemispheres use these values, so they may be inaccurate. But a short ray, as in a corner, hits a
-// surface that fills a large part of the hemisphere, where inaccuracy would be visible. It reads a cell of those of
-// records/far_cells.cpp, or the near records that earlier passes made there, whose radii are small in corners; where neither
-// serves, it is continued. One path finds a window by chance only, while each near record has averaged hundreds: without them,
-// the records between the cushions of `living-room` deviate by 10 % (with them, 9), and the picture by 3.1 % (2.9).
+// surface that fills a large part of the hemisphere, where inaccuracy would be visible. In a solve for a picture, it reads a
+// cell of those of records/far_cells.cpp, or the near records that earlier passes made there, whose radii are small in corners.
+// Where none serves, it is continued. One path finds a window only by chance, while each near record has averaged hundreds:
+// without them, the records between the cushions of `living-room` deviate by 10 % (with them, 9), and the picture by 3.1 % (2.9).
 //
 // Symbol     name here     meaning                                                                   unit
 //   κ        relaxation    how much farther than its radius a record is read                         1
@@ -84,10 +84,12 @@ FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceC
         out.irradiance = read_far(world, *options.far_photons, progress);
     } else {
         if (!caches.far.records().empty()) out.irradiance = read_beyond_radius(caches.far);
-        if (cells) out.irradiance = either(std::move(out.irradiance), read_cells(*cells));
-        if (!caches.near.records().empty())
-            out.irradiance = either(std::move(out.irradiance), read_beyond_radius(caches.near));
-        out.wants_samples = cells != nullptr;
+        if (cells) {
+            out.irradiance = either(std::move(out.irradiance), read_cells(*cells));
+            if (!caches.near.records().empty())
+                out.irradiance = either(std::move(out.irradiance), read_beyond_radius(caches.near));
+            out.wants_samples = true;
+        }
     }
     if (tables && !caches.radiance.records().empty())
         out.reflection = read_radiance(caches.radiance, *tables, Reading::nearest);

@@ -25,7 +25,8 @@ CachedIrradiance read_beyond_radius(const RecordCache& records);
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,
                                Reading reading = Reading::smooth);
 /// Makes the far end from the current state of the caches: photons, or far records and, where none serves, `cells`, and where
-/// these know nothing, near records; and, with `tables`, records of radiance. It is empty if the number of edges of paths is limited, because records contain
+/// these know nothing, near records; and, with `tables`, records of radiance. Without `cells` no near records are read: a little of
+/// the light outside would reach points inside a solid. It is empty if the number of edges of paths is limited, because records contain
 /// light of all path lengths.
 FarEnd far_end(const World& world, const SolvedCaches& caches, const IrradianceCacheOptions& options,
                Progress& progress, const RadianceTables* tables = nullptr, const FarCells* cells = nullptr);
