@@ -161,7 +161,11 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
     if flags["materials"]:
         scene = eclat.override_materials(scene, _overrides(flags["materials"]))
     if flags.get("ies"):
-        scene = eclat.override_lights(scene, _light_overrides(flags["ies"]))
+        files = _light_overrides(flags["ies"])
+        try:
+            scene = eclat.override_lights(scene, files)
+        except EclatError as error:
+            raise EclatError(f"--ies: {error}") from None
     exposure: float | Literal["auto"] | None = flags.get("exposure")
     if exposure is None:
         made_up = wants_exposure(scene, sun=flags.get("sun"), environment=flags.get("environment"))

@@ -18,6 +18,11 @@ from eclat.cli import MISTAKE, main
 from eclat.viewer.messages import decode_message
 from support.browser import require_page
 
+# A shell gives its background jobs an ignored SIGINT; a terminal does not, and it is the terminal that is tested.
+UNDER_A_TERMINAL = (
+    "import signal, sys; signal.signal(signal.SIGINT, signal.default_int_handler); "
+    "from eclat.cli import main; sys.exit(main(sys.argv[1:]))"
+)
 QUICK = ["--texel-size", "0.5", "--samples", "16", "--max-error", "0.2", "--quiet"]
 
 
@@ -34,14 +39,17 @@ def test_it_exports_the_page_and_the_scene(tmp_path: Path, capsys: pytest.Captur
 
 def test_it_serves_until_it_is_interrupted() -> None:
     require_page()
-    command = [sys.executable, "-m", "eclat", "view", "furnace", "--no-browser", *QUICK, "--json"]
+    command = [sys.executable, "-c", UNDER_A_TERMINAL, "view", "furnace", "--no-browser", *QUICK, "--json"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True, env=os.environ) as process:
         assert process.stdout is not None
         address = json.loads(process.stdout.readline())["url"]
         with urllib.request.urlopen(address, timeout=10) as page:
             assert page.status == 200
         process.send_signal(signal.SIGINT)
-        assert process.wait(timeout=30) == 0
+        try:
+            assert process.wait(timeout=30) == 0
+        finally:
+            process.kill()
 
 
 def test_a_method_without_records_is_refused(capsys: pytest.CaptureFixture[str]) -> None:

@@ -67,8 +67,8 @@ def test_a_smaller_error_is_reached(cornell: eclat.Scene) -> None:
 
 def test_finer_records_serve_new_samples(cornell: eclat.Scene) -> None:
     coarse = made(cornell, eclat.IrradianceCache(max_error=0.3), samples=4, continuable=True)
-    fine = eclat.render(cornell, eclat.IrradianceCache(max_error=0.1), continued=coarse, samples=32, denoise=False)
-    assert fine.metadata["options"]["max_error"] == 0.1
+    fine = eclat.render(cornell, eclat.IrradianceCache(max_error=0.03), continued=coarse, samples=32, denoise=False)
+    assert fine.metadata["options"]["max_error"] == 0.03
     assert fine.metadata["statistics"]["records"] > coarse.metadata["statistics"]["records"]
 
 
