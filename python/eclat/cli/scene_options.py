@@ -4,9 +4,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Literal
+from typing import TYPE_CHECKING, Any, Literal, TypeVar
 
 import click
 from click.shell_completion import CompletionItem
@@ -19,6 +19,8 @@ from eclat.errors import EclatError, did_you_mean
 
 if TYPE_CHECKING:
     from eclat.scene import Scene
+
+T = TypeVar("T")
 
 CAMERA, LIGHT, WORK, SURFACES = "Camera", "Light", "Work", "Surfaces"
 
@@ -156,12 +158,14 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
     light that was added by default, and 0 if not.
     """
     from eclat.stage.defaults import complete, wants_exposure
+    from eclat.stage.light_overrides import parsed_light_override
+    from eclat.stage.material_overrides import parsed_override
 
     scene = load_file(flags)
     if flags["materials"]:
-        scene = eclat.override_materials(scene, _overrides(flags["materials"]))
+        scene = eclat.override_materials(scene, _by_name("--material", flags["materials"], parsed_override))
     if flags.get("ies"):
-        files = _light_overrides(flags["ies"])
+        files = _by_name("--ies", flags["ies"], parsed_light_override)
         try:
             scene = eclat.override_lights(scene, files)
         except EclatError as error:
@@ -190,34 +194,18 @@ def posed(scene: Scene, flags: Mapping[str, Any]) -> Scene:
     return scene.at(flags["at"])
 
 
-def _overrides(texts: Sequence[str]) -> dict[str, dict[str, Any]]:
-    from eclat.stage.material_overrides import parsed_override
-
-    materials: dict[str, dict[str, Any]] = {}
+def _by_name(flag: str, texts: Sequence[str], parsed: Callable[[str], tuple[str, T]]) -> dict[str, T]:
+    """Parse the values NAME=… of a flag that may be repeated, each with another name."""
+    values: dict[str, T] = {}
     for text in texts:
         try:
-            name, bsdf = parsed_override(text)
+            name, value = parsed(text)
         except EclatError as error:
-            raise EclatError(f"--material: {error}") from None
-        if name in materials:
-            raise EclatError(f"--material: {name} is given twice, expected it once")
-        materials[name] = bsdf
-    return materials
-
-
-def _light_overrides(texts: Sequence[str]) -> dict[str, str]:
-    from eclat.stage.light_overrides import parsed_light_override
-
-    files: dict[str, str] = {}
-    for text in texts:
-        try:
-            name, file = parsed_light_override(text)
-        except EclatError as error:
-            raise EclatError(f"--ies: {error}") from None
-        if name in files:
-            raise EclatError(f"--ies: {name} is given twice, expected it once")
-        files[name] = file
-    return files
+            raise EclatError(f"{flag}: {error}") from None
+        if name in values:
+            raise EclatError(f"{flag}: {name} is given twice, expected it once")
+        values[name] = value
+    return values
 
 
 def camera_index(scene: Scene, wanted: str | None) -> int:

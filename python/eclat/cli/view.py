@@ -72,7 +72,7 @@ EXAMPLES = {
     section="Output",
     help="Write the records that were solved until Ctrl-C to this .npz file, as `eclat solve` does.",
 )
-@exposure_option("Exposure in stops with which the page begins [0; chosen in the page if the light was added].", None)
+@exposure_option("Exposure in stops with which the page begins [0].", None)
 @max_error_option("Relative error of the indirect light")
 @option(
     "--texel-size",

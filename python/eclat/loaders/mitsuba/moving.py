@@ -3,8 +3,8 @@
 """Transforms that change over time: the element `<animation>` of Mitsuba 0.5 and 0.6.
 
 Each key is decomposed into a translation, a rotation and a symmetric stretch (the polar decomposition M = R S), which are
-interpolated apart: the rotation along the shorter arc, the others linearly. Mitsuba keeps only the diagonal of the
-stretch; here it is kept whole, so that each key is met exactly.
+interpolated apart: the rotation along the shorter arc, the others linearly. The stretch is kept whole, so that
+each key is met exactly.
 """
 
 from __future__ import annotations
