@@ -239,18 +239,29 @@ void bind_film(nb::module_& m) {
 }
 
 void bind_pixels(nb::module_& m) {
+    nb::class_<FinishedTiles>(m, "FinishedTiles")
+        .def(nb::init<>())
+        .def(
+            "take",
+            [](FinishedTiles& tiles) {
+                std::vector<std::tuple<int, int, Film>> taken;
+                for (const FinishedTile& tile : tiles.take()) taken.emplace_back(tile.x, tile.y, tile.film);
+                return taken;
+            },
+            "The column and row of the upper left pixel, and a copy of the film, of each tile since the last call.");
     nb::enum_<Filter>(m, "Filter").value("box", Filter::box).value("tent", Filter::tent);
     nb::class_<RenderRange>(m, "RenderRange")
         .def(
             "__init__",
             [](RenderRange* r, std::array<int, 4> crop, uint32_t seed, int threads, Filter filter,
-               std::vector<uint32_t> tile_order) {
+               std::vector<uint32_t> tile_order, FinishedTiles* finished) {
                 auto& range = *new (r) RenderRange{};
                 range.x0 = crop[0], range.y0 = crop[1], range.x1 = crop[2], range.y1 = crop[3];
                 range.seed = seed, range.threads = threads, range.filter = filter;
-                range.tile_order = std::move(tile_order);
+                range.tile_order = std::move(tile_order), range.finished = finished;
             },
-            nb::kw_only(), "crop"_a, "seed"_a, "threads"_a, "filter"_a, "tile_order"_a);
+            nb::kw_only(), "crop"_a, "seed"_a, "threads"_a, "filter"_a, "tile_order"_a, "finished"_a = nb::none(),
+            nb::keep_alive<1, 7>());
     m.def("render", &render_samples, "camera"_a, "film"_a, "estimator"_a, "range"_a, "first"_a, "end"_a, "progress"_a,
           nb::call_guard<nb::gil_scoped_release>(), "Adds samples [first, end) of each pixel, or of all, to `film`.");
 }

@@ -52,6 +52,7 @@ class Tile {
             progress.advance();
         }
         trace(progress);
+        if (range_.finished) range_.finished->add(film_, x0_, y0_, x1_, y1_);
     }
 
   private:

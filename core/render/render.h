@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "film/film.h"
+#include "render/finished_tiles.h"
 #include "scene/camera.h"
 #include "transport/estimator.h"
 
@@ -26,6 +27,7 @@ struct RenderRange {
     // If pixels take different numbers of samples, these are the ranges [first, end) of all pixels of the whole
     // picture, row by row, within [first_sample, end_sample). If they are empty, all pixels take all samples.
     std::span<const uint32_t> first_samples, end_samples;
+    FinishedTiles* finished = nullptr;  // takes a copy of each tile when it has all its samples; null if nobody watches
 };
 
 /// Adds samples [first, end) of each pixel of the crop to `film`.

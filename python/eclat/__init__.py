@@ -39,6 +39,7 @@ if TYPE_CHECKING:
     from eclat.stage.light_groups import light_groups
     from eclat.stage.light_overrides import override_lights
     from eclat.stage.material_overrides import override_materials
+    from eclat.tev.display import Display
     from eclat.verbs.animate import animate
     from eclat.verbs.bake import bake
     from eclat.verbs.compare import compare
@@ -84,6 +85,7 @@ _HOMES = {
     "RadiositySolution": "eclat.methods.radiosity",
     "Lightmap": "eclat.lightmap.lightmap",
     "ProbeGrid": "eclat.probe_grid.grid",
+    "Display": "eclat.tev.display",
     "Image": "eclat.images.image",
     "mix": "eclat.images.mixing",
     "light_groups": "eclat.stage.light_groups",
@@ -98,6 +100,7 @@ load the core."""
 __all__ = [
     "METHODS",
     "Direct",
+    "Display",
     "EclatError",
     "EclatWarning",
     "Image",

@@ -296,6 +296,13 @@ class Film:
     @property
     def bad_samples(self) -> list[tuple[int, int, int]]: ...
 
+class FinishedTiles:
+    def __init__(self) -> None: ...
+    def take(self) -> list[tuple[int, int, Film]]:
+        """
+        The column and row of the upper left pixel, and a copy of the film, of each tile since the last call.
+        """
+
 class Filter(enum.Enum):
     box = 0
 
@@ -303,7 +310,14 @@ class Filter(enum.Enum):
 
 class RenderRange:
     def __init__(
-        self, *, crop: Sequence[int], seed: int, threads: int, filter: Filter, tile_order: Sequence[int]
+        self,
+        *,
+        crop: Sequence[int],
+        seed: int,
+        threads: int,
+        filter: Filter,
+        tile_order: Sequence[int],
+        finished: FinishedTiles | None = None,
     ) -> None: ...
 
 def render(

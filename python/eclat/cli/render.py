@@ -15,7 +15,7 @@ import click
 import eclat
 from eclat.cli.command import Command, option, together
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
-from eclat.cli.parameters import CROP, REPLAY, LightGroups, Name, groups_given
+from eclat.cli.parameters import CROP, REPLAY, LightGroups, Name, Parsed, groups_given
 from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.previews import Previews, wants_previews
 from eclat.cli.quality_options import (
@@ -78,6 +78,7 @@ REACHING_RENDER = (
     "keep_partial",
     "check",
     "refine",
+    "display_server",
 )
 """Flags that are passed to `eclat.render` unchanged, as arguments of the same names."""
 
@@ -98,6 +99,13 @@ EXAMPLES = {
     "eclat render room.glb --cache room.npz --camera 1": "Render another view from a file that `eclat solve` wrote:",
     "eclat render room.glb --light-groups each -o room.exr": "Render the light of each lamp as a layer, to mix it later:",
 }
+
+
+def _checked_address(text: str) -> str:
+    from eclat.tev.display import address_of
+
+    address_of(text)
+    return text
 
 
 _output_options = together(
@@ -127,6 +135,13 @@ _output_options = together(
         help="Make a layer of the light of each lamp (each), or of the lamps with these names, in which * stands for any "
         "characters, as in kitchen=lamp*,stove; repeatable. `eclat mix` changes the light of the .exr file afterwards. Each "
         "group is rendered on its own and takes as long as a picture.",
+    ),
+    option(
+        "--display-server",
+        type=Parsed("HOST:PORT", "host:port, as in localhost:14158", _checked_address),
+        section="Output",
+        help="Show the picture while it grows in tev, which listens there, usually at localhost:14158: its tiles and "
+        "layers as they come, and the positions of its records.",
     ),
     option("--show-records", is_flag=True, section="Output", help="Mark the positions of the records in the picture."),
 )

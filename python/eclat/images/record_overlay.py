@@ -44,24 +44,25 @@ def project(camera: Camera, points: FloatArray, size: tuple[int, int]) -> tuple[
     return np.stack([x * width, y * height], axis=1), distance
 
 
-def visible_pixels(image: Image, camera: Camera, positions: FloatArray) -> NDArray[np.intp]:
-    """Return the columns and rows (M, 2) of the pixels that contain visible records.
+def visible_places(image: Image, camera: Camera, positions: FloatArray) -> FloatArray:
+    """Return where (M, 2) visible records are in the image, in pixels from its upper left corner.
 
     `positions` (N, 3) are the records. A record is hidden if it is behind the depth in the layer `depth` of the image.
     """
     raster, distance = project(camera, positions, (image.width, image.height))
     inside = np.isfinite(raster).all(axis=1) & (raster >= 0).all(axis=1)
     inside &= (raster < (image.width, image.height)).all(axis=1)
-    pixels = raster[inside].astype(np.intp)
+    places = raster[inside]
     depth = image.layers.get("depth")
     if depth is None:
-        return pixels
-    return pixels[distance[inside] <= depth[pixels[:, 1], pixels[:, 0]] * (1 + DEPTH_TOLERANCE)]
+        return places
+    pixels = places.astype(np.intp)
+    return places[distance[inside] <= depth[pixels[:, 1], pixels[:, 0]] * (1 + DEPTH_TOLERANCE)]
 
 
 def record_density(image: Image, camera: Camera, positions: FloatArray) -> NDArray[np.float32]:
     """Return the number (H, W) of visible records in each pixel. `positions` (N, 3) are the records."""
-    pixels = visible_pixels(image, camera, positions)
+    pixels = visible_places(image, camera, positions).astype(np.intp)
     density = np.zeros((image.height, image.width), dtype=np.float32)
     np.add.at(density, (pixels[:, 1], pixels[:, 0]), np.float32(1))
     return density

@@ -16,10 +16,11 @@ from numpy.typing import NDArray
 import eclat
 from eclat import _core
 from eclat.bridge.compiled import compiled
+from eclat.bridge.notebook import notebook_report
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import warn
 from eclat.images.image import Image
-from eclat.images.record_overlay import record_density
+from eclat.images.record_overlay import record_density, visible_places
 from eclat.measure.error_estimate import LIGHT_BY_CHANCE, ErrorEstimate, error_text, with_light_by_chance
 from eclat.methods import Prepared
 from eclat.methods.work import View, Work
@@ -29,6 +30,8 @@ from eclat.sampling.denoised_halves import DenoisedHalves
 from eclat.sampling.halves import Halves, Region, seed_of_half
 from eclat.sampling.picture_probes import ProbedError, joined, number_of_paths, probed_error
 from eclat.scene import Scene
+from eclat.tev.display import Display
+from eclat.tev.growing import GrowingPicture
 
 FIRST_SEED_OF_PROBES = 2
 """The halves have the first two seeds of a picture, its probes the next ones."""
@@ -40,6 +43,7 @@ class SampleTaker:
     Parameters
     ----------
     pixels : the pixels and the seed of each film. Sample n of film k, of K films, is sample K n + k of the picture.
+    growing : shows the tiles that these ranges of pixels let it know, or None.
     """
 
     def __init__(
@@ -50,9 +54,11 @@ class SampleTaker:
         work: Work,
         films: list[_core.Film],
         pixels: list[_core.RenderRange],
+        growing: GrowingPicture | None = None,
     ) -> None:
         self._camera = compiled(scene).camera(view.camera, view.size)
         self._films, self._pixels = films, pixels
+        self._growing = growing
         self._estimator_of = prepared.passes(scene, work)
         if self._estimator_of is None:
             self._estimator = prepared.radiance_estimator(scene, work)
@@ -62,10 +68,26 @@ class SampleTaker:
         rays = 0.0
         for number in range(len(self._films)):
             counted = _core.Progress()
-            part = self._part_of_report(number, rays, report)
+            part = self._watched(self._part_of_report(number, rays, report))
             run("render", lambda p, n=number: self._take(n, first, end, p), part, counted)  # type: ignore[misc]
+            if self._growing is not None:
+                self._growing.show()
             rays += float(counted.rays)
         return rays
+
+    def _watched(self, report: ProgressReport | None) -> ProgressReport | None:
+        """Make a function that reports, and that shows the tiles which were finished meanwhile, if someone wants to see them."""
+        growing = self._growing
+        if growing is None:
+            return report
+        told = report or notebook_report()
+
+        def watched(phase: str, fraction: float, statistics: dict[str, float]) -> None:
+            growing.show()
+            if told is not None:
+                told(phase, fraction, statistics)
+
+        return watched
 
     def _part_of_report(self, number: int, rays: float, report: ProgressReport | None) -> ProgressReport | None:
         """Make a function that turns reports about one film into reports about all films."""
@@ -121,6 +143,12 @@ class Picture:
         the probes measured.
         """
         return self._image(sampling.film, sampling, sampling.taken, sampling.found, probed)
+
+    def mark_records(self, display: Display, image: Image) -> None:
+        """Mark on the display where the records are in an Image of this picture, finished or not."""
+        records = self.prepared.record_positions
+        if records is not None:
+            display.mark_records(visible_places(image, self.view.camera, records))
 
     def probed(self, sampling: Sampling, deadline: float | None) -> ProbedError | None:
         """Measure the error of the picture at some pixels by paths of their own, once all samples are taken, at as many

@@ -28,6 +28,7 @@ from eclat.methods import Solved
 from eclat.sampling.halves import seed_of_half
 from eclat.stage.light_groups import light_groups
 from eclat.stage.staging import staged
+from eclat.verbs.shown_while_rendered import with_display
 
 Preview = Callable[[Image], None]
 
@@ -49,14 +50,16 @@ def picture_of_groups(render: Callable[..., Image], arguments: dict[str, Any]) -
     ----------
     render : the verb.
     arguments : its arguments by name, whose `light_groups` is True or as in `light_groups`. The first group has their seed. Their
-        `time` is divided equally among the groups that are left, and their `preview` is called with the sum of the groups so far.
+        `time` is divided equally among the groups that are left, and their `preview` is called with the sum of the groups so far,
+        which a Display as their `display_server` shows.
 
     Raises
     ------
     EclatError : an argument cannot be combined with `light_groups`; `light_groups` and `render` raise it too.
     """
     arguments = dict(arguments)
-    groups, what, preview = arguments.pop("light_groups"), arguments["what"], arguments.pop("preview")
+    groups, what, display = arguments.pop("light_groups"), arguments["what"], arguments.pop("display_server")
+    preview = with_display(arguments.pop("preview"), display)
     if isinstance(what, Solved):
         raise EclatError(
             "light_groups: expected a method, got a solution, which is that of all lamps together; "
@@ -76,7 +79,10 @@ def picture_of_groups(render: Callable[..., Image], arguments: dict[str, Any]) -
         show = None if preview is None else _shown_with(pictures, preview)
         # The scene of a finished group is dropped, and its compiled form with it.
         pictures[name] = render(parts.pop(name), **arguments, seed=own_seed, time=left, preview=show)
-    return _joined(pictures, seed)
+    image = _joined(pictures, seed)
+    if display is not None:
+        display.show(image)
+    return image
 
 
 def _time_left(time: float, passed: float, number: int, count: int) -> float:

@@ -36,11 +36,14 @@ from eclat.sampling.convergence import Goal, Sampling
 from eclat.sampling.halves import Halves, seed_of_half
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
+from eclat.tev.display import Display
+from eclat.tev.growing import GrowingPicture
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
 from eclat.verbs.first_look import first_look, is_reduced
 from eclat.verbs.picture import Picture, SampleTaker, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
+from eclat.verbs.shown_while_rendered import shown_while_rendered, with_display
 from eclat.verbs.solve import require_check
 
 FILTERS = ("box", "tent")
@@ -89,6 +92,7 @@ def render(
     refine: bool = False,
     progress: ProgressReport | None = None,
     preview: Callable[[Image], None] | None = None,
+    display_server: str | Display | None = None,
     tile_order: list[int] | None = None,
 ) -> Image:
     """Render a picture of the scene.
@@ -160,6 +164,10 @@ def render(
         something to solve, with one of all pixels from few paths, and then between passes, at most once in
         `PREVIEW_SECONDS`. The
         metadata of all these pictures hold `unfinished`, and all except the first also hold `samples_done`.
+    display_server : where the picture is shown while it grows: "host:port" of tev (https://github.com/Tom94/tev), such as
+        "localhost:14158", or a Display, or None. What `preview` gets is shown there, and between such pictures each tile of
+        them as it is finished, with all layers; if the picture is denoised, the tiles are shown as the layer `noisy`. Records are
+        marked. A server that is absent, too slow or goes away causes one warning, and the picture is the same as without it.
     tile_order : the order in which tiles are rendered, as a permutation of their indices. The order does not change
         the picture; tests use this argument to check that.
 
@@ -188,8 +196,9 @@ def render(
     >>> image.pixels.shape, image.metadata["statistics"]["samples"]
     ((8, 8, 3), 4.0)
     """
-    if light_groups is not False:
-        return picture_of_groups(render, dict(locals()))
+    if isinstance(display_server, str) or light_groups is not False:
+        return (shown_while_rendered if isinstance(display_server, str) else picture_of_groups)(render, dict(locals()))
+    display, preview = display_server, with_display(preview, display_server)
     _refuse_contradictions(samples, time, refine, check)
     scene = staged(scene)
     started = clock.perf_counter()
@@ -214,10 +223,8 @@ def render(
     estimate = None if prepared is source else prepared.estimate
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
     picture = Picture(scene, prepared, view, region, work, adaptive, denoise, pixel_filter, estimate, started)
-    sampling = _sampling(picture, 1 + halves, order, keep_partial, preview)
-    if begun is not None:
-        begun.restore(sampling)
-    image = _rendered(picture, sampling, goal, halves, check)
+    sampling = _sampling(picture, 1 + halves, order, keep_partial, preview, display, begun)
+    image = _rendered(picture, sampling, goal, halves, check, display)
     if continuable or begun is not None:
         make_continuable(image, begun, sampling, scene, chosen, (view.size, *settings[1:5], adaptive, halves))
     return image
@@ -239,9 +246,11 @@ def _source(what: Source | type[Method] | str | None, max_error: float, refine: 
     return source
 
 
-def _rendered(picture: Picture, sampling: Sampling, wanted: Goal, halves: bool, check: bool) -> Image:
-    """Take all samples, measure the error until the deadline if there is one, and make the Image. Warn of noise and errors
-    that are left above those wanted, and of bad samples.
+def _rendered(
+    picture: Picture, sampling: Sampling, wanted: Goal, halves: bool, check: bool, display: Display | None
+) -> Image:
+    """Take all samples, measure the error until the deadline if there is one, make the Image and show it on the display, if
+    there is one. Warn of noise and errors that are left above those wanted, and of bad samples.
     """
     goal = _goal_of_samples(wanted, picture.estimate, halves and check)
     with picture.kept(sampling):
@@ -254,6 +263,9 @@ def _rendered(picture: Picture, sampling: Sampling, wanted: Goal, halves: bool, 
         else:
             warn_of_error(image.metadata["statistics"], wanted.max_error)
     picture.tell_bad_samples(image)
+    if display is not None:
+        display.show(image)
+        picture.mark_records(display, image)
     return image
 
 
@@ -313,9 +325,14 @@ def _sampling(
     tile_order: list[int],
     keep_partial: bool,
     preview: Callable[[Image], None] | None,
+    display: Display | None,
+    begun: Begun | None,
 ) -> Sampling:
-    """Make the object that takes the samples of the picture, in one film or in two halves with different seeds."""
+    """Make the object that takes the samples of the picture, in one film or in two halves with different seeds. It goes on from
+    those that were `begun`, if any.
+    """
     view, region, work = picture.view, picture.region, picture.work
+    growing = None if display is None else GrowingPicture(display, view.size, picture.denoise)
     pixels = [
         _core.RenderRange(
             crop=region,
@@ -323,16 +340,19 @@ def _sampling(
             threads=work.threads,
             filter=picture.filter,
             tile_order=tile_order,
+            finished=None if growing is None else growing.finished,
         )
         for half in range(count)
     ]
     films = [_core.Film(*view.size) for _ in pixels]
-    take = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels)
+    take = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels, growing)
     film = films[0] if len(films) == 1 else Halves(films[0], films[1], region)
     adaptive = AdaptiveSamples(view.size, region) if picture.adaptive else None
     sampling = Sampling(film, take.samples, keep_partial, work.progress, adaptive)
     if preview is not None:
-        sampling.after_pass = _previewing(picture, sampling, preview)
+        sampling.after_pass = _previewing(picture, sampling, preview, display)
+    if begun is not None:
+        begun.restore(sampling)
     return sampling
 
 
@@ -353,14 +373,16 @@ def _second_look(scene: Scene, view: View, work: Work, started: float) -> Image:
     region = (0, 0, *view.size)
     prepared = Path().prepare(scene, view, work)
     picture = Picture(scene, prepared, view, region, work, False, True, _core.Filter.box, None, started)
-    sampling = _sampling(picture, Halves.each, [], False, None)
+    sampling = _sampling(picture, Halves.each, [], False, None, None, None)
     sampling.run(Goal(SECOND_LOOK_SAMPLES, 1.0, None, denoised=True))
     image = picture.finished(sampling)
     image.metadata.update(unfinished=True, samples_done=sampling.taken)
     return image
 
 
-def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image], None]) -> Callable[[], None]:
+def _previewing(
+    picture: Picture, sampling: Sampling, preview: Callable[[Image], None], display: Display | None
+) -> Callable[[], None]:
     """Make the function that is called between passes. It shows the unfinished picture, unless another was shown
     shortly before.
     """
@@ -375,6 +397,8 @@ def _previewing(picture: Picture, sampling: Sampling, preview: Callable[[Image],
         image = picture.finished(sampling) if shown else picture.unfinished(film, sampling, taken)
         image.metadata.update(unfinished=True, samples_done=sampling.taken)
         preview(image)
+        if display is not None:
+            picture.mark_records(display, image)
         last = clock.perf_counter()
 
     return show

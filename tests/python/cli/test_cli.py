@@ -705,3 +705,8 @@ def test_an_error_above_the_wanted_one_has_a_reason() -> None:
     assert not why_above(flags, {**high, "estimated_error": 0.03})
     assert not why_above(flags, {"estimated_error": 0.04}) and not why_above(flags, {})
     assert not why_above({**flags, "samples": 4}, high) and not why_above({**flags, "time": 4.0}, high)
+
+
+def test_an_address_of_a_display_server_is_checked_before_the_scene_is_read(capsys: Output) -> None:
+    assert main(["render", "absent.glb", "--display-server", "localhost:tev"]) == 2
+    assert "eclat: --display-server: expected host:port, as in localhost:14158, got 'localhost:tev'" in errors(capsys)

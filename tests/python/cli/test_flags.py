@@ -72,6 +72,7 @@ VALUES: dict[str, list[str]] = {
     "--shard": ["1/2"],
     "--camera-path": ["walk.json"],
     "--ies": ["bulb=absent.ies"],
+    "--display-server": ["localhost:14158"],
 }
 """A value unlike the default for each flag that takes one."""
 
