@@ -234,3 +234,14 @@ def use_page(url: str) -> dict[str, Any]:
     web/tests/view-access.mjs for what is returned."""
     answer: dict[str, Any] = _node([require_node(), str(WEB / "tests/view-access.mjs"), require_browser(), url], "")
     return answer
+
+
+def compare_with_truth(
+    url: str, size: tuple[int, int], samples: int, steps: Sequence[dict[str, Any]]
+) -> dict[str, Any]:
+    """Ask the page of `eclat view` for the truth beside its picture of `size`; web/tests/view-truth.mjs describes the
+    steps and what is returned."""
+    request = {"page": url, "width": size[0], "height": size[1], "samples": samples, "steps": list(steps)}
+    command = [require_node(), str(WEB / "tests/view-truth.mjs"), require_browser()]
+    answer: dict[str, Any] = _node(command, json.dumps(request))
+    return answer

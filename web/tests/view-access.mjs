@@ -35,7 +35,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
 
   const copy = page.getByRole('button', { name: 'Copy camera as flags' });
   const flags = async () => {
-    const told = page.locator('section p[role=status]');
+    const told = page.locator('section p[role=status]').first();
     // What was copied before must not be read again.
     await told.evaluate((p) => { p.textContent = ''; });
     await copy.click();

@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Records that grow while someone walks, and pictures by paths of what they see, each in a thread of its own."""
+"""Records that grow while someone walks, in a thread of their own."""
 
 from __future__ import annotations
 
@@ -13,14 +13,10 @@ import numpy as np
 
 from eclat import _core
 from eclat.bridge.compiled import compiled
-from eclat.methods.path import Path
 from eclat.methods.records.laws import core_options
 from eclat.methods.records.solution import Solution, solved_from_core
 from eclat.scene import Scene
 from eclat.viewer.record_rows import ROW, record_rows
-
-MOST_SAMPLES = 1 << 14
-"""Number of samples per pixel after which a picture by paths is finished."""
 
 
 def empty_solution(scene: Scene, options: Any, max_depth: int = -1) -> Solution:
@@ -160,62 +156,3 @@ class Growth:
         self._state = state
         for changed in self._viewers.values():
             changed()
-
-
-class TruthPicture:
-    """A picture by paths, which gets better until it is stopped."""
-
-    def __init__(
-        self,
-        scene: Scene,
-        camera: _core.Camera,
-        size: tuple[int, int],
-        changed: Callable[[], None],
-        *,
-        max_depth: int = -1,
-        threads: int = 0,
-    ) -> None:
-        """Begin to render; `changed` is called, in another thread, whenever the picture is better."""
-        self._scene, self._camera, self._size, self._changed = scene, camera, size, changed
-        self._max_depth, self._threads = max_depth, threads
-        self._progress = _core.Progress()
-        self._lock = threading.Lock()
-        self._latest: tuple[int, np.ndarray] | None = None
-        self._thread = threading.Thread(target=self._work, name="eclat view: truth", daemon=True)
-        self._thread.start()
-
-    @property
-    def latest(self) -> tuple[int, np.ndarray] | None:
-        """The number of samples per pixel and the radiance (height, width, 3) float32, row 0 at the top; None at first."""
-        with self._lock:
-            return self._latest
-
-    def stop(self) -> None:
-        """End the thread."""
-        self._progress.cancel()
-        self._thread.join()
-
-    def _work(self) -> None:
-        film, (width, height) = _core.Film(*self._size), self._size
-        # `eclat render` warns of caustics that no path finds; here is nobody to read it.
-        estimator = _core.path_estimator(
-            compiled(self._scene).core, max_depth=self._max_depth, roulette_depth=Path().roulette_depth
-        )
-        pixels = _core.RenderRange(
-            crop=(0, 0, width, height),
-            seed=0,
-            threads=self._threads,
-            filter=_core.Filter.box,
-            tile_order=[],
-        )
-        taken, next_count = 0, 1
-        try:
-            while taken < MOST_SAMPLES:
-                first, end = (np.array([n], np.uint32) for n in (taken, next_count))
-                _core.render(self._camera, film, estimator, pixels, first, end, self._progress)
-                taken, next_count = next_count, 2 * next_count
-                with self._lock:
-                    self._latest = (taken, np.asarray(film.radiance))
-                self._changed()
-        except _core.Cancelled:
-            pass

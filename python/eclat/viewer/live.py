@@ -5,8 +5,10 @@
 From the page come texts, JSON objects of at most `LARGEST_REQUEST` bytes:
 
     {"kind": "wish", "view": VIEW}     solve the records that this view lacks
-    {"kind": "truth", "view": VIEW}    render this view by paths, until the next such request or "stop"
-    {"kind": "stop"}                   end the picture by paths
+    {"kind": "truth", "view": VIEW, "by": "paths", "number": n}
+                                       render this view by paths, or by "records": as `eclat render` would with the records
+                                       so far; until the next such request or "stop"
+    {"kind": "stop"}                   end this picture
 
 A VIEW is {"to_world": 16 numbers, "half_extent": [x, y], "shift": [x, y], "orthographic": bool, "size": [w, h]}: the
 matrix row by row, from the camera, which looks along −z, to the scene relative to its center; half the width and height of
@@ -15,7 +17,8 @@ the picture at distance 1 (orthographic: in metres); and pixels.
 To the page go texts, {"kind": "state", "solving", "passes_left", "records"}, and binary messages (`messages`) of the kinds
 
     records    as in the file: changed rows, and new ones
-    truth      `samples` per pixel, and `picture` (height, width, 3) of "f4", linear radiance, row 0 at the top
+    truth      the `number` of the request, `samples` per pixel, and `first` and `second` (height, width, 3) of "f4", linear
+               radiance, row 0 at the top: the picture is their mean, and each has half of the samples
 
 A page that does not read, sends too much, or sends anything else is disconnected: each connection holds at most one
 message that was not taken, because the next is made of what has changed until then.
@@ -27,18 +30,22 @@ import asyncio
 import json
 import math
 from collections.abc import Iterator, Mapping
-from typing import TYPE_CHECKING, Any
+from functools import partial
+from typing import TYPE_CHECKING, Any, Literal
 
 import msgspec
 import numpy as np
 
 from eclat import _core
 from eclat.bridge.reach import FARTHEST
+from eclat.methods.path import Path as PathMethod
 from eclat.methods.records.solution import Solution
+from eclat.methods.work import Work
 from eclat.scene import Scene
-from eclat.viewer.growth import Growth, TruthPicture
+from eclat.viewer.growth import Growth
 from eclat.viewer.messages import encode_message
 from eclat.viewer.record_rows import reading_of
+from eclat.viewer.truth import EstimatorMaker, TruthPicture, by_paths
 
 if TYPE_CHECKING:
     from starlette.routing import BaseRoute
@@ -79,6 +86,8 @@ class Request(msgspec.Struct, forbid_unknown_fields=True):
 
     kind: str
     view: View | None = None
+    by: Literal["paths", "records"] = "paths"
+    number: int = 0
 
 
 def parsed_request(text: str | bytes) -> Request:
@@ -192,6 +201,14 @@ class Live:
         data = await asyncio.to_thread(encoded)
         return Response(data, media_type="application/octet-stream", headers=HEADERS)
 
+    def truth_by(self, way: Literal["paths", "records"]) -> EstimatorMaker:
+        """Return what makes the estimator of a picture, which for records waits for the pass that is being made."""
+        if way == "paths":
+            depths = {"max_depth": self._max_depth, "roulette_depth": PathMethod().roulette_depth}
+            return partial(by_paths, self._scene, **depths)
+        work = Work(max_depth=self._max_depth, threads=self._threads)
+        return lambda: self.growth.solution().radiance_estimator(self._scene, work)
+
     def records_message(self, first: int, rows: np.ndarray, count: int) -> bytes:
         """Encode rows of records from the record `first` on, after which there are `count`."""
         return encode_message(
@@ -206,7 +223,7 @@ class _Connection:
         self._live, self._socket = live, socket
         self._sent = live._loaded
         self._truth: TruthPicture | None = None
-        self._samples_sent = 0
+        self._samples_sent, self._truth_number = 0, 0
         self._changed = asyncio.Event()
         self._loop = asyncio.get_running_loop()
 
@@ -215,7 +232,7 @@ class _Connection:
         self._loop.call_soon_threadsafe(self._changed.set)
 
     def stop(self) -> None:
-        """End the picture by paths."""
+        """End the picture that is being rendered."""
         truth, self._truth = self._truth, None
         if truth is not None:
             truth.stop()
@@ -263,14 +280,9 @@ class _Connection:
             self._live.growth.wish(self, camera)
             return
         await asyncio.to_thread(self.stop)
-        self._samples_sent = 0
+        self._samples_sent, self._truth_number = 0, request.number
         self._truth = TruthPicture(
-            self._live._scene,
-            camera,
-            size,
-            self.changed,
-            max_depth=self._live._max_depth,
-            threads=self._live._threads,
+            camera, size, self._live.truth_by(request.by), self.changed, threads=self._live._threads
         )
 
     async def _send(self) -> int:
@@ -293,9 +305,11 @@ class _Connection:
         told = {"kind": "state", "solving": state.solving, "passes_left": state.passes_left, "records": len(rows)}
         await self._in_time(self._socket.send_text(json.dumps(told)))
         latest = self._truth.latest if self._truth is not None else None
-        if latest is not None and latest[0] > self._samples_sent:
-            self._samples_sent, picture = latest
-            message = encode_message("truth", {"samples": latest[0]}, {"picture": picture.astype(np.float32)})
+        if latest is not None and latest.samples > self._samples_sent:
+            self._samples_sent = latest.samples
+            halves = dict(zip(("first", "second"), latest.halves, strict=True))
+            request = {"number": self._truth_number, "samples": latest.samples}
+            message = encode_message("truth", request, halves)
             await self._in_time(self._socket.send_bytes(message))
 
     async def _in_time(self, sending: Any) -> None:

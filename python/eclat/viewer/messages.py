@@ -24,6 +24,7 @@ depend on the kind:
                (how they are read), and `rows` (n, 52) of "f4": they become the records first, first + 1, …, so that a
                message may append records, or replace some whose radius has changed. See `record_rows`.
     gloss      records of radiance, see `gloss`.
+    truth      a picture by the core, see `live`.
 
 The page's side of this format is in `web/view/src/messages.ts`.
 """
@@ -51,7 +52,7 @@ def encode_message(kind: str, content: Mapping[str, Any], arrays: Mapping[str, n
 
     Parameters
     ----------
-    kind : "scene", "light", "records" or "gloss".
+    kind : "scene", "light", "records", "gloss" or "truth".
     content : the other fields of the header, which must be representable as JSON.
     arrays : the arrays by name, whose types are those that the format lists.
 

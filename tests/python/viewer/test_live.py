@@ -162,11 +162,14 @@ def test_a_page_gets_the_records_that_its_view_lacks(running: Running, tmp_path:
 def test_the_truth_is_the_picture_of_this_camera(running: Running) -> None:
     wide = VIEW | {"size": [48, 32], "half_extent": [0.45, 0.3], "shift": [0.1, -0.05]}
     with running.page() as page:
-        page.send(json.dumps({"kind": "truth", "view": wide}))
+        page.send(json.dumps({"kind": "truth", "view": wide, "number": 7}))
         taken = until(page, lambda h: h.get("samples", 0) >= 256)
-        samples = [h["samples"] for h, _ in taken if h["kind"] == "truth"]
-        assert samples == sorted(samples)
-        found = taken[-1][1]["picture"]
+        told = [h for h, _ in taken if h["kind"] == "truth"]
+        samples = [h["samples"] for h in told]
+        assert samples == sorted(samples) and {h["number"] for h in told} == {7}
+        first, second = (taken[-1][1][name] for name in ("first", "second"))
+        found = (first + second) / 2
+        assert not (first == second).all()  # so that their noise can be told from an error
         page.send(json.dumps({"kind": "stop"}))
         assert eventually(lambda: all(c._truth is None for c in running.live._connections))
     camera = Camera(look_at(EYE, (0, 0, 0)), fov=float(2 * np.degrees(np.arctan(0.3))), shift=(0.1, -0.05))
@@ -223,6 +226,7 @@ NONSENSE = {
     "no picture": json.dumps({"kind": "truth", "view": VIEW | {"size": [0, 10]}}),
     "a huge picture": json.dumps({"kind": "truth", "view": VIEW | {"size": [10**9, 10**9]}}),
     "a huge number": json.dumps({"kind": "truth", "view": VIEW | {"size": [10**30, 1]}}),
+    "an unknown way": json.dumps({"kind": "truth", "view": VIEW, "by": "photons"}),
     "no field of view": json.dumps({"kind": "truth", "view": VIEW | {"half_extent": [0, 1]}}),
     "all round": json.dumps({"kind": "truth", "view": VIEW | {"half_extent": [1e9, 1e9]}}),
 }

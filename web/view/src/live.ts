@@ -4,8 +4,9 @@
 // The web socket to the server, which solves the records that a view lacks; python/eclat/viewer/live.py describes its
 // messages. A page that was exported has none.
 
-import { decodeMessage, type Message, type RecordsHeader } from './messages';
+import { decodeAny, type Message, type RecordsHeader, type TruthHeader } from './messages';
 import type { Pose } from './pose';
+import type { Way } from './truth';
 
 /** How far the server is. */
 export interface State {
@@ -18,6 +19,8 @@ export interface State {
 export interface LiveHandlers {
   /** Takes in records that are new or have changed. */
   records(message: Message<RecordsHeader>): void;
+  /** Takes in a picture of the server. */
+  truth(message: Message<TruthHeader>): void;
   /** Is told how far the server is; nothing where the connection is lost. */
   state(state: State | undefined): void;
 }
@@ -27,7 +30,9 @@ const PAUSE = 2000;
 
 export class Live {
   private socket: WebSocket | undefined;
-  private latest: string | undefined;
+  /** The latest requests, which a connection that was lost must hear again. */
+  private wished: string | undefined;
+  private rendered: string | undefined;
 
   /** Returns the connection to the server of this page, or nothing if it has none. */
   static connect(handlers: LiveHandlers): Live | undefined {
@@ -45,26 +50,38 @@ export class Live {
 
   /** Asks for the records that this view lacks. */
   wish(pose: Pose, width: number, height: number): void {
-    this.latest = JSON.stringify({
-      kind: 'wish',
-      view: {
-        to_world: pose.toWorld.clone().transpose().toArray(),
-        half_extent: pose.extent(width / height),
-        shift: pose.shift,
-        orthographic: pose.orthographic,
-        size: [width, height],
-      },
-    });
-    if (this.socket?.readyState === WebSocket.OPEN) this.socket.send(this.latest);
+    this.wished = JSON.stringify({ kind: 'wish', view: viewOf(pose, width, height) });
+    this.send(this.wished);
+  }
+
+  /** Asks for pictures of this view, which get better until `stop`; they have the number. */
+  truth(pose: Pose, width: number, height: number, by: Way, number: number): void {
+    this.rendered = JSON.stringify({ kind: 'truth', view: viewOf(pose, width, height), by, number });
+    this.send(this.rendered);
+  }
+
+  /** Ends these pictures. */
+  stop(): void {
+    this.rendered = undefined;
+    this.send(JSON.stringify({ kind: 'stop' }));
+  }
+
+  private send(text: string | undefined): void {
+    if (text && this.socket?.readyState === WebSocket.OPEN) this.socket.send(text);
   }
 
   private open(): void {
     const socket = new WebSocket(this.address);
     socket.binaryType = 'arraybuffer';
-    socket.addEventListener('open', () => this.latest && socket.send(this.latest));
+    socket.addEventListener('open', () => [this.wished, this.rendered].forEach((text) => this.send(text)));
     socket.addEventListener('message', ({ data }: MessageEvent<string | ArrayBuffer>) => {
-      if (typeof data === 'string') this.handlers.state(JSON.parse(data) as State);
-      else this.handlers.records(decodeMessage<RecordsHeader>(data, 'records'));
+      if (typeof data === 'string') {
+        this.handlers.state(JSON.parse(data) as State);
+        return;
+      }
+      const message = decodeAny(data, 'answer of the server');
+      if (message.header.kind === 'truth') this.handlers.truth(message as Message<TruthHeader>);
+      else this.handlers.records(message as Message<RecordsHeader>);
     });
     socket.addEventListener('close', () => {
       this.handlers.state(undefined);
@@ -72,6 +89,16 @@ export class Live {
     });
     this.socket = socket;
   }
+}
+
+function viewOf(pose: Pose, width: number, height: number): object {
+  return {
+    to_world: pose.toWorld.clone().transpose().toArray(),
+    half_extent: pose.extent(width / height),
+    shift: pose.shift,
+    orthographic: pose.orthographic,
+    size: [width, height],
+  };
 }
 
 /** Milliseconds for which a view must rest before its records are asked for. */

@@ -11,11 +11,14 @@ import { fillPanel } from './panel';
 import { Pose } from './pose';
 import { recordFacts } from './record_facts';
 import { Renderer, USUAL_LOOK, type Look } from './renderer';
+import { Truth } from './truth';
 
 /** What tests and other pages may ask of this page. */
 export interface EclatView {
   readonly precision: string;
   readonly records: number;
+  /** How far the page is from the picture of the server that stands beside it, as relative RMSE; nothing where there is none. */
+  readonly truth: Truth['figures'];
   /** Linear radiance (height, width, 4) of a camera of the scene, the first row at the bottom. */
   linear(camera: number, width: number, height: number, look?: Partial<Look>): Float32Array;
   /** The sums (n, 4) of (w E, w) at n points with normals. */
@@ -90,14 +93,33 @@ async function start(): Promise<void> {
   const draw = () => {
     const ratio = window.devicePixelRatio;
     const [width, height] = [Math.round(canvas.clientWidth * ratio), Math.round(canvas.clientHeight * ratio)];
-    if (width > 0 && height > 0) renderer.draw(pose, look, width, height);
+    if (width > 0 && height > 0) renderer.draw(pose, look, width, height, truth?.beside);
   };
+  const relit = () => {
+    truth?.redraw();
+    changed();
+  };
+  const live = Live.connect({
+    records: (message) => {
+      renderer.acceptRecords(message);
+      tell();
+      relit();
+    },
+    truth: (message) => truth?.accept(message),
+    state: (state) => {
+      byId('live').textContent = described(state);
+      byId('live').hidden = state !== undefined && !state.solving;
+    },
+  });
+  const truth: Truth | undefined = live && new Truth(live, renderer, (text) => (panel.truth.textContent = text), changed);
   const panel = fillPanel(byId('panel'), {
     look,
     cameras: header.cameras.map((camera) => camera.name),
     notes: header.notes,
     changed,
+    relit,
     showCamera,
+    ...(truth ? { chooseTruth: (way) => truth.choose(way) } : {}),
     setMode: (mode) => (navigation.mode = mode),
     copyCamera: () => copyCamera(pose, header, canvas),
     saveScreenshot: () => {
@@ -122,17 +144,6 @@ async function start(): Promise<void> {
       `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
       (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : ''));
   tell();
-  const live = Live.connect({
-    records: (message) => {
-      renderer.acceptRecords(message);
-      tell();
-      changed();
-    },
-    state: (state) => {
-      byId('live').textContent = described(state);
-      byId('live').hidden = state !== undefined && !state.solving;
-    },
-  });
   const wishes = live && new Wishes(() => live.wish(pose, canvas.clientWidth, canvas.clientHeight));
   if (live) byId('panel').append(cacheLink());
 
@@ -150,19 +161,23 @@ async function start(): Promise<void> {
       changed(); // the measure draws over the picture
       return renderer.missing(pose, canvas.clientWidth / canvas.clientHeight);
     });
+    truth?.step(now, view !== seen, pose, look, canvas.clientWidth, canvas.clientHeight);
     seen = view;
     requestAnimationFrame(frame);
   };
   new ResizeObserver(changed).observe(canvas);
   requestAnimationFrame(frame);
-  window.eclatView = interfaceOf(renderer, header, pose.diagonal);
+  window.eclatView = interfaceOf(renderer, header, pose.diagonal, truth);
 }
 
-function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number): EclatView {
+function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, truth?: Truth): EclatView {
   return {
     precision: renderer.precision,
     get records() {
       return renderer.records.count;
+    },
+    get truth() {
+      return truth?.figures;
     },
     linear: (number, width, height, look = {}) => {
       const camera = header.cameras[number];

@@ -148,19 +148,33 @@ export interface GlossHeader {
   readonly grid: number;
 }
 
-export type Header = GlossHeader | SceneHeader | LightHeader | RecordsHeader;
+/** A picture of the server: arrays `first` and `second` (height, width, 3), whose mean it is. */
+export interface TruthHeader {
+  readonly kind: 'truth';
+  /** The number of the request. */
+  readonly number: number;
+  readonly samples: number;
+}
 
-/** Decodes a message. Throws an Error if it is not one of this version. */
+export type Header = TruthHeader | GlossHeader | SceneHeader | LightHeader | RecordsHeader;
+
+/** Decodes a message of a kind. Throws an Error if it is not one of this version. */
 export function decodeMessage<H extends Header>(buffer: ArrayBuffer, kind: H['kind']): Message<H> {
+  const message = decodeAny(buffer, kind);
+  if (message.header.kind !== kind) throw new Error(`Expected the ${kind} of a scene, got its ${message.header.kind}.`);
+  return message as Message<H>;
+}
+
+/** Decodes a message of any kind, which errors call `what`. */
+export function decodeAny(buffer: ArrayBuffer, what: string): Message<Header> {
   const view = new DataView(buffer);
-  if (buffer.byteLength < 12 || view.getUint32(0) !== 0x45434c56) throw new Error(`The ${kind} is not a message of Éclat.`);
+  if (buffer.byteLength < 12 || view.getUint32(0) !== 0x45434c56) throw new Error(`The ${what} is not a message of Éclat.`);
   const version = view.getUint32(4, true);
   if (version !== VERSION) {
-    throw new Error(`This page reads version ${VERSION} of the viewer's format, and the ${kind} has version ${version}.`);
+    throw new Error(`This page reads version ${VERSION} of the viewer's format, and the ${what} has version ${version}.`);
   }
   const text = new TextDecoder().decode(new Uint8Array(buffer, 12, view.getUint32(8, true)));
-  const header = JSON.parse(text) as H & { arrays: Record<string, { type: string; shape: number[]; offset: number }> };
-  if (header.kind !== kind) throw new Error(`Expected the ${kind} of a scene, got its ${header.kind}.`);
+  const header = JSON.parse(text) as Header & { arrays: Record<string, { type: string; shape: number[]; offset: number }> };
   const arrays = new Map<string, MessageArray>();
   for (const [name, entry] of Object.entries(header.arrays)) {
     const count = entry.shape.reduce((product, length) => product * length, 1);

@@ -5,18 +5,23 @@
 
 import type { Mode } from './navigation';
 import type { Look, Overlay, ToneMapping } from './renderer';
+import type { Way } from './truth';
 
 export interface PanelActions {
   readonly look: Look;
   readonly cameras: readonly string[];
   readonly notes: readonly string[];
   changed(): void;
+  /** Is called in addition where the linear picture has changed. */
+  relit(): void;
   showCamera(number: number): void;
   setMode(mode: Mode): void;
   copyCamera(): Promise<string>;
   saveScreenshot(): void;
   toggleFullScreen(): void;
   inspectMiddle(): void;
+  /** Chooses how the server renders this view beside the page's picture; missing where there is no server. */
+  readonly chooseTruth?: (way: Way) => void;
 }
 
 const TONE_MAPPINGS: readonly [ToneMapping, string][] = [
@@ -35,10 +40,17 @@ const MODES: readonly [Mode, string][] = [
   ['orbit', 'Orbit'],
   ['walk', 'Walk'],
 ];
+const WAYS: readonly [Way, string][] = [
+  ['off', 'Off'],
+  ['paths', 'By paths'],
+  ['records', 'By records, as eclat render'],
+];
 
 /** What the page writes into the panel. */
 export interface Panel {
   readonly facts: HTMLElement;
+  /** What is told about the picture of the server. */
+  readonly truth: HTMLElement;
   /** Shows the facts about a record, by their names. */
   showRecord(facts: readonly (readonly [string, string])[]): void;
 }
@@ -49,6 +61,10 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
   const set = <K extends keyof Look>(key: K) => (value: Look[K]) => {
     look[key] = value;
     actions.changed();
+  };
+  const relight = <K extends keyof Look>(key: K) => (value: Look[K]) => {
+    set(key)(value);
+    actions.relit();
   };
   const camera = section('Camera');
   if (actions.cameras.length > 0) {
@@ -64,7 +80,7 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
 
   const picture = section('Picture');
   picture.append(
-    slider('Exposure in stops', -8, 8, 0.1, look.exposure, set('exposure')),
+    slider('Exposure in stops', [-8, 8, 0.1], look.exposure, stops, set('exposure')),
     choice('Tone mapping', TONE_MAPPINGS, look.toneMapping, set('toneMapping')),
     button('Save screenshot', () => actions.saveScreenshot()),
     button('Full screen', () => actions.toggleFullScreen()),
@@ -73,11 +89,23 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
   const light = section('Light and records');
   light.append(
     choice('Overlay', OVERLAYS, look.overlay, set('overlay')),
-    checkbox('Direct light', look.direct, set('direct')),
-    checkbox('Light from records', look.indirect, set('indirect')),
-    checkbox('Gradients', look.gradients, set('gradients')),
-    checkbox('Clearance test', look.clearance, set('clearance')),
+    checkbox('Direct light', look.direct, relight('direct')),
+    checkbox('Light from records', look.indirect, relight('indirect')),
+    checkbox('Gradients', look.gradients, relight('gradients')),
+    checkbox('Clearance test', look.clearance, relight('clearance')),
   );
+
+  const truth = section('Truth');
+  const compared = element('p', { role: 'status' });
+  const { chooseTruth } = actions;
+  if (chooseTruth) {
+    truth.append(
+      choice('Render this view beside', WAYS, 'off', chooseTruth),
+      slider('Border between page and truth', [0, 1, 0.01], look.wipe, percent, set('wipe')),
+      checkbox('Map of the difference', look.difference, set('difference')),
+      compared,
+    );
+  }
 
   const record = section('Record');
   const shown = element('dl', { 'aria-live': 'polite' });
@@ -96,7 +124,7 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
     'Click to inspect a record. Drag to turn, drag with Shift or the right button to move, scroll to go nearer. In the picture, the keys W A S D or the ' +
     'arrows walk, E and Q go up and down, and Shift is faster. Two fingers move and zoom.';
   facts.append(keys);
-  panel.append(camera, picture, light, record, facts);
+  panel.append(camera, picture, light, ...(chooseTruth ? [truth] : []), record, facts);
   const showRecord = (found: readonly (readonly [string, string])[]) =>
     shown.replaceChildren(
       ...found.flatMap(([name, value]) => [
@@ -104,7 +132,7 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
         Object.assign(element('dd', {}), { textContent: value }),
       ]),
     );
-  return { facts: told, showRecord };
+  return { facts: told, truth: compared, showRecord };
 }
 
 function element<K extends keyof HTMLElementTagNameMap>(tag: K, attributes: Record<string, string>): HTMLElementTagNameMap[K] {
@@ -146,18 +174,20 @@ function checkbox(text: string, checked: boolean, change: (value: boolean) => vo
   return label;
 }
 
+const stops = (x: number) => `${x >= 0 ? '+' : '−'}${Math.abs(x).toFixed(1)}`;
+const percent = (x: number) => `${(100 * x).toFixed(0)} %`;
+
 function slider(
   text: string,
-  min: number,
-  max: number,
-  step: number,
+  [min, max, step]: readonly [number, number, number],
   value: number,
+  told: (value: number) => string,
   change: (value: number) => void,
 ): HTMLElement {
   const input = element('input', { type: 'range', min: `${min}`, max: `${max}`, step: `${step}` });
   input.value = String(value);
   const shown = element('output', {});
-  const tell = () => (shown.textContent = `${input.valueAsNumber >= 0 ? '+' : '−'}${Math.abs(input.valueAsNumber).toFixed(1)}`);
+  const tell = () => (shown.textContent = told(input.valueAsNumber));
   tell();
   input.addEventListener('input', () => {
     tell();

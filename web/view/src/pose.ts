@@ -46,6 +46,14 @@ export class Pose {
     return wide ? [half, half / aspect] : [half * aspect, half];
   }
 
+  copy(): Pose {
+    const made = new Pose(this.diagonal);
+    made.toWorld.copy(this.toWorld);
+    made.halfExtent = [...this.halfExtent];
+    const { aspect, orthographic, shift, fovAxis } = this;
+    return Object.assign(made, { aspect, orthographic, shift, fovAxis });
+  }
+
   viewProjection(aspect: number): three.Matrix4 {
     const [near, far] = this.orthographic ? [-FAR * this.diagonal, FAR * this.diagonal] : [NEAR * this.diagonal, FAR * this.diagonal];
     const at = this.orthographic ? 1 : near;

@@ -13,6 +13,7 @@ import { divideFragment } from './shaders/screen';
 import { makeContext, precisionOf, Targets, type Precision } from './targets';
 import { floatTexture, makeSurfaces, makeView, type ShadowView, type Surfaces, type View } from './surfaces';
 import type { Pose } from './pose';
+import type { Beside } from './truth';
 
 export type ToneMapping = 'none' | 'filmic' | 'agx';
 export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records';
@@ -26,6 +27,10 @@ export interface Look {
   indirect: boolean;
   gradients: boolean;
   clearance: boolean;
+  /** Where the picture of the server begins beside that of the page, as a share of the width from the left. */
+  wipe: number;
+  /** Whether the difference of both is shown instead of them. */
+  difference: boolean;
 }
 
 export const USUAL_LOOK: Look = {
@@ -36,6 +41,8 @@ export const USUAL_LOOK: Look = {
   indirect: true,
   gradients: true,
   clearance: true,
+  wipe: 0.5,
+  difference: false,
 };
 
 const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
@@ -90,6 +97,12 @@ export class Renderer {
       overlay: { value: 0 },
       scale: { value: 1 },
       toneMappingExposure: { value: 1 },
+      comparing: { value: false },
+      pagePicture: { value: null },
+      truth: { value: null },
+      wipe: { value: 0 },
+      showDifference: { value: false },
+      differenceFloor: { value: 0 },
     };
     this.divide = screenPass(divideFragment, this.dividing);
     this.display = screenPass(displayFragment, this.displaying);
@@ -134,14 +147,20 @@ export class Renderer {
     this.gloss.accept(this.gl, message);
   }
 
-  /** Draws the picture into the canvas. */
-  draw(pose: Pose, look: Look, width: number, height: number): void {
+  /** Draws the picture into the canvas, beside the server's if there is one. */
+  draw(pose: Pose, look: Look, width: number, height: number, beside?: Beside): void {
     this.gl.setSize(width, height, false);
     this.drawLinear(pose, look, width, height);
     this.set(this.displaying, 'toneMapping', TONE_MAPPINGS[look.toneMapping]);
     this.set(this.displaying, 'overlay', OVERLAYS[look.overlay]);
     this.set(this.displaying, 'scale', 2 ** look.exposure);
     this.set(this.displaying, 'toneMappingExposure', 2 ** look.exposure);
+    this.set(this.displaying, 'comparing', beside !== undefined);
+    this.set(this.displaying, 'pagePicture', beside?.page ?? null);
+    this.set(this.displaying, 'truth', beside?.truth ?? null);
+    this.set(this.displaying, 'differenceFloor', beside?.floor ?? 0);
+    this.set(this.displaying, 'wipe', look.wipe * width);
+    this.set(this.displaying, 'showDifference', look.difference);
     this.gl.setRenderTarget(null);
     this.gl.render(this.display, this.camera);
   }
@@ -150,6 +169,15 @@ export class Renderer {
   readLinear(pose: Pose, look: Look, width: number, height: number): Float32Array {
     this.drawLinear(pose, look, width, height);
     return this.read(this.targets.picture, width, height);
+  }
+
+  /** Returns the positions and normals (height, width, 4) of the picture that was drawn last, the first row at the bottom. */
+  readSurfaces(width: number, height: number): [Float32Array, Float32Array] {
+    return [0, 1].map((image) => {
+      const texels = new Float32Array(width * height * 4);
+      this.gl.readRenderTargetPixels(this.targets.surfaces, 0, 0, width, height, texels, undefined, image);
+      return texels;
+    }) as [Float32Array, Float32Array];
   }
 
   /** Returns the sums (height, width, 4) of (w E, w) over the records at points with normals, (height · width, 3) each. */

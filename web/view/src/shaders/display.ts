@@ -14,6 +14,9 @@ uniform highp sampler2D picture, positions, normals, albedos, sums, glossSums, c
 uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
 uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is left out, 4: records
 uniform float scale;      // 2 to the power of the exposure
+uniform bool comparing, showDifference;
+uniform highp sampler2D pagePicture, truth;  // of the page, averaged over pixels; of the server, row 0 at the top
+uniform float wipe, differenceFloor;         // pixels from the left where the truth begins
 ${ShaderChunk['tonemapping_pars_fragment']}
 vec3 filmic(vec3 x) {
   const float grey = 0.18, power = 1.0 / (1.0 - grey);
@@ -30,11 +33,32 @@ vec3 ramp(float t) {
   t = clamp(t, 0.0, 1.0);
   return mix(mix(vec3(0.15, 0.1, 0.4), vec3(0.1, 0.6, 0.55), min(1.0, 2.0 * t)), vec3(1.0, 0.9, 0.2), max(0.0, 2.0 * t - 1.0));
 }
+vec3 displayed(vec3 radiance) {
+  vec3 shown = toneMapping == 2 ? AgXToneMapping(radiance) : toneMapping == 1 ? filmic(radiance * scale) : radiance * scale;
+  return encoded(shown);
+}
+// Red where the page is brighter than the truth, blue where it is darker; the full colour is 20 %.
+vec3 differenceOf(vec3 page, vec3 exact) {
+  const vec3 luminance = vec3(0.2126, 0.7152, 0.0722);
+  float y = dot(exact, luminance), relative = dot(page - exact, luminance) / sqrt(y * y + differenceFloor);
+  vec3 full = relative > 0.0 ? vec3(0.7, 0.05, 0.1) : vec3(0.05, 0.25, 0.75);
+  return mix(vec3(0.97), full, min(1.0, 5.0 * abs(relative)));
+}
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec3 radiance = texelFetch(picture, pixel, 0).rgb;
-  vec3 shown = toneMapping == 2 ? AgXToneMapping(radiance) : toneMapping == 1 ? filmic(radiance * scale) : radiance * scale;
-  vec3 color = encoded(shown);
+  if (comparing) {
+    vec2 size = vec2(textureSize(picture, 0)), at = gl_FragCoord.xy / size;
+    vec3 exact = texture(truth, vec2(at.x, 1.0 - at.y)).rgb, page = texture(pagePicture, at).rgb;
+    bool border = abs(gl_FragCoord.x - wipe) < 1.0;
+    if (showDifference || gl_FragCoord.x > wipe || border) {
+      vec3 color = showDifference ? differenceOf(page, exact) : border ? vec3(1.0) : displayed(exact);
+      outColor = vec4(color, 1.0);
+      return;
+    }
+    radiance = page;
+  }
+  vec3 color = displayed(radiance);
   bool seen = texelFetch(positions, pixel, 0).w > 0.5;
   float weight = texelFetch(sums, pixel, 0).w, gloss = texelFetch(normals, pixel, 0).w;
   float light = dot(color, vec3(0.2126, 0.7152, 0.0722));
