@@ -19,6 +19,7 @@ import eclat
 from eclat.images.exr import encode_exr
 from eclat.scenes import build
 from fuzz.mutations import glb
+from support.compressed_files import COMPRESSED
 from support.gltf_files import TRIANGLE, GltfFile, png_bytes
 from support.mitsuba_files import WHOLE
 
@@ -112,6 +113,7 @@ def _gltf() -> list[Files]:
         {"scene.glb": _moving_gltf()},
         {"scene.gltf": json.dumps(split).encode(), **files},
         {"scene.glb": glb(json.dumps(written).encode(), bytes(small.binary))},
+        *({"scene.glb": (COMPRESSED / name).read_bytes()} for name in ("draco.glb", "meshopt.glb")),
     ]
 
 
@@ -288,6 +290,7 @@ def _images() -> list[Files]:
     array = io.BytesIO()
     np.save(array, pixels)
     seeds.append({"a.npy": array.getvalue()})
+    seeds += [{"a.ktx2": (COMPRESSED / name).read_bytes()} for name in ("etc1s.ktx2", "uastc_alpha.ktx2")]
     return seeds
 
 

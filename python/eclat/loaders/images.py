@@ -20,6 +20,7 @@ from PIL import Image, UnidentifiedImageError
 from PIL.PngImagePlugin import PngImageFile
 
 from eclat.errors import EclatError
+from eclat.loaders import ktx2
 from eclat.loaders.linear_images import DECODERS, MAX_PIXELS, check_size
 
 # Pillow would otherwise also try formats for which it starts other programs, such as EPS.
@@ -59,6 +60,8 @@ def decode_image(data: bytes) -> NDArray[Any]:
     ------
     EclatError : the image cannot be decoded, is too large, or has texels that are not finite.
     """
+    if data.startswith(ktx2.MAGIC):
+        return ktx2.decode_ktx2(data, lambda taken: _spend(taken, len(data)))
     try:
         # The filter stays in place, because `catch_warnings` would also undo the filters that other threads set
         # meanwhile. The warning is not needed: `_check_size` has a limit too.
@@ -69,7 +72,7 @@ def decode_image(data: bytes) -> NDArray[Any]:
     except EclatError:
         raise
     except UnidentifiedImageError:
-        raise EclatError(f"the image cannot be decoded: expected one of {', '.join(FORMATS)}") from None
+        raise EclatError(f"the image cannot be decoded: expected one of {', '.join(FORMATS)}, KTX2") from None
     except _DECODER_ERRORS as error:
         raise EclatError(f"the image cannot be decoded: {error or type(error).__name__}") from None
     if pixels.dtype != np.uint8 and not np.isfinite(pixels).all():

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import copy
 from typing import Any
 
 import numpy as np
@@ -38,21 +39,29 @@ class Accessors:
     must not be modified."""
 
     def __init__(self, document: Document) -> None:
-        self._document = document
+        self.document = document
         self._arrays: dict[int, Numbers] = {}
+        self.overlays: dict[str, dict[int, Numbers]] = {}
+        """What was decompressed for each primitive: arrays by the indices of accessors."""
+
+    def overlaid(self, arrays: dict[int, Numbers]) -> Accessors:
+        """Return the same accessors, of which some have the given arrays (count, width), by their indices."""
+        result = copy.copy(self)
+        result._arrays = self._arrays | arrays
+        return result
 
     def count(self, owner: Element, member: str) -> int:
         """Return the number of elements of the accessor whose index is the member `member` of `owner`, or 0 without
         one.
         """
-        accessor = self._document.element(owner, member, "accessors")
+        accessor = self.document.element(owner, member, "accessors")
         return 0 if accessor is None else accessor.integer("count")
 
     def has_data(self, owner: Element, member: str) -> bool:
         """Return whether the accessor whose index is the member `member` of `owner` exists and has data other than
         zeros.
         """
-        accessor = self._document.element(owner, member, "accessors")
+        accessor = self.document.element(owner, member, "accessors")
         return accessor is not None and ("bufferView" in accessor.data or "sparse" in accessor.data)
 
     def floats(self, owner: Element, member: str, types: tuple[str, ...]) -> NDArray[np.float32] | None:
@@ -89,7 +98,7 @@ class Accessors:
         return values[:, 0]
 
     def _read(self, owner: Element, member: str, types: tuple[str, ...]) -> tuple[Element, Numbers] | None:
-        accessors = self._document.elements("accessors")
+        accessors = self.document.elements("accessors")
         index = owner.index(member, len(accessors), "accessors")
         if index is None:
             return None
@@ -100,13 +109,13 @@ class Accessors:
                 f"{accessor.where}: expected {' or '.join(types)} for {owner.at(member)}, got {kind[:20]!r}"
             )
         if index not in self._arrays:
-            self._arrays[index] = _read_accessor(self._document, accessor)
+            self._arrays[index] = _read_accessor(self.document, accessor)
         return accessor, self._arrays[index]
 
 
 def _read_accessor(document: Document, accessor: Element) -> Numbers:
     """Read an accessor, shape (count, width), with the component type of the file."""
-    dtype = _component_type(accessor)
+    dtype = component_type(accessor)
     width = WIDTHS[accessor.text("type")]
     count = accessor.integer("count")
     view = document.buffer_view(accessor)
@@ -122,7 +131,8 @@ def _read_accessor(document: Document, accessor: Element) -> Numbers:
     return values if sparse is None else _substitute(document, sparse, values)
 
 
-def _component_type(owner: Element) -> np.dtype:
+def component_type(owner: Element) -> np.dtype:
+    """Return the NumPy type of the components of an accessor. Raises EclatError if its code is unknown."""
     code = owner.integer("componentType")
     if code not in COMPONENT_TYPES:
         raise EclatError(f"{owner.at('componentType')}: expected one of {list(COMPONENT_TYPES)}, got {code}")
@@ -156,7 +166,7 @@ def _substitute(document: Document, sparse: Element, values: Numbers) -> Numbers
     index_view, value_view = document.buffer_view(where), document.buffer_view(new)
     if index_view is None or value_view is None:
         raise EclatError(f"{sparse.where}: expected a bufferView for 'indices' and for 'values', got none")
-    indices = _elements(index_view, where, _component_type(where), 1, count)[:, 0]
+    indices = _elements(index_view, where, component_type(where), 1, count)[:, 0]
     if indices.dtype.kind != "u" or (count and int(indices.max()) >= len(values)):
         raise EclatError(
             f"{where.where}: expected unsigned integers below {len(values)}, the count of the accessor, got others"

@@ -16,13 +16,12 @@ from urllib.parse import unquote, unquote_to_bytes
 from eclat.errors import EclatError, warn
 from eclat.loaders.files import read_bytes, resolve
 from eclat.loaders.gltf.element import Element
+from eclat.loaders.gltf.meshopt import decompress, meshopt_of
 from eclat.loaders.text_files import utf8
 
 _MAGIC = b"glTF"
 _JSON_CHUNK = 0x4E4F534A
 _BIN_CHUNK = 0x004E4942
-_MESHOPT = ("EXT_meshopt_compression", "KHR_meshopt_compression", "MESHOPT_compression")
-"""The names under which files declare meshopt's compression of buffers."""
 
 
 class Document:
@@ -42,6 +41,7 @@ class Document:
         self.root = Element(_parse(bytes(text), self.name), self.name)
         self._elements: dict[str, list[Element]] = {}
         self._buffers: dict[int, memoryview] = {}
+        self._decompressed: dict[str, memoryview] = {}
         _check_version(self.root)
         asset = self.root.child("asset")
         self.eclat_extras = asset.eclat_extras() if asset is not None else None
@@ -78,7 +78,7 @@ class Document:
 
         Raises
         ------
-        EclatError : the buffer cannot be read or is compressed, or the view exceeds it.
+        EclatError : the buffer cannot be read or decompressed, or the view exceeds it.
         """
         view = self.element(owner, "bufferView", "bufferViews")
         if view is None:
@@ -86,16 +86,17 @@ class Document:
         index = view.index("buffer", len(self.elements("buffers")), "buffers")
         if index is None:
             raise EclatError(f"{view.where}: expected the index of a buffer as 'buffer', but it is missing")
-        self._refuse_compressed(view, index)
-        start, length = view.integer("byteOffset", 0), view.integer("byteLength")
-        data = self._buffer(index)
-        if start + length > len(data):
-            raise EclatError(
-                f"{view.where}: expected a range within the {len(data)} bytes of buffers[{index}], "
-                f"got byteOffset {start} and byteLength {length}"
-            )
-        stride = view.integer("byteStride", 0)
-        return data[start : start + length], stride or None
+        stride = view.integer("byteStride", 0) or None
+        packed = meshopt_of(view)
+        if packed is None or self._has_data(index):
+            return self._range(view, index), stride
+        if view.where not in self._decompressed:
+            source = packed.index("buffer", len(self.elements("buffers")), "buffers")
+            if source is None:
+                raise EclatError(f"{packed.where}: expected the index of a buffer as 'buffer', but it is missing")
+            data = decompress(packed, self._range(packed, source), view.integer("byteLength"))
+            self._decompressed[view.where] = data
+        return self._decompressed[view.where], stride
 
     def uri_bytes(self, uri: str, where: str) -> bytes:
         """Return the bytes of a data URI, or of a file in the document's folder. Raises EclatError if they cannot be
@@ -139,14 +140,24 @@ class Document:
             raise EclatError(f"{buffer.where}: expected {length} bytes (byteLength), got {len(data)}")
         return data[:length]
 
-    def _refuse_compressed(self, view: Element, buffer: int) -> None:
-        has_data = self.elements("buffers")[buffer].text("uri") or (buffer == 0 and self._bin is not None)
-        names = [name for name in _MESHOPT if view.extension(name)]
-        if names and not has_data:
+    def _range(self, owner: Element, index: int) -> memoryview:
+        """Return the bytes of a buffer from the byteOffset of `owner` on, as many as its byteLength says."""
+        start, length = owner.integer("byteOffset", 0), owner.integer("byteLength")
+        data = self._buffer(index)
+        if start + length > len(data):
             raise EclatError(
-                f"{view.where}: the data are compressed by {names[0]}, which is not supported; "
-                f"decompress the file first, for example with gltf-transform or gltfpack"
+                f"{owner.where}: expected a range within the {len(data)} bytes of buffers[{index}], "
+                f"got byteOffset {start} and byteLength {length}"
             )
+        return data[start : start + length]
+
+    def _has_data(self, index: int) -> bool:
+        """Return whether a buffer has bytes of its own, or only stands for what its views are when decompressed."""
+        buffer = self.elements("buffers")[index]
+        if buffer.text("uri"):
+            return True
+        mark = meshopt_of(buffer)
+        return index == 0 and self._bin is not None and not (mark is not None and mark.flag("fallback"))
 
 
 def _check_version(root: Element) -> None:

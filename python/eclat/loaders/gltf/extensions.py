@@ -13,6 +13,7 @@ from eclat.loaders.gltf.element import printable
 SUPPORTED = frozenset(
     {
         "KHR_animation_pointer",
+        "KHR_draco_mesh_compression",
         "KHR_lights_punctual",
         "KHR_materials_diffuse_transmission",
         "KHR_materials_emissive_strength",
@@ -23,28 +24,20 @@ SUPPORTED = frozenset(
         "KHR_materials_unlit",
         "KHR_materials_volume",
         "KHR_mesh_quantization",
+        "KHR_meshopt_compression",
         "KHR_node_visibility",
+        "KHR_texture_basisu",
         "KHR_texture_transform",
         "EXT_lights_ies",
         "EXT_mesh_gpu_instancing",
+        "EXT_meshopt_compression",
         "EXT_texture_avif",
         "EXT_texture_webp",
+        "MESHOPT_compression",
         "MSFT_texture_dds",
     }
 )
 """The supported extensions."""
-
-COMPRESSIONS = frozenset(
-    {
-        "KHR_draco_mesh_compression",
-        "KHR_texture_basisu",
-        "EXT_meshopt_compression",
-        "KHR_meshopt_compression",
-        "MESHOPT_compression",
-    }
-)
-"""The extensions that compress data, which are not supported. They need no warning: if the file also has the uncompressed
-data, these are used, and otherwise the compressed element raises an error."""
 
 IGNORED_SILENTLY = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
 """The extensions that need no warning, because they contain metadata or baked light, which do not affect the image."""
@@ -53,7 +46,7 @@ IGNORED_SILENTLY = frozenset({"KHR_xmp", "KHR_xmp_json_ld", "MOZ_lightmap"})
 def warn_about_unsupported(document: Document) -> None:
     """Warn about the extensions in the file that are ignored."""
     used, required = (set(document.root.texts(name)) for name in ("extensionsUsed", "extensionsRequired"))
-    known = SUPPORTED | COMPRESSIONS | IGNORED_SILENTLY
+    known = SUPPORTED | IGNORED_SILENTLY
     essential = sorted(required - known)
     optional = sorted((used | _found(document.root.data)) - known - required)
     if essential:

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError, warn
 from eclat.loaders.budget import check, spend
 from eclat.loaders.gltf.accessors import Accessors
+from eclat.loaders.gltf.draco import decompressed
 from eclat.loaders.gltf.element import Element
 from eclat.loaders.gltf.skins import read_skinning
 from eclat.loaders.gltf.topology import read_triangles
@@ -27,7 +28,6 @@ _VERTEX_SIZE = 36
 """The number of bytes that a position takes while a primitive is read, as float32 and float64."""
 _CORNER_SIZE = 24
 """The number of bytes that an index takes while triangles are read, as int32 several times."""
-_DRACO = "KHR_draco_mesh_compression"
 
 
 @dataclass(frozen=True)
@@ -71,13 +71,13 @@ def read_primitive(
     Raises
     ------
     EclatError : an accessor is invalid, attributes have different counts, an index is out of range, a position is not
-        finite, or the geometry is compressed.
+        finite, or compressed geometry cannot be decompressed.
     """
     attributes = element.child("attributes")
     if attributes is None or accessors.count(attributes, "POSITION") == 0:
         warn(f"{element.where}: the primitive has no positions and is left out")
         return None
-    _refuse_draco(element, attributes, accessors)
+    element, accessors = decompressed(element, attributes, accessors)
     reader = _Attributes(element, attributes, accessors, weights)
     corners = accessors.count(element, "indices") if "indices" in element.data else reader.count
     check(_VERTEX_SIZE * reader.count + _CORNER_SIZE * corners, element.where)
@@ -252,15 +252,6 @@ class _Attributes:
             with np.errstate(all="ignore"):
                 values[:, : delta.shape[1]] += np.float32(weight) * delta
         return values
-
-
-def _refuse_draco(element: Element, attributes: Element, accessors: Accessors) -> None:
-    if element.extension(_DRACO) is None or accessors.has_data(attributes, "POSITION"):
-        return
-    raise EclatError(
-        f"{element.where}: the geometry is compressed by {_DRACO}, which is not supported; "
-        "decompress the file first, for example with gltf-transform"
-    )
 
 
 def _check_finite(positions: NDArray[np.float64], where: str) -> None:

@@ -23,8 +23,7 @@ Affine = tuple[tuple[float, float, float], tuple[float, float, float]]
 _WRAPS: dict[int, Wrap] = {10497: "repeat", 33648: "mirror", 33071: "clamp"}
 _NEAREST = 9728
 # The extensions that refer to an image in another format, in the order of preference.
-_IMAGE_EXTENSIONS = ("EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds")
-_BASISU = "KHR_texture_basisu"
+_IMAGE_EXTENSIONS = ("EXT_texture_webp", "EXT_texture_avif", "MSFT_texture_dds", "KHR_texture_basisu")
 
 
 class Textures:
@@ -139,11 +138,6 @@ class Textures:
             extension = texture.extension(name)
             if extension is not None:
                 return extension.index("source", count, "images")
-        if texture.extension(_BASISU) is not None:
-            raise EclatError(
-                f"{texture.where}: the image is compressed by {_BASISU}, which is not supported; "
-                "convert it to PNG or JPEG first, for example with gltf-transform"
-            )
         return None
 
     def _sampler(self, texture: Element) -> TextureOptions:

@@ -137,6 +137,15 @@ def test_a_skin_bends_a_strip(tmp_path: Path) -> None:
     assert scene.animation.objects == ("meshes[0]",)
 
 
+def test_a_skin_is_bent_at_rest_as_its_joints_lie(tmp_path: Path) -> None:
+    """No animation: the upper joint's own rotation bends the strip, as the other test's animation does at its end."""
+    file, upper = skinned_strip()
+    file.json["nodes"][upper]["rotation"] = [HALF, 0, 0, HALF]
+    mesh = load(file, tmp_path).meshes[0]
+    expected = [[0, 0, 0], [1, 0, 0], [0, 1, 0], [1, 1, 0], [0, 1, 1], [1, 1, 1]]
+    np.testing.assert_allclose(mesh.positions, expected, atol=1e-6)
+
+
 def test_an_invalid_skin_leaves_the_mesh_in_its_place(tmp_path: Path) -> None:
     file, _ = skinned_strip(joints=[])
     with pytest.warns(EclatWarning, match="loaded without its skin"):

@@ -310,20 +310,6 @@ def test_buffer_views_that_exceed_their_buffer_are_refused(
         load_gltf(file.save(tmp_path))
 
 
-@pytest.mark.parametrize("extension", ["EXT_meshopt_compression", "KHR_draco_mesh_compression"])
-def test_compressed_geometry_is_refused_with_advice(tmp_path: Path, extension: str) -> None:
-    file = GltfFile()
-    primitive = file.primitive(extensions={"KHR_draco_mesh_compression": {}} if "draco" in extension else {})
-    file.mesh_node(primitive)
-    if "draco" in extension:
-        del file.json["accessors"][0]["bufferView"]
-    else:
-        file.json["bufferViews"][0]["extensions"] = {extension: {}}
-        file.json["buffers"] = [{"byteLength": 36}]
-    with pytest.raises(EclatError, match=f"compressed by {extension}, which is not supported; decompress"):
-        load_gltf(file.save(tmp_path, "scene.gltf"))
-
-
 @pytest.mark.parametrize("primitives", [[], [{"attributes": {}}], [{}]])
 def test_empty_meshes_are_skipped(tmp_path: Path, primitives: list[dict[str, Any]]) -> None:
     file = GltfFile()

@@ -257,14 +257,3 @@ def test_a_texture_without_coordinates_causes_a_warning(tmp_path: Path) -> None:
     file.mesh_node(file.primitive(material=material))
     with pytest.warns(EclatWarning, match=r"the material uses TEXCOORD_0, which the primitive does not have"):
         load_gltf(file.save(tmp_path))
-
-
-def test_basisu_alone_is_an_error_and_beside_a_png_is_not(tmp_path: Path) -> None:
-    file = GltfFile()
-    index = file.texture(RGB)
-    file.json["textures"][index]["extensions"] = {"KHR_texture_basisu": {"source": 0}}
-    pbr = {"baseColorTexture": {"index": index}}
-    assert load(file, tmp_path, {"pbrMetallicRoughness": pbr}).parameters["base_color"].texture is not None
-    del file.json["textures"][index]["source"]
-    with pytest.raises(ValueError, match=r"textures\[0\]: the image is compressed by KHR_texture_basisu"):
-        load_gltf(file.save(tmp_path))
