@@ -74,7 +74,8 @@ ProfileLight::ProfileLight(Vec3 position, const std::array<Vec3, 3>& axes, Color
 float ProfileLight::relative_intensity(Vec3 w) const {
     constexpr float degrees = 180 / pi;
     const Vec3 local{dot(w, axes_[0]), dot(w, axes_[1]), dot(w, axes_[2])};
-    const float polar = std::atan2(std::hypot(local.x, local.y), local.z) * degrees;
+    // No std::hypot, whose newest version would need glibc 2.35; where the squares underflow, w lies on the axis.
+    const float polar = std::atan2(std::sqrt(local.x * local.x + local.y * local.y), local.z) * degrees;
     float azimuth = std::atan2(local.y, local.x) * degrees;
     if (azimuth < table_.azimuth.front()) azimuth += 360;
     if (azimuth > table_.azimuth.back()) azimuth -= 360;

@@ -4,7 +4,9 @@
 
 from __future__ import annotations
 
+import platform
 import re
+import shutil
 import subprocess
 import sys
 import tarfile
@@ -13,6 +15,8 @@ import zipfile
 from pathlib import Path
 
 import pytest
+
+from eclat import _core
 
 ROOT = Path(__file__).resolve().parents[2]
 
@@ -23,6 +27,19 @@ def test_all_places_name_the_same_version() -> None:
     other = subprocess.run([sys.executable, ROOT / "tools/check_version.py", "v9.9.9"], capture_output=True, text=True)
     assert other.returncode == 1
     assert "tag v9.9.9: expected v" in other.stdout
+
+
+def test_the_core_needs_no_newer_c_library_than_wheels_promise() -> None:
+    # A compiler links to the newest version of each function, std::hypot to that of glibc 2.35.
+    name, version = platform.libc_ver()
+    if name != "glibc" or tuple(map(int, version.split("."))) > (2, 36):
+        pytest.skip("wheels are made with glibc 2.36 at most, and newer ones link to newer versions")
+    objdump = shutil.which("objdump")
+    if objdump is None:
+        pytest.skip("objdump is not installed")
+    said = subprocess.run([objdump, "-T", _core.__file__], capture_output=True, text=True, check=True).stdout
+    needed = {tuple(map(int, found.split("."))): line for line, found in re.findall(r"(.*GLIBC_([\d.]+).*)", said)}
+    assert max(needed) <= (2, 34), needed[max(needed)]
 
 
 @pytest.mark.full  # Three cores and a clean environment: many minutes.
