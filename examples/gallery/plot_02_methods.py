@@ -11,7 +11,7 @@ pictures, with other seeds and more samples, serve as the reference. The error i
 import eclat
 from eclat.measure.metrics import relative_rmse
 
-SIZE = (128, 128)
+SIZE = (160, 160)
 scene = eclat.load("cornell-box")
 references = [eclat.render(scene, eclat.Path(), samples=128, size=SIZE, seed=seed).pixels for seed in (98, 99)]
 

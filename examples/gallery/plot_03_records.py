@@ -8,6 +8,8 @@ Irradiance caching computes indirect light at few points, the records, and inter
 is an orange dot: they are dense in corners, where indirect light changes quickly, and sparse on open walls.
 """
 
+import numpy as np
+
 import eclat
 
 scene = eclat.load("cornell-box")
@@ -15,4 +17,6 @@ solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.03), size=(320, 
 print(solution)
 
 image = eclat.render(scene, solution, samples=16, size=(320, 320), denoise=False)
-image.show_records(exposure=1).save("records.png", exposure=1)
+pixels = image.show_records(exposure=1).pixels
+twice_as_large = np.repeat(np.repeat(pixels, 2, axis=0), 2, axis=1)  # so that single pixels can be seen
+eclat.Image(twice_as_large).save("records.png", exposure=1)

@@ -43,5 +43,5 @@ scene = eclat.load(
         "ball": {"type": "sphere", "center": [0, 0.5, 0], "radius": 0.5, "bsdf": {"type": "dielectric"}},
     }
 )
-image = eclat.render(scene, eclat.PhotonMap(caustic_photons=300_000), samples=16, size=(200, 150), denoise=True)
+image = eclat.render(scene, eclat.PhotonMap(caustic_photons=300_000), samples=16, size=(320, 240), denoise=True)
 image.save("caustic.png", exposure=0.5, tone_mapping="filmic")

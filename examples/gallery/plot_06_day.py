@@ -12,5 +12,5 @@ import eclat
 
 for hour, azimuth, elevation in (("morning", 95, 18), ("noon", 180, 60), ("evening", 275, 12)):
     scene = eclat.load("atrium", sun_azimuth=azimuth, sun_elevation=elevation)
-    image = eclat.render(scene, eclat.IrradianceCache(max_error=0.2), samples=16, size=(192, 108), denoise=True)
+    image = eclat.render(scene, eclat.IrradianceCache(max_error=0.2), samples=16, size=(256, 144), denoise=True)
     image.save(f"{hour}.png", exposure=1, tone_mapping="filmic")
