@@ -11,6 +11,7 @@ __version__ = "0.1.0"
 
 if TYPE_CHECKING:
     from eclat.errors import EclatError, EclatWarning
+    from eclat.farm.farm import Farm
     from eclat.images.image import Image
     from eclat.images.mixing import mix
     from eclat.instruction_set import use_instruction_set
@@ -63,6 +64,7 @@ _HOMES = {
     "irradiance": "eclat.verbs.irradiance",
     "bake": "eclat.verbs.bake",
     "animate": "eclat.verbs.animate",
+    "Farm": "eclat.farm.farm",
     "probes": "eclat.verbs.probes",
     "compare": "eclat.verbs.compare",
     "denoise": "eclat.verbs.denoise",
@@ -103,6 +105,7 @@ __all__ = [
     "Display",
     "EclatError",
     "EclatWarning",
+    "Farm",
     "Image",
     "IrradianceCache",
     "Lightmap",

@@ -11,6 +11,7 @@ import click
 
 import eclat
 from eclat.cli.command import Command, option, together
+from eclat.cli.farm_options import farm_options, on_farm
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import Name, Number, Parsed
 from eclat.cli.quality_options import (
@@ -46,6 +47,7 @@ EXAMPLES = {
     "eclat animate walk.glb --frames 0:119 -o frames/%04d.exr": "Render five seconds for compositing, with motion vectors:",
     "eclat animate walk.glb --frames 0:119 -o walk.mp4": "Render the same as a video, for which ffmpeg must be installed:",
     "eclat animate room.glb --camera-path walk.json --frames 0:95 -o f/%d.png": "Walk through a scene on a path of your own:",
+    "eclat animate walk.glb --frames 0:119 --scheduler tcp://hub:8786 -o f/%d.exr": "Render on all workers of a Dask scheduler:",
     "eclat animate walk.glb --frames 0:119 --shard 2/3 -o frames/%04d.exr": "Render the second third, on one of three machines:",
 }
 
@@ -161,6 +163,7 @@ _output_options = together(
 @light_options
 @material_option
 @work_options
+@farm_options
 @reporting_options
 def command(**flags: Any) -> None:
     """Read the flags and the scene, and render the frames."""
@@ -177,10 +180,11 @@ def command(**flags: Any) -> None:
                 reporter.events.emit("frame", file=str(path), kept=kept)
 
         common = {name: flags[name] for name in REACHING_ANIMATE}
-        files = eclat.animate(
-            scene, method, output=output, camera=camera, exposure=exposure, progress=reporter.progress, finished=finished,
-            **common,
-        )  # fmt: skip
+        with on_farm(flags):
+            files = eclat.animate(
+                scene, method, output=output, camera=camera, exposure=exposure, progress=reporter.progress,
+                finished=finished, **common,
+            )  # fmt: skip
         names = f"{files[0]} to {files[-1]}" if len(files) > 1 else ", ".join(map(str, files)) or "no frames"
         kept = f", {counts[True]:,} of them kept" if counts[True] else ""
         video = output if output.lower().endswith(".mp4") and Path(output).exists() else None

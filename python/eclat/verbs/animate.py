@@ -5,10 +5,10 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import asdict, dataclass, replace
 from pathlib import Path
-from typing import Literal
+from typing import Any, Literal
 
 from eclat.bridge.arguments import (
     checked_max_depth,
@@ -20,9 +20,12 @@ from eclat.bridge.arguments import (
 from eclat.bridge.compiled import fingerprint
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError
+from eclat.farm.farm import current_farm
+from eclat.farm.worker import Bench
 from eclat.files.atomic_file import check_writable
 from eclat.frames.kept import KEY, fingerprint_of, is_finished
 from eclat.frames.motion_layers import Moment, motion_layers
+from eclat.frames.on_farm import written_by
 from eclat.frames.plan import Frame, Plan, coarse_to_fine, make_plan
 from eclat.frames.shutter import mean_of, moments, samples_each, seed_of_moment
 from eclat.frames.video import require_ffmpeg, write_video
@@ -200,6 +203,7 @@ class Show:
         self._camera, self._threads, self._progress = camera, threads, progress
         self._size = picture_size(scene.cameras[camera], settings.size)
         self._recent: dict[float, Moment] = {}
+        self._reports = Report(progress, 0, 1)
         self._resting = ""
         self._share: Share | None = None
         if _only_the_camera_moves(scene, [time for frame in plan.frames for time in self._times(frame)]):
@@ -241,12 +245,31 @@ class Show:
         source: Source = self._method
         if self._share is not None and self._method.solved is not None:
             source = self._solved(frames[0].path.parent if keep_cache else None)
-        for done, frame in enumerate(frames):
-            image = self._picture(frame, source, Report(self._progress, done, len(frames)))
-            image.metadata[KEY] = {"number": frame.number, "time": frame.time, "fingerprint": self.fingerprint(frame)}
-            image.save(frame.path, exposure=self.display[0], tone_mapping=self.display[1])
+        farm = current_farm()
+        made = self._made_here(frames, source)
+        if farm is not None:
+            made = written_by(farm, self, source, frames, self._progress)
+        for frame in made:
             if finished is not None:
                 finished(frame.path, False)
+
+    def write(self, frame: Frame, source: Source, path: Path, bench: Bench | None = None) -> None:
+        """Render a frame, from the solution of all frames if there is one, and write its file. Bits do not depend on `bench`."""
+        if bench is not None:
+            self._threads, self._reports = bench.threads, Report(bench.progress, 0, 1)
+        image = self._picture(frame, source, self._reports)
+        image.metadata[KEY] = {"number": frame.number, "time": frame.time, "fingerprint": self.fingerprint(frame)}
+        image.save(path, exposure=self.display[0], tone_mapping=self.display[1])
+
+    def _made_here(self, frames: list[Frame], source: Source) -> Iterator[Frame]:
+        for done, frame in enumerate(frames):
+            self._reports = Report(self._progress, done, len(frames))
+            self.write(frame, source, frame.path)
+            yield frame
+
+    def __getstate__(self) -> dict[str, Any]:
+        """Return what travels to other machines."""
+        return self.__dict__ | {"_progress": None, "_reports": None, "_recent": {}}
 
     def _picture(self, frame: Frame, source: Source, report: Report) -> Image:
         settings = self._settings

@@ -1,0 +1,378 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The side that asks: ranges go out to the workers of a Dask cluster, and come back whatever happens to single workers."""
+
+from __future__ import annotations
+
+import logging
+import os
+import secrets
+import time
+from collections.abc import Callable, Iterator, Sequence
+from contextvars import ContextVar, Token
+from dataclasses import dataclass, field
+from typing import Any, Self
+
+from eclat.bridge.running import ProgressReport
+from eclat.errors import EclatError, shown, warn
+from eclat.farm.identity import Identity, identity, refusal
+from eclat.farm.parcels import Parcels
+from eclat.farm.worker import REPORT, Bench, Refused, run_range
+from eclat.typed import typed
+
+PATIENCE = 60.0
+"""Seconds to wait for a worker, or for a scheduler that is started again, before giving up."""
+POLL, LOOK_AT_WORKERS = 0.05, 1.0
+"""Seconds between two looks at the ranges, and at which workers there are."""
+MOST_RETRIES = 5
+"""How often a range is sent again after Dask gave it up, each time because several workers died over it."""
+
+RangeFunction = Callable[[Any, Any, Bench], Any]
+"""A function, which modules of Éclat define, of a shared object, a range and a `Bench`."""
+
+_current: ContextVar[Farm | None] = ContextVar("farm", default=None)
+
+
+def current_farm() -> Farm | None:
+    """Return the farm whose block is entered, or None."""
+    return _current.get()
+
+
+class Farm:
+    """Workers of a Dask cluster, on which all verbs compute while its block is entered.
+
+    The bits of the results are those of one machine. Workers may come, go and be killed at any time; a range whose worker
+    dies is computed by another. Workers whose bits could differ are refused with a warning that says why.
+
+    Parameters
+    ----------
+    client : a `distributed.Client` of any cluster.
+    patience : seconds to wait for a first worker, or for a lost scheduler, before an error.
+
+    Examples
+    --------
+    >>> from distributed import Client  # doctest: +SKIP
+    >>> with eclat.Farm(Client("tcp://192.168.1.10:8786")):  # doctest: +SKIP
+    ...     eclat.render("room.glb").save("room.exr")
+    """
+
+    @typed
+    def __init__(self, client: Any, patience: float = PATIENCE) -> None:
+        if not (hasattr(client, "submit") and hasattr(client, "scatter")):
+            raise EclatError(f"Farm: expected a distributed.Client, got {shown(client)}")
+        from eclat.farm.packing import Packed, pickled
+
+        self.client = client
+        self.patience = patience
+        self.ranges_sent = 0
+        """The number of ranges that were sent so far, each counted as often as it was sent."""
+        self._expected: Identity = {}
+        self._packed, self._pickled = Packed(), pickled
+        self._sent: dict[str, Any] = {}
+        self._refused: dict[str, str] = {}
+        self._tokens: list[Token[Farm | None]] = []
+        self._fractions: dict[int, float] = {}
+        self._request = ""
+        self._close: list[Any] = []
+
+    @classmethod
+    def connect(cls, scheduler: str, patience: float = PATIENCE) -> Farm:
+        """Connect to the scheduler at an address such as tcp://192.168.1.10:8786. Raises EclatError if none answers."""
+        distributed = _distributed()
+        try:
+            client = distributed.Client(scheduler, timeout=min(patience, 10), set_as_default=False)
+        except (OSError, ValueError, TimeoutError, TypeError) as error:
+            raise EclatError(f"scheduler: no scheduler answers at {scheduler}: {error}") from None
+        farm = cls(client, patience)
+        farm._close = [client]
+        return farm
+
+    @classmethod
+    def local(cls, workers: int, threads: int | None = None) -> Farm:
+        """Start workers on this machine, each a process with `threads` threads or an equal share of the processors."""
+        distributed = _distributed()
+        if not 1 <= workers <= 1024:
+            raise EclatError(f"workers: expected 1 to 1024, got {workers}")
+        each = threads or max(1, (os.cpu_count() or 1) // workers)
+        cluster = distributed.LocalCluster(
+            n_workers=workers,
+            threads_per_worker=each,
+            dashboard_address="127.0.0.1:0",
+            memory_limit=0,
+            silence_logs=logging.CRITICAL,
+        )
+        client = distributed.Client(cluster, set_as_default=False)
+        farm = cls(client)
+        farm._close = [client, cluster]
+        return farm
+
+    def close(self) -> None:
+        """Disconnect from the cluster, and end workers that `local` started."""
+        while self._close:
+            self._close.pop(0).close()
+
+    def __enter__(self) -> Self:
+        self._expected = identity()
+        self._wait_for_workers()
+        self._meet_workers()
+        self.client.subscribe_topic(REPORT, self._heard)
+        self._tokens.append(_current.set(self))
+        return self
+
+    def __exit__(self, *_: object) -> None:
+        _current.reset(self._tokens.pop())
+        self._sent.clear()
+        self.close()
+
+    def ordered(
+        self,
+        function: RangeFunction,
+        shared: Any,
+        items: Sequence[Any],
+        progress: Callable[[float], None] | None = None,
+    ) -> list[Any]:
+        """Compute ranges, and return their results in the order of `items`. See `each`."""
+        found: dict[int, Any] = dict(self.each(function, shared, items, progress))
+        return [found[index] for index in range(len(items))]
+
+    def each(
+        self,
+        function: RangeFunction,
+        shared: Any,
+        items: Sequence[Any],
+        progress: Callable[[float], None] | None = None,
+    ) -> Iterator[tuple[int, Any]]:
+        """Compute ranges on the workers, and yield the index and the result of each as it is finished.
+
+        Parameters
+        ----------
+        function : a function of Éclat's modules. Its result must depend on nothing but `shared` and the range.
+        shared : an object that travels to each worker once.
+        items : the ranges.
+        progress : a function that is called with the finished share of all ranges, 0..1.
+
+        Raises
+        ------
+        EclatError : the function raised one, no worker may compute, or the scheduler is lost and does not come back.
+        """
+        request = _Request(self, function, self._packed.pack(shared), items, progress)
+        outer = self._request, self._fractions
+        self._request, self._fractions = request.name, {}
+        try:
+            yield from request.results()
+        finally:
+            request.cancel()
+            self._request, self._fractions = outer
+
+    def accepted_workers(self) -> list[str] | None:
+        """The addresses of workers that may compute, or None if all may."""
+        if not self._refused:
+            return None
+        return [address for address in self._addresses() if address not in self._refused]
+
+    def refuse(self, address: str, reason: str) -> None:
+        """Send nothing to a worker any more, and say why."""
+        if address not in self._refused:
+            self._refused[address] = reason
+            warn(f"the worker {address} is left out, because its bits could differ: {reason}")
+
+    def send(self, parcels: Parcels) -> dict[str, Any]:
+        """Return futures of parcels, which are scattered to the workers once, under their names."""
+        missing = {name: content for name, content in parcels.items() if not _is_there(self._sent.get(name))}
+        if missing:
+            self._sent.update(self.client.scatter(missing, broadcast=True))
+        return {name: self._sent[name] for name in parcels}
+
+    def submit(
+        self, call: tuple[RangeFunction, Any], shared: str, parcels: Parcels, tag: tuple[str, int], again: int
+    ) -> Any:
+        """Send a range, and return its future."""
+        self.ranges_sent += 1
+        key = f"eclat-{tag[0]}-{tag[1]}-{again}"
+        return self.client.submit(
+            run_range, self._expected, self._pickled(call), shared, self.send(parcels), tag, key=key,
+            workers=self.accepted_workers(), priority=-tag[1], pure=False,
+        )  # fmt: skip
+
+    def recover(self) -> None:
+        """Wait until the scheduler and a worker are there again. Raises EclatError if they do not come."""
+        self._sent.clear()
+        self._wait_for_workers()
+
+    def shares(self) -> dict[int, float]:
+        """The finished shares of ranges that workers have told, by index."""
+        return self._fractions
+
+    def _heard(self, event: tuple[float, Any]) -> None:
+        _, told = event
+        if told.get("request") == self._request:
+            self._fractions[told["index"]] = told["fraction"]
+
+    def _addresses(self) -> list[str]:
+        """The workers that the scheduler knows; none while it cannot be reached."""
+        if self.client.status != "running":
+            return []
+        try:
+            return list(self.client.nthreads())
+        except (OSError, TimeoutError, ValueError):
+            return []
+
+    def _wait_for_workers(self) -> None:
+        end = time.monotonic() + self.patience
+        while not (found := [a for a in self._addresses() if a not in self._refused]):
+            if self.client.status == "closed" or time.monotonic() > end:
+                raise EclatError(self._why_nobody_computes())
+            time.sleep(POLL)
+        assert found
+
+    def _why_nobody_computes(self) -> str:
+        if self.client.status != "running":
+            return (
+                f"the scheduler was lost and did not come back within {self.patience:g} s; start it again, and then this "
+                "command: finished frames are kept"
+            )
+        if self._refused:
+            worker, reason = next(iter(self._refused.items()))
+            return f"no worker may compute: all are left out, for example {worker}: {reason}"
+        return f"no worker has come within {self.patience:g} s; start one by `dask worker tcp://…`"
+
+    def _meet_workers(self) -> None:
+        """Ask all workers whether they may compute, and leave out those that may not. Raises EclatError if none may."""
+        answers = self.client.run(refusal, self._expected, on_error="return")
+        for address, answer in answers.items():
+            if isinstance(answer, BaseException):
+                self.refuse(address, f"Éclat cannot be used there ({type(answer).__name__}: {answer})")
+            elif answer:
+                self.refuse(address, answer)
+        if answers and self.accepted_workers() == []:
+            raise EclatError(self._why_nobody_computes())
+
+
+@dataclass(eq=False)
+class _Request:
+    """Ranges that are being computed, and what is known of each."""
+
+    farm: Farm
+    function: RangeFunction
+    shared: tuple[str, Parcels]
+    items: Sequence[Any]
+    progress: Callable[[float], None] | None
+    name: str = field(default_factory=lambda: secrets.token_hex(6))
+    open: dict[int, Any] = field(default_factory=dict)
+    """Maps the indices of ranges that are not finished to their futures."""
+    limits: dict[int, list[str]] = field(default_factory=dict)
+    """Maps indices to the workers that may compute them, once some are refused."""
+    sent: dict[int, int] = field(default_factory=dict)
+    given_up: dict[int, int] = field(default_factory=dict)
+
+    def results(self) -> Iterator[tuple[int, Any]]:
+        """Yield the results as they come."""
+        self._send(range(len(self.items)))
+        looked = time.monotonic()
+        while self.open:
+            found = [index for index, future in self.open.items() if future.status != "pending"]
+            for index in found:
+                yield from self._answer(index)
+            if time.monotonic() - looked > LOOK_AT_WORKERS:
+                looked = time.monotonic()
+                self._look_at_workers()
+            self._tell()
+            if not found:
+                time.sleep(POLL)
+
+    def cancel(self) -> None:
+        """Tell the cluster that nobody waits any more."""
+        if self.open and self.farm.client.status == "running":
+            self.farm.client.cancel(list(self.open.values()), force=True)
+        self.open.clear()
+
+    def _send(self, indices: Sequence[int]) -> None:
+        name, parcels = self.shared
+        for index in indices:
+            again = self.sent[index] = self.sent.get(index, -1) + 1
+            call = (self.function, self.items[index])
+            self.open[index] = self.farm.submit(call, name, parcels, (self.name, index), again)
+            accepted = self.farm.accepted_workers() if again or self.limits else None
+            if accepted is not None:
+                self.limits[index] = accepted
+
+    def _answer(self, index: int) -> Iterator[tuple[int, Any]]:
+        future = self.open[index]
+        status = future.status
+        if status in ("cancelled", "lost"):
+            self._after_loss()
+            return
+        if status == "error":
+            self._after_error(index, future.exception())
+            return
+        try:
+            answer = future.result()
+        except Exception:
+            # The worker died before it handed its result over. Dask computes the range again, unless it lost it.
+            if future.status != "pending":
+                self._after_loss()
+            return
+        if isinstance(answer, Refused):
+            self.farm.refuse(answer.worker, answer.reason)
+            self.farm._wait_for_workers()
+            self._send([index])
+            return
+        del self.open[index]
+        for message in answer.warnings:
+            warn(message)
+        yield index, answer.value
+
+    def _after_error(self, index: int, error: BaseException) -> None:
+        """Send a range again if its workers died; otherwise raise what went wrong."""
+        kind = type(error).__name__
+        if isinstance(error, EclatError):
+            raise error
+        if kind in ("CancelledError", "FutureCancelledError"):
+            self._after_loss()
+            return
+        if kind != "KilledWorker":
+            raise EclatError(f"a worker failed: {kind}: {error}") from error
+        self.given_up[index] = self.given_up.get(index, 0) + 1
+        if self.given_up[index] > MOST_RETRIES:
+            raise EclatError(f"a range was given up: all workers that computed it died ({error}); is memory scarce?")
+        self._send([index])
+
+    def _after_loss(self) -> None:
+        """The scheduler was lost, or all workers that held a parcel: wait for them, and send again what is lost."""
+        self.farm.recover()
+        self._send([i for i, future in self.open.items() if future.status in ("cancelled", "lost", "error")])
+
+    def _look_at_workers(self) -> None:
+        """Send ranges again that wait for workers which are no longer there."""
+        if self.farm.client.status not in ("running", "connecting"):
+            self.farm.recover()
+        if not self.limits:
+            return
+        there = set(self.farm._addresses())
+        stuck = [i for i in self.open if i in self.limits and there and not there & set(self.limits[i])]
+        if stuck:
+            self.farm.client.cancel([self.open[i] for i in stuck], force=True)
+            self.farm._wait_for_workers()
+            self._send(stuck)
+
+    def _tell(self) -> None:
+        if self.progress is not None and self.items:
+            partly = sum(share for index, share in self.farm.shares().items() if index in self.open)
+            self.progress((len(self.items) - len(self.open) + partly) / len(self.items))
+
+
+def share_of(progress: ProgressReport | None, phase: str) -> Callable[[float], None] | None:
+    """Make a function of a finished share from a function for progress."""
+    return None if progress is None else lambda share: progress(phase, share, {"rays": 0.0})
+
+
+def _is_there(future: Any) -> bool:
+    return future is not None and future.status == "finished"
+
+
+def _distributed() -> Any:
+    try:
+        import distributed
+    except ImportError:
+        raise EclatError("many machines need Dask: pip install 'eclat[dask]'") from None
+    return distributed
