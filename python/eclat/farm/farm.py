@@ -51,9 +51,11 @@ class Farm:
 
     Examples
     --------
-    >>> from distributed import Client  # doctest: +SKIP
-    >>> with eclat.Farm(Client("tcp://192.168.1.10:8786")):  # doctest: +SKIP
-    ...     eclat.render("room.glb").save("room.exr")
+    >>> import eclat
+    >>> with eclat.Farm.local(2):  # or eclat.Farm(distributed.Client("tcp://192.168.1.10:8786"))
+    ...     image = eclat.render("furnace", "path", samples=1, size=(8, 8))
+    >>> image.pixels.shape
+    (8, 8, 3)
     """
 
     @typed
