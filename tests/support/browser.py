@@ -187,6 +187,8 @@ class ViewedPage:
 
     pictures: list[NDArray[np.float32]]
     """(H, W, 3) linear radiance each, row 0 at the top."""
+    approximated: list[NDArray[np.bool_]]
+    """(H, W) where these show gloss by an approximation."""
     sums: NDArray[np.float32]
     """(N, 4) sums of (w E, w) over the records at the points that were asked for."""
     shot: NDArray[np.uint8] | None
@@ -197,6 +199,10 @@ class ViewedPage:
     """What it said on its console."""
     requests: list[str]
     """The addresses that it asked for."""
+    work: list[dict[str, float] | None]
+    """For pictures that ask for `work`, the `fragments` of splats and the `serving` ones among them, per pixel."""
+    seconds: list[float | None]
+    """For these pictures, how long one takes."""
 
 
 def look_at_page(
@@ -220,13 +226,15 @@ def look_at_page(
         return np.frombuffer(base64.b64decode(text or ""), dtype="<f4").reshape(-1, 4)
 
     made = [
-        decoded(pixels).reshape(asked["height"], asked["width"], 4)[::-1, :, :3]
+        decoded(pixels).reshape(asked["height"], asked["width"], 4)[::-1]
         for asked, pixels in zip(pictures, answer.get("pictures", []), strict=False)
     ]
     png = answer.get("shot")
     page = None if png is None else np.array(Image.open(io.BytesIO(base64.b64decode(png))).convert("RGB"))
     sums = decoded(answer.get("sums"))
-    return ViewedPage(made, sums, page, answer["message"], answer["messages"], answer["requests"])
+    told = (answer["message"], answer["messages"], answer["requests"])
+    colors, marks = [p[..., :3] for p in made], [p[..., 3] > 0.5 for p in made]
+    return ViewedPage(colors, marks, sums, page, *told, answer.get("work", []), answer.get("seconds", []))
 
 
 def use_page(url: str) -> dict[str, Any]:

@@ -2,9 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Asks the page of `eclat view` for pictures and sums of records: node view.mjs CHROMIUM < request.json > answer.json
-// The request is { page: URL, pictures: [{ camera, width, height, look }], points, normals, shot } with float32 arrays in
-// base64, or without points. The answer is { pictures, sums, shot, records, precision, message, messages, requests }: linear
-// pictures and sums as float32 in base64, a PNG of the page if a shot was asked for, what the page shows instead of a
+// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, shot } with float32 arrays in
+// base64, or without points. The answer is { pictures, work, seconds, sums, shot, records, precision, message, messages, requests }: linear
+// pictures, for those with `work` its counts and the seconds of a picture, and sums as float32 in base64, a PNG of the page if a shot was asked for, what the page shows instead of a
 // picture, what it said on its console, and the addresses that it asked for.
 
 import { text } from 'node:stream/consumers';
@@ -15,7 +15,8 @@ const { page: url, pictures = [], points, normals, shot } = JSON.parse(await tex
 const answer = await inBrowser(process.argv[2], async (page, messages) => {
   const requests = [];
   page.on('request', (request) => requests.push(request.url()));
-  if (shot) await page.setViewportSize({ width: shot.width, height: shot.height });
+  // What the page itself draws meanwhile is small, because software WebGL is slow.
+  await page.setViewportSize(shot ? { width: shot.width, height: shot.height } : { width: 480, height: 120 });
   await page.goto(url);
   await page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
   const message = await page.evaluate(() => document.getElementById('message').textContent);
@@ -34,6 +35,13 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
           return {
             pictures: pictures.map((p) => encoded(eclatView.linear(p.camera, p.width, p.height, p.look))),
             sums: points && encoded(eclatView.sums(decoded(points), decoded(normals))),
+            work: pictures.map((p) => p.work && eclatView.work(p.camera, p.width, p.height)),
+            seconds: pictures.map((p) => {
+              if (!p.work) return undefined;
+              const before = performance.now();
+              eclatView.linear(p.camera, p.width, p.height);
+              return (performance.now() - before) / 1000;
+            }),
             records: eclatView.records,
             precision: eclatView.precision,
           };

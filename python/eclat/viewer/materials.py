@@ -7,7 +7,9 @@ A material of the page has the fields
     name, two_sided, culled, vertex_colors, emission_two_sided, cutoff (−1 for none)
     diffuse, emission, opacity        values, see below
     metallic, transmission            values by which the diffuse reflectance is reduced: (1 − metallic) (1 − transmission)
-    gloss                             "none", or what the page leaves out of it: "rough", "mirror" or "glass"
+    gloss                             "none", or what it is like: "rough", "mirror" or "glass"
+    mirrored, alpha                   the reflectance of the gloss at these cosines (32 × 3 numbers, one after another)
+                                      without the metallic part, and its roughness α: see `mirrors`
     coat                              the albedo of a white base below the coat, seen at the cosines 0, 1/(n − 1), …, 1
     inside                            R of the light that the coat reflects back to the base: the albedo ρ of the base
                                       looks like coat · ρ / (1 − R ρ), or, where `saturates` is false, coat · ρ / (1 − R)
@@ -29,6 +31,7 @@ from eclat import _core
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.textures import average, constant_of
 from eclat.scene import DEFAULTS, Material, Texture, Value, grey
+from eclat.viewer.mirrors import alpha_of, reflectance_of
 
 COSINES = 32
 """Number of entries of the table `coat`."""
@@ -73,6 +76,8 @@ class PageMaterials:
             "emission": self._value(material.emission or black),
             "opacity": self._value(material.opacity),
             "gloss": gloss_of(shown),
+            "mirrored": reflectance_of(shown).ravel().tolist(),
+            "alpha": alpha_of(shown),
             "coat": coat.tolist(),
             "inside": inside,
             "saturates": shown.nonlinear,
@@ -114,7 +119,7 @@ class PageMaterials:
 
 
 def gloss_of(material: Material) -> str:
-    """Return what kind of gloss a material has, of which the page shows none: "none", "rough", "mirror" or "glass"."""
+    """Return what kind of gloss a material has: "none", "rough", "mirror" or "glass"."""
 
     def largest(name: str) -> float:
         return max(constant_of(material.parameters.get(name, DEFAULTS[name])))

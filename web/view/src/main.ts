@@ -21,6 +21,8 @@ export interface EclatView {
   readonly truth: Truth['figures'];
   /** Linear radiance (height, width, 4) of a camera of the scene, the first row at the bottom. */
   linear(camera: number, width: number, height: number, look?: Partial<Look>): Float32Array;
+  /** The fragments of splats per pixel of such a picture, and those of them that serve their pixel. */
+  work(camera: number, width: number, height: number): ReturnType<Renderer['work']>;
   /** The sums (n, 4) of (w E, w) at n points with normals. */
   sums(points: Float32Array, normals: Float32Array): Float32Array;
 }
@@ -171,6 +173,13 @@ async function start(): Promise<void> {
 }
 
 function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, truth?: Truth): EclatView {
+  const poseOf = (number: number) => {
+    const camera = header.cameras[number];
+    if (!camera) throw new Error(`The scene has no camera ${number}.`);
+    const pose = new Pose(diagonal);
+    pose.follow(camera);
+    return pose;
+  };
   return {
     precision: renderer.precision,
     get records() {
@@ -179,13 +188,9 @@ function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, 
     get truth() {
       return truth?.figures;
     },
-    linear: (number, width, height, look = {}) => {
-      const camera = header.cameras[number];
-      if (!camera) throw new Error(`The scene has no camera ${number}.`);
-      const pose = new Pose(diagonal);
-      pose.follow(camera);
-      return renderer.readLinear(pose, { ...USUAL_LOOK, ...look }, width, height);
-    },
+    linear: (number, width, height, look = {}) =>
+      renderer.readLinear(poseOf(number), { ...USUAL_LOOK, ...look }, width, height),
+    work: (number, width, height) => renderer.work(poseOf(number), width, height),
     sums: (points, normals) => {
       const width = 64;
       const height = Math.ceil(points.length / 3 / width);

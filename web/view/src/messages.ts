@@ -42,6 +42,8 @@ export interface MaterialEntry {
   readonly emission: Value;
   readonly opacity: Value;
   readonly gloss: 'none' | 'rough' | 'mirror' | 'glass';
+  readonly mirrored: readonly number[];
+  readonly alpha: number;
   readonly coat: readonly number[];
   readonly inside: number;
   readonly saturates: boolean;

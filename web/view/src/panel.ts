@@ -34,7 +34,7 @@ const OVERLAYS: readonly [Overlay, string][] = [
   ['weights', 'Sum of weights'],
   ['density', 'Splats per pixel'],
   ['records', 'Records and their radii'],
-  ['left-out', 'What is left out'],
+  ['left-out', 'What is approximated'],
 ];
 const MODES: readonly [Mode, string][] = [
   ['orbit', 'Orbit'],
@@ -92,6 +92,7 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
     checkbox('Direct light', look.direct, relight('direct')),
     checkbox('Light from records', look.indirect, relight('indirect')),
     checkbox('Gradients', look.gradients, relight('gradients')),
+    checkbox('Mirrors, approximated', look.mirrors, relight('mirrors')),
     checkbox('Clearance test', look.clearance, relight('clearance')),
   );
 

@@ -11,6 +11,9 @@ import { withoutVersion } from './surfaces';
 
 const WEIGHTS: Record<Reading['weight'], number> = { tabellion: 0, ward: 1, 'split-sphere': 2 };
 
+/** What splats add, by the numbers of `overlay` in shaders/splat.ts. */
+const ADDED = ['light', 'count', 'outlines', 'fragments'] as const;
+
 /** Switches of the page. */
 export interface Switches {
   gradients: boolean;
@@ -86,11 +89,14 @@ export class Records {
     this.boxes.instanceCount = this.triangles.instanceCount = count;
   }
 
-  /** Sets how the records are read, and what splats add: their light, a count, or outlines of that width at distance 1. */
-  switch(switches: Switches, adds: 'light' | 'count' | 'outlines' = 'light', pixelAngle = 1): void {
+  /**
+   * Sets how the records are read, and what splats add: their light, the number that serve a pixel, outlines of that width at distance 1, or the
+   * number of fragments.
+   */
+  switch(switches: Switches, adds: (typeof ADDED)[number] = 'light', pixelAngle = 1): void {
     if (!this.reading) return;
     setUniforms(this.uniforms, readingValues(this.reading, switches, this.reading.relaxation));
-    setUniforms(this.uniforms, { overlay: ['light', 'count', 'outlines'].indexOf(adds), pixelAngle });
+    setUniforms(this.uniforms, { overlay: ADDED.indexOf(adds), pixelAngle });
   }
 
   /** The number of the record whose ellipse holds a place most closely to its middle, or −1. */

@@ -11,7 +11,9 @@ import { Records } from './records';
 import { displayFragment } from './shaders/display';
 import { divideFragment } from './shaders/screen';
 import { makeContext, precisionOf, Targets, type Precision } from './targets';
-import { floatTexture, makeSurfaces, makeView, type ShadowView, type Surfaces, type View } from './surfaces';
+import { chosenPlanes, reflection, type Plane } from './mirrors';
+import { mirrorsFragment } from './shaders/mirrors';
+import { floatTexture, makeSurfaces, makeView, NO_CLIP, type ShadowView, type Surfaces, type View } from './surfaces';
 import type { Pose } from './pose';
 import type { Beside } from './truth';
 
@@ -27,6 +29,8 @@ export interface Look {
   indirect: boolean;
   gradients: boolean;
   clearance: boolean;
+  /** Whether mirrors, and gloss without records, are shown by approximations. */
+  mirrors: boolean;
   /** Where the picture of the server begins beside that of the page, as a share of the width from the left. */
   wipe: number;
   /** Whether the difference of both is shown instead of them. */
@@ -41,6 +45,7 @@ export const USUAL_LOOK: Look = {
   indirect: true,
   gradients: true,
   clearance: true,
+  mirrors: true,
   wipe: 0.5,
   difference: false,
 };
@@ -59,7 +64,9 @@ export class Renderer {
   private readonly inputs: Record<string, three.IUniform>;
   private readonly dividing: Record<string, three.IUniform>;
   private readonly displaying: Record<string, three.IUniform>;
+  private readonly mirroring: Record<string, three.IUniform>;
   private readonly divide: three.Scene;
+  private readonly mirror: three.Scene;
   private readonly display: three.Scene;
   private targets: Targets;
 
@@ -91,6 +98,21 @@ export class Renderer {
       showDirect: { value: true },
       showIndirect: { value: true },
     };
+    const { hasSky, sky: skyImage, skyFromWorld, size, showIndirect } = this.dividing;
+    this.mirroring = {
+      ...this.inputs,
+      ...view,
+      picture: { value: null }, // without mirrors, unlike that of the inputs
+      hasSky: hasSky!, sky: skyImage!, skyFromWorld: skyFromWorld!, size: size!, showIndirect: showIndirect!,
+      alphas: { value: surfaces.alphas },
+      mirror0: { value: null },
+      mirror1: { value: null },
+      plane0: { value: new three.Vector4() },
+      plane1: { value: new three.Vector4() },
+      planes: { value: 0 },
+      diagonal: { value: surfaces.bounds.getSize(new three.Vector3()).length() },
+      pixelAngle: { value: 1 },
+    };
     this.displaying = {
       ...this.inputs,
       toneMapping: { value: 0 },
@@ -105,6 +127,7 @@ export class Renderer {
       differenceFloor: { value: 0 },
     };
     this.divide = screenPass(divideFragment, this.dividing);
+    this.mirror = screenPass(mirrorsFragment, this.mirroring);
     this.display = screenPass(displayFragment, this.displaying);
   }
 
@@ -171,6 +194,22 @@ export class Renderer {
     return this.read(this.targets.picture, width, height);
   }
 
+  /** Counts, for a picture, the fragments of splats and those of them that serve their pixel, both per pixel. */
+  work(pose: Pose, width: number, height: number): { fragments: number; serving: number } {
+    const mean = (adds: 'fragments' | 'count') => {
+      this.drawLinear(pose, USUAL_LOOK, width, height);
+      this.records.switch(USUAL_LOOK, adds);
+      this.gl.setRenderTarget(this.targets.counts);
+      this.gl.clear(true, false, false);
+      this.gl.render(this.records.splats, this.camera);
+      const texels = this.read(this.targets.counts, width, height);
+      let sum = 0;
+      for (let i = 0; i < texels.length; i += 4) sum += texels[i] ?? 0;
+      return sum / (width * height);
+    };
+    return { fragments: mean('fragments'), serving: mean('count') };
+  }
+
   /** Returns the positions and normals (height, width, 4) of the picture that was drawn last, the first row at the bottom. */
   readSurfaces(width: number, height: number): [Float32Array, Float32Array] {
     return [0, 1].map((image) => {
@@ -211,13 +250,36 @@ export class Renderer {
 
   private drawLinear(pose: Pose, look: Look, width: number, height: number): void {
     this.resize(width, height);
+    const planes = look.mirrors && look.indirect ? chosenPlanes(this.surfaces.planes, pose) : [];
+    planes.forEach((plane, i) => this.drawLight(pose, look, this.targets.mirrors[i] ?? null, plane));
+    this.drawLight(pose, look, this.targets.base);
+    const { gl, targets, mirroring } = this;
+    planes.forEach(({ normal, offset }, i) => {
+      this.set(mirroring, `plane${i}`, new three.Vector4(...normal.toArray(), offset));
+      this.set(mirroring, `mirror${i}`, targets.mirrors[i]?.texture);
+    });
+    this.set(mirroring, 'planes', planes.length);
+    this.set(mirroring, 'picture', targets.base.texture);
+    this.set(mirroring, 'showIndirect', look.indirect && look.mirrors);
+    this.set(mirroring, 'pixelAngle', (2 * pose.extent(width / height)[1]) / height);
+    gl.setRenderTarget(targets.picture);
+    gl.render(this.mirror, this.camera);
+  }
+
+  /** Draws the picture without mirrors: of the eye, or of what the eye sees in a plane. */
+  private drawLight(pose: Pose, look: Look, into: three.WebGLRenderTarget | null, plane?: Plane): void {
+    const { gl, targets } = this;
+    const { width, height } = targets;
     const aspect = width / height;
-    this.view.viewProjection.value.copy(pose.viewProjection(aspect));
-    this.view.eye.value.copy(pose.eye());
+    const mirrored = plane ? reflection(plane) : new three.Matrix4();
+    this.view.viewProjection.value.copy(pose.viewProjection(aspect)).multiply(mirrored);
+    this.view.eye.value.copy(pose.eye()).applyMatrix4(mirrored);
+    // The mirror itself, and what lies in its plane, is not in the way of the mirrored eye.
+    this.view.clip.value.copy(plane ? new three.Vector4(...plane.normal.toArray(), plane.offset + 1e-4 * pose.diagonal) : NO_CLIP);
     this.records.switch(look);
     this.gloss.switch(look);
+    for (const splats of [this.records.splats, this.gloss.splats]) turned(splats, plane !== undefined);
     this.bind();
-    const { gl, targets } = this;
     gl.setRenderTarget(targets.surfaces);
     gl.clear();
     gl.render(this.surfaces.seen, this.camera);
@@ -230,19 +292,25 @@ export class Renderer {
     gl.setRenderTarget(targets.glossSums);
     gl.clear(true, false, false);
     gl.render(this.gloss.splats, this.camera);
+    if (!plane) this.drawCounts(pose, look, width, height);
+    this.set(this.dividing, 'showDirect', look.direct);
+    this.set(this.dividing, 'showIndirect', look.indirect);
+    (this.dividing['worldFromScreen']?.value as three.Matrix4).copy(this.view.viewProjection.value).invert();
+    (this.dividing['size']?.value as three.Vector2).set(width, height);
+    gl.setRenderTarget(into);
+    gl.render(this.divide, this.camera);
+  }
+
+  /** Draws what overlays count. */
+  private drawCounts(pose: Pose, look: Look, width: number, height: number): void {
+    const { gl, targets } = this;
     if (look.overlay === 'density' || look.overlay === 'records') {
-      const pixelAngle = (2 * pose.extent(aspect)[1]) / height;
+      const pixelAngle = (2 * pose.extent(width / height)[1]) / height;
       this.records.switch(look, look.overlay === 'density' ? 'count' : 'outlines', pixelAngle);
       gl.setRenderTarget(targets.counts);
       gl.clear(true, false, false);
       gl.render(this.records.splats, this.camera);
     }
-    this.set(this.dividing, 'showDirect', look.direct);
-    this.set(this.dividing, 'showIndirect', look.indirect);
-    (this.dividing['worldFromScreen']?.value as three.Matrix4).copy(this.view.viewProjection.value).invert();
-    (this.dividing['size']?.value as three.Vector2).set(width, height);
-    gl.setRenderTarget(targets.picture);
-    gl.render(this.divide, this.camera);
   }
 
   private resize(width: number, height: number): void {
@@ -276,4 +344,9 @@ export class Renderer {
     this.gl.readRenderTargetPixels(target, 0, 0, width, height, halves);
     return Float32Array.from(halves, (half) => three.DataUtils.fromHalfFloat(half));
   }
+}
+
+/** Turns the winding of what a pass draws, for mirrored eyes: three.js asks the matrix of the object for it. */
+function turned(splats: three.Scene, mirrored: boolean): void {
+  splats.children.forEach((object) => object.scale.setX(mirrored ? -1 : 1));
 }

@@ -15,6 +15,7 @@ import {
   type Value,
   type Wrap,
 } from './messages';
+import { Planes, type Plane } from './mirrors';
 import { shadowFragment, surfaceFragment, surfaceVertex } from './shaders/surfaces';
 
 const GLOSS = { none: 0, rough: 1, mirror: 2, glass: 3 };
@@ -29,10 +30,15 @@ const WRAPS: Record<Wrap, three.Wrapping> = {
 export interface View {
   readonly viewProjection: { value: three.Matrix4 };
   readonly eye: { value: three.Vector4 };
+  /** Nothing is drawn behind this plane: its normal and offset. */
+  readonly clip: { value: three.Vector4 };
 }
 
+/** The plane of a view that shows everything. */
+export const NO_CLIP = new three.Vector4(0, 0, 0, -1);
+
 export function makeView(): View {
-  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() } };
+  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() }, clip: { value: NO_CLIP.clone() } };
 }
 
 export interface Surfaces {
@@ -44,6 +50,10 @@ export interface Surfaces {
   /** Names of the materials, by number. */
   readonly materials: readonly string[];
   readonly triangles: number;
+  /** The planes of what mirrors. */
+  readonly planes: readonly Plane[];
+  /** The roughness α of the materials, by number. */
+  readonly alphas: three.DataTexture;
 }
 
 /** Where the light of a sun goes, for shadow maps. */
@@ -65,6 +75,7 @@ export async function makeSurfaces(
   const seen = new three.Scene();
   const shading = new three.Scene();
   const bounds = new three.Box3();
+  const planes = new Planes(diagonalOf(message));
   let triangles = 0;
   for (const entry of header.meshes) {
     const material = header.materials[entry.material];
@@ -72,8 +83,11 @@ export async function makeSurfaces(
     const geometry = makeGeometry(message, entry);
     triangles += geometry.getAttribute('position').count / 3;
     bounds.union(geometry.boundingBox ?? new three.Box3());
-    // Glass shows what is behind it, without refraction; the overlay of what is left out marks none of it.
+    // Glass shows what is behind it, without refraction, and no overlay marks it.
     if (material.gloss === 'glass') continue;
+    if (material.gloss !== 'none' && material.alpha < FLAT_MIRROR) {
+      planes.add(geometry.getAttribute('position').array as Float32Array, material.two_sided && !entry.front_only);
+    }
     const uniforms = surfaceUniforms(entry, material, textures);
     const shown = {
       ...uniforms,
@@ -86,7 +100,29 @@ export async function makeSurfaces(
     seen.add(surface(geometry, surfaceFragment, shown));
     shading.add(surface(geometry, shadowFragment, { ...uniforms, ...lamp }));
   }
-  return { seen, shading, bounds, materials: header.materials.map((m) => m.name), triangles };
+  const materials = header.materials.map((m) => m.name);
+  return { seen, shading, bounds, materials, triangles, planes: planes.largest(), alphas: alphasOf(header.materials) };
+}
+
+/** The length of the diagonal of the scene in metres. */
+function diagonalOf(message: Message<SceneHeader>): number {
+  const bounds = new three.Box3();
+  const point = new three.Vector3();
+  for (const entry of message.header.meshes) {
+    const positions = entry.arrays.positions === undefined ? [] : arrayOf(message, entry.arrays.positions).data;
+    for (let i = 0; i < positions.length; i += 3) bounds.expandByPoint(point.fromArray(positions, i));
+  }
+  return bounds.getSize(new three.Vector3()).length();
+}
+
+/** The roughness α above which a plane's mirrored picture is not worth drawing. */
+const FLAT_MIRROR = 0.35;
+
+function alphasOf(materials: readonly MaterialEntry[]): three.DataTexture {
+  const values = Float32Array.from(materials, (material) => material.alpha);
+  const texture = new three.DataTexture(values, values.length, 1, three.RedFormat, three.FloatType);
+  texture.needsUpdate = true;
+  return texture;
 }
 
 function surface(geometry: three.BufferGeometry, fragmentShader: string, uniforms: Uniforms): three.Mesh {
@@ -119,6 +155,7 @@ function surfaceUniforms(entry: MeshEntry, material: MaterialEntry, textures: re
     emissionTwoSided: { value: material.emission_two_sided },
     cutoff: { value: material.cutoff },
     coat: { value: material.coat },
+    mirrored: { value: vectors(material.mirrored) },
     inside: { value: material.inside },
     saturates: { value: material.saturates },
   };
@@ -128,6 +165,10 @@ function surfaceUniforms(entry: MeshEntry, material: MaterialEntry, textures: re
     uniforms[`${name}Map`] = { value: number === undefined ? null : textures[number] };
   }
   return uniforms;
+}
+
+function vectors(numbers: readonly number[]): three.Vector3[] {
+  return Array.from({ length: numbers.length / 3 }, (_, i) => new three.Vector3().fromArray(numbers, 3 * i));
 }
 
 function valueUniform(value: Value): Record<string, unknown> {

@@ -4,6 +4,7 @@
 // The images that passes draw into, and what the graphics card must be able to do.
 
 import * as three from 'three';
+import { MOST_PLANES } from './mirrors';
 
 /** How sums are held: half floats, with an error of some tenths of a per cent, where floats cannot be blended. */
 export type Precision = 'float' | 'half';
@@ -41,8 +42,11 @@ export class Targets {
   readonly glossSums: three.WebGLRenderTarget;
   /** The number of splats, for an overlay. */
   readonly counts: three.WebGLRenderTarget;
-  /** The linear picture. */
+  /** The linear picture before mirrors are added, and with them. */
+  readonly base: three.WebGLRenderTarget;
   readonly picture: three.WebGLRenderTarget;
+  /** The pictures of mirrored eyes, with smaller ones of themselves. */
+  readonly mirrors: readonly three.WebGLRenderTarget[];
 
   constructor(
     readonly width: number,
@@ -66,10 +70,24 @@ export class Targets {
     this.sums = make(blended, 1, true);
     this.glossSums = make(blended, 1, true);
     this.counts = make(blended, 1, true);
+    this.base = make(three.FloatType);
     this.picture = make(three.FloatType);
+    this.mirrors = Array.from(
+      { length: MOST_PLANES },
+      () =>
+        new three.WebGLRenderTarget(width, height, {
+          type: three.HalfFloatType,
+          format: three.RGBAFormat,
+          minFilter: three.LinearMipmapLinearFilter,
+          magFilter: three.LinearFilter,
+          generateMipmaps: true,
+          depthBuffer: false,
+        }),
+    );
   }
 
   dispose(): void {
-    for (const target of [this.surfaces, this.light, this.sums, this.glossSums, this.counts, this.picture]) target.dispose();
+    const { surfaces, light, sums, glossSums, counts, base, picture, mirrors } = this;
+    for (const target of [surfaces, light, sums, glossSums, counts, base, picture, ...mirrors]) target.dispose();
   }
 }

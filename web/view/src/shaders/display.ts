@@ -12,7 +12,7 @@ precision highp int;
 layout(location = 0) out vec4 outColor;
 uniform highp sampler2D picture, positions, normals, albedos, sums, glossSums, counts;
 uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
-uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is left out, 4: records
+uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records
 uniform float scale;      // 2 to the power of the exposure
 uniform bool comparing, showDifference;
 uniform highp sampler2D pagePicture, truth;  // of the page, averaged over pixels; of the server, row 0 at the top
@@ -65,9 +65,9 @@ void main() {
   if (seen && overlay == 1) color = weight > 0.0 ? mix(vec3(light), ramp(weight / 4.0), 0.7) : vec3(0.85, 0.1, 0.1);
   if (seen && overlay == 2) color = ramp(log2(1.0 + texelFetch(counts, pixel, 0).r) / 6.0);
   if (seen && overlay == 3) {
-    // Diffuse surfaces without a record, and gloss without one: of what is rough, and of mirrors and the like.
+    // Diffuse surfaces without a record, and gloss that is approximated: of what is rough, and of mirrors and the like.
     bool dark = weight <= 0.0 && any(greaterThan(texelFetch(albedos, pixel, 0).rgb, vec3(0.0)));
-    bool dull = gloss > 0.5 && texelFetch(glossSums, pixel, 0).w <= 0.0;
+    bool dull = gloss > 0.5 && texelFetch(picture, pixel, 0).w > 0.5;
     vec3 mark = dark ? vec3(0.9, 0.15, 0.1) : gloss > 1.5 ? vec3(0.1, 0.7, 0.9) : vec3(0.95, 0.65, 0.1);
     if (dark || dull) color = (pixel.x + pixel.y) % 12 < 6 ? mark : mix(vec3(light), mark, 0.3);
   }

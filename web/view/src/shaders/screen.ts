@@ -119,7 +119,7 @@ uniform vec2 size;
 const float pi = 3.14159265358979;
 
 // The sums of splats of an image at a pixel. Where no record serves, in cracks between records, the nearest pixels of the same surface
-// stand in: of the same plane if there are any, otherwise of similar normals. The overlay of what is left out marks them.
+// stand in: of the same plane if there are any, otherwise of similar normals. An overlay marks them.
 vec4 sumAt(highp sampler2D image, ivec2 pixel) {
   vec4 sum = texelFetch(image, pixel, 0);
   vec3 p = texelFetch(positions, pixel, 0).xyz, n = texelFetch(normals, pixel, 0).xyz;
@@ -156,6 +156,6 @@ void main() {
   if (showIndirect && sum.w > 0.0) radiance += texelFetch(albedos, pixel, 0).rgb / pi * sum.rgb / sum.w;
   vec4 gloss = texelFetch(normals, pixel, 0).w > 0.5 ? sumAt(glossSums, pixel) : vec4(0.0);
   if (showIndirect && gloss.w > 0.0) radiance += gloss.rgb / gloss.w;
-  outRadiance = vec4(radiance, 1.0);
+  outRadiance = vec4(min(radiance, 60000.0), 1.0); // the largest half float of mirrored pictures
 }
 `;

@@ -49,13 +49,17 @@ precision highp int;
 flat in int vRecord;
 layout(location = 0) out vec4 weighted;
 uniform highp sampler2D positions, normals, albedos;
-uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records
+uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records, 3: the number of fragments
 uniform vec4 eye;
 uniform float pixelAngle;  // width of a pixel at distance 1, or of a parallel view
 ${fetching}
 ${reading}
 ${unpacking}
 void main() {
+  if (overlay == 3) {
+    weighted = vec4(1.0, 0.0, 0.0, 0.0);
+    return;
+  }
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 at = texelFetch(positions, pixel, 0);
   if (at.w < 0.5) discard;

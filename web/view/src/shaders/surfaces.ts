@@ -6,7 +6,7 @@
 //   positions    position; the number of the material + 1, or 0 where nothing is seen
 //   normals      geometric normal on the side of the eye; the kind of gloss (0 none, 1 rough, 2 mirror, 3 glass)
 //   albedos      diffuse albedo towards the eye; the shading normal, packed, or −1 where it is the geometric one
-//   radiances    emitted radiance and the reflected light of the light map
+//   radiances    emitted radiance and the reflected light of the light map; the mirrored share of light, packed
 
 export const surfaceVertex = /* glsl */ `#version 300 es
 precision highp float;
@@ -76,6 +76,8 @@ uniform bool saturates, emissionTwoSided, hasLight;
 uniform Value diffuse, metallic, transmission, emission;
 uniform sampler2D diffuseMap, metallicMap, transmissionMap, emissionMap, lightMap;
 uniform float coat[32];
+uniform vec3 mirrored[32];
+uniform vec4 clip;  // a plane, behind which nothing is drawn: normal and offset
 uniform float lightScale;
 
 float packed(vec3 n) {
@@ -89,25 +91,38 @@ float coatAt(float cosine) {
   int i = min(int(x), 30);
   return mix(coat[i], coat[i + 1], x - float(i));
 }
+vec3 mirroredAt(float cosine, vec3 metal, float metallic) {
+  float x = clamp(cosine, 0.0, 1.0) * 31.0;
+  int i = min(int(x), 30);
+  vec3 coated = mix(mirrored[i], mirrored[i + 1], x - float(i));
+  return mix(coated, metal + (1.0 - metal) * pow(1.0 - clamp(cosine, 0.0, 1.0), 5.0), metallic);
+}
+float packedShare(vec3 share) {
+  vec3 root = floor(sqrt(clamp(share, 0.0, 1.0)) * 255.0 + 0.5);
+  return root.r + 256.0 * root.g + 65536.0 * root.b;
+}
 void main() {
   vec3 towards = towardsEye();
   bool front = dot(vFace, towards) > 0.0;
   if (!front && (frontOnly || culled)) discard;
+  if (dot(clip.xyz, vPosition) < clip.w) discard;
   if (opacityOf() < 0.5) discard;
   vec3 n = front ? vFace : -vFace;
   vec3 s = normalize(vNormal);
   if (dot(s, n) < 0.0) s = -s;
   bool bends = dot(s, n) < 0.9999999;
   vec3 albedo = valueOf(diffuse, diffuseMap) * (vertexColors ? vColor.rgb : vec3(1.0));
-  albedo *= (1.0 - valueOf(metallic, metallicMap).r) * (1.0 - valueOf(transmission, transmissionMap).r);
+  float metal = valueOf(metallic, metallicMap).r;
+  vec3 share = gloss > 0.5 ? mirroredAt(abs(dot(s, towards)), albedo, metal) : vec3(0.0);
+  albedo *= (1.0 - metal) * (1.0 - valueOf(transmission, transmissionMap).r);
   albedo *= coatAt(abs(dot(s, towards))) / (1.0 - inside * (saturates ? albedo : vec3(1.0)));
-  if (!front && !twoSided) albedo = vec3(0.0);
+  if (!front && !twoSided) albedo = share = vec3(0.0);
   vec3 radiance = front || emissionTwoSided ? valueOf(emission, emissionMap) : vec3(0.0);
   if (hasLight) radiance += albedo * texture(lightMap, vLightUv).rgb * lightScale * ${1 / Math.PI};
   outPosition = vec4(vPosition, number);
   outNormal = vec4(n, gloss);
   outAlbedo = vec4(albedo, bends ? packed(s) : -1.0);
-  outRadiance = vec4(radiance, 0.0);
+  outRadiance = vec4(radiance, packedShare(share));
 }
 `;
 
