@@ -210,7 +210,8 @@ _quality_options = together(
     short_help="Render a picture of a scene.",
     examples=EXAMPLES,
     notes=method_notes,
-    help="""Render a picture of SCENE: a .gltf, .glb, .obj, .ply or Mitsuba .xml file, or the name of a built-in scene.
+    help="""Render a picture of SCENE: a .gltf, .glb, .obj, .ply, .usd or Mitsuba .xml file, or the name of a built-in
+    scene.
 
     All options have defaults. Without any, the light is computed by irradiance caching until the estimated error of
     the picture is below 3 %, and the picture is written to SCENE.png in the current folder. Unless --samples, --time or

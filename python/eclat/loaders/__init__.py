@@ -24,6 +24,10 @@ SUFFIXES: dict[str, tuple[str, str]] = {
     ".obj": ("eclat.loaders.obj", "load_obj_scene"),
     ".ply": ("eclat.loaders.ply", "load_ply_scene"),
     ".xml": ("eclat.loaders.mitsuba", "load_xml"),
+    ".usd": ("eclat.loaders.usd", "load_usd"),
+    ".usda": ("eclat.loaders.usd", "load_usd"),
+    ".usdc": ("eclat.loaders.usd", "load_usd"),
+    ".usdz": ("eclat.loaders.usd", "load_usd"),
 }
 """The loader of each file suffix: a module, which is imported on first use, and a function in it.
 

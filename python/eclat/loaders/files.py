@@ -108,7 +108,7 @@ def read_texture(
         image, linear = read_image_file(path, read_bytes(path, where=where))
     except EclatError as error:
         return stand_in(str(error), srgb=srgb, where=where, neutral=neutral, **options)
-    return Texture(_finite(image, where), srgb=srgb and not linear, **options)
+    return Texture(finite_texels(image, where), srgb=srgb and not linear, **options)
 
 
 def texture_from_bytes(
@@ -203,7 +203,7 @@ def _checker() -> NDArray[np.uint8]:
     return np.take(tones, (rows + columns) % 2, axis=0)
 
 
-def _finite(image: NDArray[Any], where: str) -> NDArray[Any]:
+def finite_texels(image: NDArray[Any], where: str) -> NDArray[Any]:
     """Replace +∞ by the largest finite value of the image, and NaN and −∞ by 0, with a warning."""
     good = np.isfinite(image)
     if good.all():
