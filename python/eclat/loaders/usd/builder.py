@@ -110,6 +110,8 @@ class Builder:
         elif prim.HasAPI(lux.LightAPI):
             self._check(prim, to_world)
             self._add_light(prim, to_world)
+        elif kind == "Skeleton":
+            stage.once("skeleton", "skeletons are not supported: skinned meshes are shown as they were bound")
         elif kind in _NOT_DRAWN:
             stage.once(f"kind {kind}", f"prims of the type {kind} are not supported and are left out")
         if prim.IsA(geometry.Gprim) and prim.HasAPI(lux.MeshLightAPI):

@@ -412,3 +412,8 @@ def test_what_is_not_drawn_is_named_once(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning, match="prims of the type BasisCurves are not supported") as found:
         load_usda(tmp_path, body)
     assert len(found) == 1
+
+
+def test_skeletons_are_named(tmp_path: Path) -> None:
+    with pytest.warns(EclatWarning, match="skeletons are not supported: skinned meshes are shown as they were bound"):
+        load_usda(tmp_path, 'def Skeleton "bones" {}\ndef Sphere "s" {}')
