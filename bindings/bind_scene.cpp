@@ -4,6 +4,7 @@
 #include <nanobind/nanobind.h>
 #include <nanobind/ndarray.h>
 #include <nanobind/stl/array.h>
+#include <nanobind/stl/shared_ptr.h>
 #include <nanobind/stl/string.h>
 #include <nanobind/stl/unique_ptr.h>
 #include <nanobind/stl/vector.h>
@@ -158,6 +159,7 @@ void bind_kinds(nb::module_& m) {
         .value("plastic", MaterialKind::plastic)
         .value("metallic_roughness", MaterialKind::metallic_roughness)
         .value("translucent", MaterialKind::translucent)
+        .value("measured", MaterialKind::measured)
         .value("blend", MaterialKind::blend);
     m.def("parameter_names", &names_of, "kind"_a);
 }
@@ -174,6 +176,9 @@ void bind_material(nb::module_& m) {
         .def_prop_rw(
             "children", [](const Material& s) { return std::array<int, 2>{s.children[0], s.children[1]}; },
             [](Material& s, std::array<int, 2> c) { s.children[0] = c[0], s.children[1] = c[1]; })
+        .def_prop_rw(
+            "table", [](const Material& m) { return std::const_pointer_cast<MeasuredBrdf>(m.table); },
+            [](Material& m, std::shared_ptr<MeasuredBrdf> table) { m.table = std::move(table); })
         .def_rw("beckmann", &Material::beckmann)
         .def_rw("nonlinear", &Material::nonlinear)
         .def_rw("thin_walled", &Material::thin_walled)

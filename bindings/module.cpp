@@ -19,8 +19,10 @@ void bind_harmonics(nb::module_& m);
 void bind_brdf_table(nb::module_& m);
 void bind_photons(nb::module_& m);
 void bind_radiosity(nb::module_& m);
+void bind_measured(nb::module_& m);
 
 NB_MODULE(_core, m) {
+    bind_measured(m);
     bind_scene(m);
     bind_render(m);
     bind_space_probes(m);

@@ -17,7 +17,7 @@ void for_each_bit(uint32_t mask, const F& f) {
 }
 
 Color lobe_albedo(const Lobe& lobe, Vec3 wo) {
-    return std::visit([&](const auto& l) { return l.albedo(wo); }, lobe);
+    return visit_lobe([&](const auto& l) { return l.albedo(wo); }, lobe);
 }
 
 Color lobe_straight(const Lobe& lobe, Vec3 wo) {
@@ -39,7 +39,7 @@ void Bsdf::add(const Lobe& lobe, Color weight) {
             }
     if (count_ == capacity) throw std::length_error("BSDF: expected at most 8 lobes, got more: blend fewer materials");
     std::construct_at(&entries_[size_t(count_)], lobe, weight);
-    std::visit(
+    visit_lobe(
         [&](const auto& l) {
             diffuse_ |= Mask(l.is_diffuse) << count_;
             delta_ |= Mask(l.is_delta) << count_;
@@ -86,7 +86,7 @@ EvalPdf Bsdf::eval_lobes(Vec3 wo, Vec3 wi, Mask set) const {
     // Delta lobes contribute nothing here.
     if ((set & ~delta_) == 0 || select(wo, set, probability) == 0) return sum;
     for_each_bit(set & ~delta_, [&](size_t i) {
-        const EvalPdf e = std::visit([&](const auto& l) { return l.eval(wo, wi); }, entries_[i].lobe);
+        const EvalPdf e = visit_lobe([&](const auto& l) { return l.eval(wo, wi); }, entries_[i].lobe);
         sum.f += entries_[i].weight * e.f;
         sum.pdf_solid_angle += probability[i] * e.pdf_solid_angle;
     });
@@ -110,7 +110,7 @@ std::optional<BsdfSample> Bsdf::sample_lobes(Vec3 wo, float u_lobe, Vec2 u, Lobe
     u_lobe = clamp(u_lobe / probability[chosen], 0, below_one);
 
     BsdfSample s;
-    if (!std::visit([&](const auto& l) { return l.sample(wo, u_lobe, u, s); }, entries_[chosen].lobe))
+    if (!visit_lobe([&](const auto& l) { return l.sample(wo, u_lobe, u, s); }, entries_[chosen].lobe))
         return std::nullopt;
 
     if (s.delta || (lobes & (lobes - 1)) == 0) {

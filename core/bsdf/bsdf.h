@@ -148,6 +148,9 @@ Bsdf make_dielectric(float ior, float alpha_u, float alpha_v, Color reflection, 
 
 Bsdf make_thin_dielectric(float ior, Color reflection, Color transmission);
 
+/// The table must outlive the result.
+Bsdf make_measured(const MeasuredBrdf& brdf, Color scale);
+
 /// Makes a thin surface that reflects and transmits light diffusely on both sides.
 Bsdf make_translucent(Color reflectance, Color transmittance);
 

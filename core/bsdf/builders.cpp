@@ -62,6 +62,12 @@ Bsdf make_thin_dielectric(float ior, Color reflection, Color transmission) {
     return bsdf;
 }
 
+Bsdf make_measured(const MeasuredBrdf& brdf, Color scale) {
+    Bsdf bsdf;
+    bsdf.add(MeasuredLobe{&brdf}, scale);
+    return bsdf;
+}
+
 Bsdf make_translucent(Color reflectance, Color transmittance) {
     Bsdf bsdf;
     bsdf.add(LambertLobe{}, reflectance);

@@ -78,6 +78,7 @@ void Material::prepare(const std::vector<Material>& materials) {
             pane |= materials[child].pane;
             lobes += materials[child].lobes;
         }
+    require(kind != MaterialKind::measured || table != nullptr, "measured material: expected a table, got none");
     require(lobes <= Bsdf::capacity, "blend: expected materials with at most " + std::to_string(Bsdf::capacity) +
                                          " lobes, got " + std::to_string(lobes) + ": blend fewer materials");
     if (kind == MaterialKind::plastic)
@@ -124,6 +125,7 @@ Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceC
         case translucent:
             return make_translucent(read.base_color(parameter(translucent, "reflectance")),
                                     read.base_color(parameter(translucent, "transmittance")));
+        case measured: return make_measured(*m->table, read.color(parameter(measured, "scale")));
         case blend: break;
     }
     const float weight = clamp(read.scalar(parameter(blend, "weight")), 0, 1);

@@ -25,6 +25,7 @@ enum class MaterialKind : uint8_t {
     plastic,
     metallic_roughness,
     translucent,
+    measured,
     blend
 };
 
@@ -47,6 +48,7 @@ inline constexpr Names metallic_roughness[] = {"base_color",
                                                "diffuse_transmission",
                                                "diffuse_transmission_color"};
 inline constexpr Names translucent[] = {"reflectance", "transmittance"};
+inline constexpr Names measured[] = {"scale"};
 inline constexpr Names blend[] = {"weight"};
 }  // namespace detail
 
@@ -62,6 +64,7 @@ constexpr std::span<const std::string_view> parameter_names(MaterialKind kind) {
         case MaterialKind::plastic: return detail::plastic;
         case MaterialKind::metallic_roughness: return detail::metallic_roughness;
         case MaterialKind::translucent: return detail::translucent;
+        case MaterialKind::measured: return detail::measured;
         case MaterialKind::blend: return detail::blend;
     }
     return {};
@@ -99,7 +102,8 @@ struct Material {
     bool pane = false;       // some light goes straight through, and so do shadow rays
     bool refracts = false;   // inside and outside differ, so its frame is never turned towards the viewer
     PlasticTable coat;       // plastic only
-    int lobes = 1;           // greatest number of lobes that a point may need
+    std::shared_ptr<const MeasuredBrdf> table;  // measured only
+    int lobes = 1;                              // greatest number of lobes that a point may need
 
     /// Returns whether it is black or invisible from behind.
     bool has_no_back() const { return !two_sided && !transmits; }
@@ -108,7 +112,8 @@ struct Material {
 
     /// Returns whether its lobes depend on directions in the tangent plane.
     bool anisotropic() const {
-        return kind == MaterialKind::ward || kind == MaterialKind::conductor || kind == MaterialKind::dielectric;
+        return kind == MaterialKind::ward || kind == MaterialKind::conductor || kind == MaterialKind::dielectric ||
+               (kind == MaterialKind::measured && !table->isotropic());
     }
 
     /// Computes the values that depend only on constants; `materials` contains its children, which must have been

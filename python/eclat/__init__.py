@@ -17,6 +17,7 @@ if TYPE_CHECKING:
     from eclat.instruction_set import use_instruction_set
     from eclat.lightmap.lightmap import Lightmap
     from eclat.loaders import load, load_dict
+    from eclat.loaders.brdf_files import load_brdf
     from eclat.loaders.ies import load_ies
     from eclat.methods import (
         METHODS,
@@ -55,6 +56,7 @@ _HOMES = {
     "load": "eclat.loaders",
     "load_dict": "eclat.loaders",
     "with_camera_path": "eclat.motion.camera_path",
+    "load_brdf": "eclat.loaders.brdf_files",
     "load_ies": "eclat.loaders.ies",
     "override_lights": "eclat.stage.light_overrides",
     "override_materials": "eclat.stage.material_overrides",
@@ -129,6 +131,7 @@ __all__ = [
     "irradiance",
     "light_groups",
     "load",
+    "load_brdf",
     "load_dict",
     "load_ies",
     "load_solved",

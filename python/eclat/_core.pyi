@@ -9,6 +9,52 @@ from typing import Annotated, overload
 import numpy
 from numpy.typing import NDArray
 
+class MeasuredBrdf:
+    def eval(
+        self,
+        wo: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        wi: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    ) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32]]:
+        """
+        Values (N, 3) without the cosine, and the densities (N,) of `directions`.
+        """
+
+    def directions(
+        self,
+        wo: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        u: Annotated[NDArray[numpy.float32], dict(shape=(None, 2), order="C", device="cpu", writable=False)],
+    ) -> NDArray[numpy.float32]:
+        """Directions (N, 3) of light that random numbers (N, 2) choose."""
+
+    def albedo(
+        self, wo: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)]
+    ) -> NDArray[numpy.float32]: ...
+    @property
+    def largest_albedo(self) -> float: ...
+
+def merl_brdf(
+    values: Annotated[
+        NDArray[numpy.float32], dict(shape=(None, None, None, None), order="C", device="cpu", writable=False)
+    ],
+) -> MeasuredBrdf: ...
+def rgl_brdf(
+    *,
+    phi: Sequence[float],
+    theta: Sequence[float],
+    normals: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    projected: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    visible: Annotated[
+        NDArray[numpy.float32], dict(shape=(None, None, None, None), order="C", device="cpu", writable=False)
+    ],
+    luminance: Annotated[
+        NDArray[numpy.float32], dict(shape=(None, None, None, None), order="C", device="cpu", writable=False)
+    ],
+    channels: Annotated[
+        NDArray[numpy.float32], dict(shape=(None, None, None, None, None), order="C", device="cpu", writable=False)
+    ],
+    jacobian: bool,
+) -> MeasuredBrdf: ...
+
 class Wrap(enum.Enum):
     repeat = 0
 
@@ -35,7 +81,9 @@ class MaterialKind(enum.Enum):
 
     translucent = 8
 
-    blend = 9
+    measured = 9
+
+    blend = 10
 
 def parameter_names(kind: MaterialKind) -> list[str]: ...
 
@@ -65,6 +113,10 @@ class Material:
     def children(self) -> list[int]: ...
     @children.setter
     def children(self, arg: Sequence[int], /) -> None: ...
+    @property
+    def table(self) -> MeasuredBrdf: ...
+    @table.setter
+    def table(self, arg: MeasuredBrdf, /) -> None: ...
     @property
     def beckmann(self) -> bool: ...
     @beckmann.setter

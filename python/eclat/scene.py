@@ -28,6 +28,7 @@ from eclat.light_sources import Light as Light
 from eclat.light_sources import PointLight as PointLight
 from eclat.light_sources import ProfileLight as ProfileLight
 from eclat.light_sources import SpotLight as SpotLight
+from eclat.measured_brdf import MeasuredBrdf
 
 FloatArray = NDArray[np.floating]
 
@@ -123,6 +124,7 @@ MATERIAL_KINDS: dict[str, tuple[str, ...]] = {
         "diffuse_transmission_color",
     ),
     "translucent": ("reflectance", "transmittance"),  # diffuse on both sides, and through to the other
+    "measured": ("scale",),  # factor of what was measured (`Material.measured`)
     "blend": ("weight",),  # 0 = children[0], 1 = children[1]
 }
 
@@ -146,6 +148,7 @@ DEFAULTS: dict[str, Value] = {
     "diffuse_transmission": grey(0.0),
     "diffuse_transmission_color": grey(1.0),
     "transmittance": grey(0.5),
+    "scale": grey(1.0),
     "weight": grey(0.5),
 }
 
@@ -182,6 +185,8 @@ class Material:
     `bounded`, with a warning."""
     thin_walled: bool = True
     children: tuple[Material, ...] = ()
+    measured: MeasuredBrdf | None = None
+    """What was measured, for the kind "measured" (`eclat.load_brdf`)."""
     opacity: Value = field(default_factory=lambda: grey(1.0))
     """Probability that a ray hits the surface instead of passing straight through it (masks, blended alpha, the `d` of
     MTL files)."""

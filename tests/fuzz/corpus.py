@@ -19,6 +19,7 @@ import eclat
 from eclat.images.exr import encode_exr
 from eclat.scenes import build
 from fuzz.mutations import glb
+from support.brdf_files import tensor_file
 from support.compressed_files import COMPRESSED
 from support.gltf_files import TRIANGLE, GltfFile, png_bytes
 from support.mitsuba_files import WHOLE
@@ -42,6 +43,7 @@ def corpus() -> dict[str, list[Files]]:
         "image": _images(),
         "points": _points(),
         "solved": _solved(),
+        "brdf": _brdfs(),
         "brdf-cache": [_brdf_cache()],
         "settings": _settings(),
         "options": [{"options.json": json.dumps(_OPTIONS).encode()}],
@@ -327,6 +329,29 @@ def _without_clock(data: bytes) -> bytes:
     file = io.BytesIO()
     np.savez(file, header=json.dumps(header), **arrays)
     return file.getvalue()
+
+
+def _brdfs() -> list[Files]:
+    """Small files of RGL, isotropic or not, and the beginning of one of MERL."""
+    rng = np.random.default_rng(2)
+
+    def fields(azimuths: int, **others: Any) -> dict[str, Any]:
+        slices = (azimuths, 3)
+        return {
+            "phi_i": np.linspace(-np.pi, 0, azimuths, dtype="<f4"), "theta_i": np.linspace(0, 1.4, 3, dtype="<f4"),
+            "ndf": rng.random((3, 4), np.float32), "sigma": rng.random((2, 3), np.float32) + np.float32(0.1),
+            "vndf": rng.random((*slices, 4, 4), np.float32), "luminance": rng.random((*slices, 3, 3), np.float32),
+            "jacobian": np.ones(1, np.uint8), **others,
+        }  # fmt: skip
+
+    rgb = fields(1, rgb=rng.random((1, 3, 3, 3, 3), np.float32))
+    spectra = rng.random((4, 3, 5, 3, 3), np.float32)
+    spectral = fields(4, spectra=spectra, wavelengths=np.linspace(360, 1000, 5, dtype="<f4"))
+    return [
+        {"paint.bsdf": tensor_file(rgb)},
+        {"brushed.bsdf": tensor_file(spectral)},
+        {"paint.binary": struct.pack("<3i3d", 90, 90, 180, 1, 2, 3)},
+    ]
 
 
 def _brdf_cache() -> Files:

@@ -17,6 +17,7 @@ import numpy as np
 
 import eclat
 from eclat.brdf_table import brdf_table
+from eclat.bridge.compiled import core_brdf
 from eclat.cli.point_files import read_points
 from eclat.cli.replay import replayed_flags
 from eclat.loaders.files import read_texture
@@ -141,6 +142,19 @@ def try_solved(path: Path, random: Random) -> str:
     return "rendered"
 
 
+def try_brdf(path: Path, random: Random) -> str:
+    """A measured BRDF: load it, and look at it from some directions."""
+    core = core_brdf(eclat.load_brdf(path))
+    rng = np.random.default_rng(random.randrange(1 << 32))
+    wo, wi = rng.normal(size=(2, 20, 3)).astype(np.float32)
+    wo, wi = (w / np.linalg.norm(w, axis=1, keepdims=True) for w in (wo, wi))
+    values, densities = core.eval(np.ascontiguousarray(wo), np.ascontiguousarray(wi))
+    found = core.directions(np.ascontiguousarray(wo), rng.random((20, 2), np.float32))
+    if not all(np.isfinite(array).all() for array in (values, densities, found)):
+        raise NotFiniteError("values of a measured BRDF")
+    return "loaded"
+
+
 def try_brdf_cache(path: Path, random: Random) -> str:
     """A table in the cache folder: read, or computed anew with a warning."""
     os.environ["XDG_CACHE_HOME"] = str(path.parent.parent)
@@ -182,6 +196,7 @@ TARGETS: dict[str, Target] = {
     "image": try_image,
     "points": try_points,
     "solved": try_solved,
+    "brdf": try_brdf,
     "brdf-cache": try_brdf_cache,
     "settings": try_settings,
     "options": try_options,
@@ -190,6 +205,6 @@ TARGETS: dict[str, Target] = {
 
 SHARES: dict[str, int] = {
     **{"gltf": 5, "obj": 3, "ply": 3, "mitsuba": 4, "serialized": 1, "dict": 2, "image": 5, "points": 1, "solved": 3},
-    **{"brdf-cache": 1, "settings": 1, "options": 1},
+    **{"brdf": 1, "brdf-cache": 1, "settings": 1, "options": 1},
 }
 """How many of thirty inputs a format gets."""

@@ -13,8 +13,9 @@ import numpy as np
 from eclat import _core
 from eclat.bridge.frame import center_of, warn_of_rounding
 from eclat.bridge.reach import check_areas, check_length, check_reach
-from eclat.errors import EclatError
+from eclat.errors import EclatError, warn
 from eclat.instruction_set import check_variable
+from eclat.measured_brdf import MeasuredBrdf, MerlBrdf
 from eclat.scene import (
     DEFAULTS,
     MATERIAL_KINDS,
@@ -74,6 +75,10 @@ class Compiled:
         )  # fmt: skip
 
 
+MOST_ALBEDO = 1.02
+"""Albedo of a measured BRDF from which on there is a warning. It is computed from 1024 samples, which err by some tenths of a per
+cent, and measurements err by more."""
+
 _cache: weakref.WeakKeyDictionary[Scene, Compiled] = weakref.WeakKeyDictionary()
 
 
@@ -96,6 +101,7 @@ class _Compiler:
         self.builder = _core.SceneBuilder()
         self.textures: dict[int, int] = {}
         self.materials: dict[int, int] = {}
+        self.measured: dict[int, _core.MeasuredBrdf] = {}
 
     def compile(self) -> Compiled:
         center = center_of(self.scene)
@@ -172,6 +178,20 @@ class _Compiler:
             invert=value.invert, square=value.square,
         )  # fmt: skip
 
+    def table(self, material: Material) -> _core.MeasuredBrdf:
+        """Return the table of a measured material, which all materials with the same measurement share."""
+        brdf = material.measured
+        if brdf is None:
+            raise EclatError(f"material {material.name!r}: expected `measured` for the kind 'measured', got None")
+        if id(brdf) not in self.measured:
+            table = self.measured[id(brdf)] = core_brdf(brdf)
+            if table.largest_albedo > MOST_ALBEDO:
+                warn(
+                    f"material {material.name!r}: the measured BRDF {brdf.name!r} reflects up to "
+                    f"{100 * table.largest_albedo:.3g} % of the light, which no surface can; it is used as it was measured"
+                )
+        return self.measured[id(brdf)]
+
     def material(self, material: Material) -> int:
         index = self.materials.get(id(material))
         if index is None:
@@ -193,6 +213,8 @@ class _Compiler:
         out.children = [self.material(child) for child in material.children] or [-1, -1]
         out.beckmann = material.distribution == "beckmann"
         out.nonlinear = material.nonlinear
+        if material.kind == "measured":
+            out.table = self.table(material)
         out.thin_walled = material.thin_walled
         out.opacity = self.value(material.opacity)
         out.alpha_cutoff = -1.0 if material.alpha_cutoff is None else material.alpha_cutoff
@@ -207,6 +229,16 @@ class _Compiler:
         # A surface that is invisible from behind does not emit there either.
         out.emission_two_sided = material.emission_two_sided and (material.two_sided or not material.back_culled)
         return out
+
+
+def core_brdf(brdf: MeasuredBrdf) -> _core.MeasuredBrdf:
+    """Make the core's table of a measured BRDF."""
+    if isinstance(brdf, MerlBrdf):
+        return _core.merl_brdf(brdf.values)
+    return _core.rgl_brdf(
+        phi=brdf.phi.tolist(), theta=brdf.theta.tolist(), normals=brdf.normals, projected=brdf.projected,
+        visible=brdf.visible, luminance=brdf.luminance, channels=brdf.channels, jacobian=brdf.jacobian,
+    )  # fmt: skip
 
 
 def _floats(array: FloatArray | None, width: int) -> np.ndarray:

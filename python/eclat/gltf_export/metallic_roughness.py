@@ -6,8 +6,11 @@ from __future__ import annotations
 
 from dataclasses import replace
 
+import numpy as np
+
 from eclat.errors import warn
 from eclat.gltf_export.textures import average, constant_of
+from eclat.measured_brdf import normal_albedo
 from eclat.scene import DEFAULTS, Material, Value, grey, rgb
 
 
@@ -126,6 +129,13 @@ def _glass(material: Material) -> dict[str, Value]:
     }
 
 
+def _measured(material: Material) -> dict[str, Value]:
+    """Return a diffuse surface with the albedo along the normal."""
+    albedo = np.zeros(3) if material.measured is None else normal_albedo(material.measured)
+    red, green, blue = np.minimum(albedo * constant_of(average(_of(material, "scale"))), 1).tolist()
+    return {"base_color": rgb(red, green, blue), "metallic": grey(0), "roughness": grey(1), "specular": grey(0)}
+
+
 _CONVERSIONS = {
     "diffuse": _diffuse,
     "phong": _phong,
@@ -135,6 +145,7 @@ _CONVERSIONS = {
     "dielectric": _glass,
     "thin_dielectric": _glass,
     "translucent": _translucent,
+    "measured": _measured,
 }
 
 

@@ -79,6 +79,21 @@ def reflectance_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float
     return red, green, blue
 
 
+def reflectance_weights(wavelengths: ArrayLike) -> Floats:
+    """Return the weights (3, N) of samples of a reflectance spectrum at `wavelengths` (N,) in its linear sRGB under D65.
+
+    The spectrum is linear between samples, and keeps its first and last value outside of them, so that each row adds up to 1.
+
+    Raises
+    ------
+    EclatError : there are no wavelengths, one is not finite, or they do not increase.
+    """
+    nm = np.asarray(wavelengths, dtype=np.float64)
+    resample(nm, np.zeros(nm.shape))
+    samples = np.eye(nm.size)
+    return _REFLECTANCE_WEIGHTS @ np.stack([np.interp(WAVELENGTHS, nm, sample) for sample in samples], axis=1)
+
+
 def emission_to_rgb(wavelengths: ArrayLike, values: ArrayLike) -> tuple[float, float, float]:
     """Convert the spectrum of a light, or of any unbounded quantity, to linear sRGB; negative channels are clamped to
     0.

@@ -51,7 +51,9 @@ TEST_CASE("facets lose only the light that is scattered between them") {
 
 TEST_CASE("reciprocity: eta_i squared times f is symmetric") {
     const auto index = [](const BsdfCase& c, Vec3 w) { return w.z < 0 ? c.ior : 1.0f; };
-    for (const BsdfCase& c : white_cases())
+    for (const BsdfCase& c : white_cases()) {
+        // RGL's tables have other nodes for the viewer than for the light.
+        if (c.name.starts_with("rgl")) continue;
         for (const Vec3 wo : directions_of(c))
             for (const Vec3 wi : directions_of(c)) {
                 CAPTURE(c.name);
@@ -61,6 +63,7 @@ TEST_CASE("reciprocity: eta_i squared times f is symmetric") {
                 const Color back = c.bsdf.eval(wi, wo, LobeSet::all).f * sqr(index(c, wo));
                 for (int i = 0; i < 3; ++i) CHECK(there[i] == doctest::Approx(back[i]).epsilon(2e-3));
             }
+    }
 }
 
 TEST_CASE("lobes that reflect are black from behind and towards behind") {

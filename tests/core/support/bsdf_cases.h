@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "bsdf/bsdf.h"
+#include "measured_tables.h"
 
 namespace eclat::test {
 
@@ -34,6 +35,35 @@ inline const PlasticTable& rough_coat(Distribution distribution) {
     static const PlasticTable ggx = make_plastic_table(1.5f, 0.3f, Distribution::ggx);
     static const PlasticTable beckmann = make_plastic_table(1.5f, 0.3f, Distribution::beckmann);
     return distribution == Distribution::ggx ? ggx : beckmann;
+}
+
+/// What is measured here: a white diffuse base and facets, each with half of the light.
+inline Bsdf measured_model() {
+    Bsdf model = make_diffuse(Color(0.5f));
+    model.append(make_conductor(Color(0), Color(1), Color(1), 0.3f, 0.3f, Distribution::ggx), 0.5f);
+    return model;
+}
+
+inline Bsdf anisotropic_model() { return make_conductor(Color(0), Color(1), Color(1), 0.25f, 0.5f, Distribution::ggx); }
+
+inline const MerlBrdf& merl() {
+    static const MerlBrdf brdf(merl_values(measured_model()));
+    return brdf;
+}
+
+inline const RglBrdf& rgl() {
+    static const RglBrdf brdf(RglTables(measured_model(), {0.3f, 0.3f, Distribution::ggx}, {0}).data());
+    return brdf;
+}
+
+/// A quarter of the circle, whose symmetry gives the rest.
+inline const RglBrdf& anisotropic_rgl() {
+    static const RglBrdf brdf = [] {
+        std::vector<float> azimuths;
+        for (int i = 0; i <= 6; ++i) azimuths.push_back(-pi + float(i) * pi / 12);
+        return RglBrdf(RglTables(anisotropic_model(), {0.25f, 0.5f, Distribution::ggx}, azimuths).data());
+    }();
+    return brdf;
 }
 
 inline MetallicRoughness gltf(float metallic, float alpha, float transmission, bool thin) {
@@ -72,6 +102,9 @@ inline std::vector<BsdfCase> white_cases() {
         {"gltf thin glass", make_metallic_roughness(gltf(0, 0, 1, true)), true},
         {"gltf frosted", make_metallic_roughness(gltf(0, 0.4f, 0.7f, true))},
         {"gltf solid", make_metallic_roughness(gltf(0, 0.3f, 1, false)), false, true, 1.5f},
+        {"merl", make_measured(merl(), white)},
+        {"rgl", make_measured(rgl(), white)},
+        {"rgl anisotropic", make_measured(anisotropic_rgl(), white)},
     };
     for (const float alpha : {0.002f, 0.2f, 1.0f}) {
         const std::string suffix = " alpha " + std::to_string(alpha);
@@ -112,6 +145,8 @@ inline std::vector<BsdfCase> single_map_cases() {
         {"refraction beckmann", make_dielectric(1.5f, 0.3f, 0.5f, black, white, beckmann), false, true},
         {"refraction ggx 1.002", make_dielectric(1.002f, 0.3f, 0.5f, black, white, ggx), false, true},
         {"refraction beckmann 0.99", make_dielectric(0.99f, 0.3f, 0.5f, black, white, beckmann), false, true},
+        {"rgl", make_measured(rgl(), white)},
+        {"rgl anisotropic", make_measured(anisotropic_rgl(), white)},
         {"refraction ggx out", make_dielectric(0.7f, 0.3f, 0.1f, black, white, ggx), false, true},
     };
 }

@@ -10,6 +10,8 @@ from dataclasses import dataclass, field, replace
 from typing import Literal
 
 from eclat.errors import did_you_mean, warn
+from eclat.loaders.brdf_files import LARGEST_FILE, parse_brdf
+from eclat.loaders.files import read_bytes
 from eclat.loaders.mitsuba import wrappers
 from eclat.loaders.mitsuba.kinds import PLUGINS
 from eclat.loaders.mitsuba.node import Node
@@ -142,6 +144,14 @@ def _plastic(materials: Materials, node: Node) -> Material:
     return Material("plastic", parameters, two_sided=False, nonlinear=nonlinear, distribution=distribution)
 
 
+def _measured(materials: Materials, node: Node) -> Material:
+    """Convert a measured BRDF. Its property `scale` and the type merl are additions of Éclat."""
+    path = node.file("filename")
+    brdf = parse_brdf(read_bytes(path, where=f"{node.where}, filename", limit=LARGEST_FILE), path.name)
+    scale = materials.reflectance(node, "scale", default=1.0)
+    return Material("measured", {"scale": scale}, two_sided=False, measured=brdf)
+
+
 def _phong(materials: Materials, node: Node) -> Material:
     colors = _energy(materials, node)
     return Material("phong", colors | {"exponent": materials.scalar(node, "exponent", default=30.0)}, two_sided=False)
@@ -248,6 +258,8 @@ _MAKERS: dict[str, Callable[[Materials, Node], Material]] = {
     "plastic": _plastic,
     "roughplastic": _plastic,
     "pplastic": _plastic,
+    "measured": _measured,
+    "merl": _measured,
     "phong": _phong,
     "ward": _ward,
     "principled": _principled,
