@@ -74,11 +74,11 @@ MerlBrdf::MerlBrdf(std::span<const float> values) : values_(cells) {
 
 Color MerlBrdf::value(Vec3 wi, Vec3 half) const {
     // The frame of the half vector: t is its direction of rising θ_h, b completes it.
-    const float sine = std::hypot(half.x, half.y);
+    const float sine = std::sqrt(half.x * half.x + half.y * half.y);
     const Vec3 t = sine > 0 ? Vec3{half.x * half.z / sine, half.y * half.z / sine, -sine} : Vec3{1, 0, 0};
     const Vec3 b = cross(half, t);
     const float x = dot(wi, t), y = dot(wi, b), z = dot(wi, half);
-    const float theta_h = std::atan2(sine, half.z), theta_d = std::atan2(std::hypot(x, y), z);
+    const float theta_h = std::atan2(sine, half.z), theta_d = std::atan2(std::sqrt(x * x + y * y), z);
     const Between i = clamped(std::sqrt(theta_h * (2 / pi)) * half_angles, half_angles);
     const Between j = clamped(theta_d * (2 / pi) * difference_angles, difference_angles);
     const Between k = periodic(std::atan2(y, x) * (difference_azimuths / pi), difference_azimuths);

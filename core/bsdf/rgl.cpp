@@ -19,7 +19,7 @@ float place_of_phi(float phi) { return (phi + pi) / (2 * pi); }
 float theta_of_place(float u) { return u * u * (pi / 2); }
 float phi_of_place(float v) { return (2 * v - 1) * pi; }
 
-float theta_of(Vec3 w) { return std::atan2(std::hypot(w.x, w.y), w.z); }
+float theta_of(Vec3 w) { return std::atan2(std::sqrt(w.x * w.x + w.y * w.y), w.z); }
 float phi_of(Vec3 w) { return std::atan2(w.y, w.x); }
 
 BilinearTable table(const RglTable& t, size_t slices) { return {t.width, t.height, slices, t.values}; }
