@@ -16,13 +16,13 @@ using namespace nb::literals;
 
 namespace {
 
-auto probes(const CoreScene& scene, const Points& positions, const EstimatorHolder& scattered,
-            const ProbeOptions& options, Progress& progress) {
-    const auto places = vec3s(positions);
+template <class Place>
+auto probes_at(const CoreScene& scene, const std::vector<Place>& places, const EstimatorHolder& scattered,
+               const ProbeOptions& options, Progress& progress) {
     ProbeCoefficients found;
     {
         const nb::gil_scoped_release unlocked;
-        found = project_probes(scene.world(), places, scattered.call, options, progress);
+        found = project_probes(scene.world(), std::span<const Place>(places), scattered.call, options, progress);
     }
     const auto array = [&](const std::vector<Color>& values) {
         return float_array({places.size(), size_t(coefficient_count(options.order)), 3}, [&](float* data) {
@@ -43,7 +43,20 @@ void bind_space_probes(nb::module_& m) {
                 new (o) ProbeOptions{component, order, samples, seed, threads};
             },
             nb::kw_only(), "component"_a, "order"_a, "samples"_a, "seed"_a, "threads"_a);
-    m.def("probes", &probes, "scene"_a, "positions"_a, "estimator"_a, "options"_a, "progress"_a,
-          "Coefficients of the incident radiance and half the differences of its halves, (probes, order², 3) each; "
-          "number of dropped radiances.");
+    m.def(
+        "probes",
+        [](const CoreScene& scene, const Points& positions, const EstimatorHolder& scattered,
+           const ProbeOptions& options,
+           Progress& progress) { return probes_at(scene, vec3s(positions), scattered, options, progress); },
+        "scene"_a, "positions"_a, "estimator"_a, "options"_a, "progress"_a,
+        "Coefficients of the incident radiance and half the differences of its halves, (probes, order², 3) each; "
+        "number of dropped radiances.");
+    m.def(
+        "surface_probes",
+        [](const CoreScene& scene, const Points& positions, const Points& normals, const EstimatorHolder& scattered,
+           const ProbeOptions& options, Progress& progress) {
+            return probes_at(scene, points_with_normals(positions, normals), scattered, options, progress);
+        },
+        "scene"_a, "positions"_a, "normals"_a, "estimator"_a, "options"_a, "progress"_a,
+        "The same for the light that arrives at points of surfaces from the side of their normals.");
 }

@@ -39,6 +39,16 @@ struct HemisphereReceiver {
     float pdf_solid_angle(Vec3 w) const { return std::max(0.0f, dot(w, point.normal)) * inv_pi; }
 };
 
+/// Receives light from the side of a point's normal, from all directions alike.
+struct HalfSpaceReceiver {
+    SurfacePoint point;
+
+    Vec3 position() const { return point.position; }
+    Ray ray(Vec3 w, float t_max = infinity) const { return point.ray(w, t_max); }
+    Vec3 direction(Vec2 u) const { return point.frame.to_world(square_to_uniform_hemisphere(u)); }
+    float pdf_solid_angle(Vec3 w) const { return dot(w, point.normal) > 0 ? 0.5f * inv_pi : 0; }
+};
+
 /// Receives light from all sides of a point in space.
 struct SphereReceiver {
     Vec3 at;

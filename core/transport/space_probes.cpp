@@ -44,11 +44,13 @@ class HarmonicSum {
     size_t dropped_ = 0;
 };
 
-/// The samples of one probe.
+/// The samples of one probe. `Receiver` says from where it receives light.
+template <class Receiver>
 class Probe {
   public:
-    Probe(const World& world, Vec3 position, uint32_t index, const Estimator& scattered, const ProbeOptions& options)
-        : receiver_{position},
+    Probe(const World& world, const Receiver& receiver, uint32_t index, const Estimator& scattered,
+          const ProbeOptions& options)
+        : receiver_(receiver),
           index_(index),
           scattered_(scattered),
           options_(options),
@@ -90,14 +92,15 @@ class Probe {
         results_.assign(rays_.size(), {});
         scattered_(rays_, results_, progress);
         for (size_t k = 0; k < rays_.size(); ++k)
-            add(directions_[k], (results_[k].radiance - results_[k].emitted) / uniform_sphere_pdf_solid_angle());
+            if (const float pdf = receiver_.pdf_solid_angle(directions_[k]); pdf > 0)
+                add(directions_[k], (results_[k].radiance - results_[k].emitted) / pdf);
     }
 
-    SphereReceiver receiver_;
+    Receiver receiver_;
     uint32_t index_;
     const Estimator& scattered_;
     const ProbeOptions& options_;
-    ArrivingLight<SphereReceiver> light_;
+    ArrivingLight<Receiver> light_;
     std::vector<PathRay> rays_;
     std::vector<PathResult> results_;
     std::vector<Vec3> directions_;
@@ -105,19 +108,19 @@ class Probe {
     size_t dropped_ = 0;
 };
 
-}  // namespace
-
-ProbeCoefficients project_probes(const World& world, std::span<const Vec3> positions, const Estimator& scattered,
-                                 const ProbeOptions& options, Progress& progress) {
+/// Projects the light at `number` places, of which `receiver(i)` is one.
+template <class Receive>
+ProbeCoefficients project_each(const World& world, size_t number, const Receive& receiver, const Estimator& scattered,
+                               const ProbeOptions& options, Progress& progress) {
     require_order(options.order);
     const auto count = size_t(coefficient_count(options.order));
     ProbeCoefficients out;
-    out.values.resize(positions.size() * count);
-    out.errors.resize(positions.size() * count);
-    std::vector<size_t> dropped(positions.size());
-    progress.begin(positions.size());
-    parallel_for(positions.size(), options.threads, [&](size_t p) {
-        Probe probe(world, positions[p], static_cast<uint32_t>(p), scattered, options);
+    out.values.resize(number * count);
+    out.errors.resize(number * count);
+    std::vector<size_t> dropped(number);
+    progress.begin(number);
+    parallel_for(number, options.threads, [&](size_t p) {
+        Probe probe(world, receiver(p), static_cast<uint32_t>(p), scattered, options);
         const int n = options.samples, half = (n + 1) / 2;
         const Coefficients first = probe.sum(0, half, progress), second = probe.sum(half, n, progress);
         for (size_t i = 0; i < count; ++i) {
@@ -132,6 +135,21 @@ ProbeCoefficients project_probes(const World& world, std::span<const Vec3> posit
     });
     out.dropped = std::accumulate(dropped.begin(), dropped.end(), size_t(0));
     return out;
+}
+
+}  // namespace
+
+ProbeCoefficients project_probes(const World& world, std::span<const Vec3> positions, const Estimator& scattered,
+                                 const ProbeOptions& options, Progress& progress) {
+    return project_each(
+        world, positions.size(), [&](size_t i) { return SphereReceiver{positions[i]}; }, scattered, options, progress);
+}
+
+ProbeCoefficients project_probes(const World& world, std::span<const PointNormal> points, const Estimator& scattered,
+                                 const ProbeOptions& options, Progress& progress) {
+    return project_each(
+        world, points.size(), [&](size_t i) { return HalfSpaceReceiver{bare_point(world, points[i])}; }, scattered,
+        options, progress);
 }
 
 }  // namespace eclat

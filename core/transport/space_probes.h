@@ -21,6 +21,7 @@
 #include <vector>
 
 #include "transport/estimator.h"
+#include "transport/point_irradiance.h"
 
 namespace eclat {
 
@@ -44,6 +45,10 @@ struct ProbeCoefficients {
 /// Projects the light at each of `positions`. `scattered` gives the light along rays; what it finds on the first edge
 /// straight from a source is left out, because it is direct light. It is not called if only direct light is wanted.
 ProbeCoefficients project_probes(const World& world, std::span<const Vec3> positions, const Estimator& scattered,
+                                 const ProbeOptions& options, Progress& progress);
+
+/// Projects the light that arrives at points of surfaces from the side of their normals, likewise. Below the surface it is 0.
+ProbeCoefficients project_probes(const World& world, std::span<const PointNormal> points, const Estimator& scattered,
                                  const ProbeOptions& options, Progress& progress);
 
 }  // namespace eclat

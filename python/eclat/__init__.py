@@ -46,6 +46,7 @@ if TYPE_CHECKING:
     from eclat.verbs.bake import bake
     from eclat.verbs.compare import compare
     from eclat.verbs.denoise import denoise
+    from eclat.verbs.estimate_bake import BakeEstimate, estimate_bake
     from eclat.verbs.irradiance import irradiance
     from eclat.verbs.probes import probes
     from eclat.verbs.render import render
@@ -65,6 +66,8 @@ _HOMES = {
     "render": "eclat.verbs.render",
     "irradiance": "eclat.verbs.irradiance",
     "bake": "eclat.verbs.bake",
+    "BakeEstimate": "eclat.verbs.estimate_bake",
+    "estimate_bake": "eclat.verbs.estimate_bake",
     "animate": "eclat.verbs.animate",
     "Farm": "eclat.farm.farm",
     "probes": "eclat.verbs.probes",
@@ -103,6 +106,7 @@ load the core."""
 
 __all__ = [
     "METHODS",
+    "BakeEstimate",
     "Direct",
     "Display",
     "EclatError",
@@ -127,6 +131,7 @@ __all__ = [
     "bake",
     "compare",
     "denoise",
+    "estimate_bake",
     "export_view",
     "irradiance",
     "light_groups",

@@ -48,10 +48,11 @@ def read_at_random(lightmap: eclat.Lightmap, count: int, seed: int = 1) -> Read:
         )
 
     normals = blend(lambda part: part.mesh.normals)
+    places = {id(part): uvs for part, uvs in zip(lightmap.parts, lightmap.stacked_uvs(), strict=True)}
     return Read(
         blend(lambda part: part.mesh.positions),
         normals / np.linalg.norm(normals, axis=1, keepdims=True),
-        lookup(lightmap.irradiance, blend(lambda part: part.lightmap_uvs)),
+        lookup(lightmap.irradiance, blend(lambda part: places[id(part)])),
         which[picked],
     )
 

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+from dataclasses import asdict
 from typing import Any
 
 import click
@@ -24,6 +26,7 @@ from eclat.cli.quality_options import (
 )
 from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import (
+    by_name,
     light_options,
     load_scene,
     material_option,
@@ -40,6 +43,9 @@ MAP = "Map"
 EXAMPLES = {
     "eclat bake room.glb": "Write room_lit.glb, room_lit.lightmap.exr and room_lit.lightmap.json:",
     "eclat bake room.glb -o lit.glb --texel-size 0.01": "Use one texel per centimetre:",
+    "eclat bake room.glb --dry-run": "Say how large the map will be and about how long it will take:",
+    "eclat bake room.glb --texel-size 0.05 --texel-size-of 'statue*=0.01'": "Give the statues finer texels:",
+    "eclat bake room.glb --directional godot --ktx2": "Also write directions for Godot, and KTX2:",
     "eclat bake room.glb --method radiosity": "Use another method:",
     "eclat bake room.glb --cache room.npz": "Use a file that `eclat solve --view-independent` wrote:",
     "eclat bake room.glb --flatten": "Write room_flat.glb, which viewers without support for light maps can show:",
@@ -78,6 +84,35 @@ EXAMPLES = {
     help="Size of a texel in metres [chosen to give about 260,000 texels].",
 )
 @option(
+    "--texel-size-of",
+    "texel_sizes",
+    multiple=True,
+    metavar="NAME=METRES",
+    section=MAP,
+    help="Another size of a texel for the meshes of that name, which may be a pattern such as 'statue*'. Repeatable; the first "
+    "that matches counts.",
+)
+@option(
+    "--directional",
+    type=Name("LAYOUT", "sh", "godot", "unity"),
+    default=None,
+    section=MAP,
+    help="Also write from where the light comes, for viewers with normal maps: sh writes spherical harmonics of order 1, godot "
+    "and unity what these engines read [off].",
+)
+@option(
+    "--ktx2",
+    is_flag=True,
+    section="Output",
+    help="Also write the light map as KTX2, in half precision, which graphics cards take as it is.",
+)
+@option(
+    "--dry-run",
+    is_flag=True,
+    section="Output",
+    help="Bake nothing, and say how large the light map will be and about how long it will take.",
+)
+@option(
     "--component",
     type=Name("NAME", "total", "direct", "indirect"),
     default="total",
@@ -105,7 +140,7 @@ EXAMPLES = {
     type=Number(int, 16, 16384),
     default=4096,
     section=MAP,
-    help="Largest width and height of the light map in texels [4096].",
+    help="Largest width and height of a page of the light map in texels; what does not fit goes on several [4096].",
 )
 @option(
     "--denoise/--no-denoise",
@@ -135,21 +170,26 @@ EXAMPLES = {
 def command(context: click.Context, /, **flags: Any) -> None:
     """Load the scene, bake its light maps, and write the files."""
     from eclat.lightmap.lightmap import output_names
+    from eclat.lightmap.stages import stage
 
-    with Reporter(flags["quiet"], flags["as_json"]) as reporter:
+    with Reporter(flags["quiet"], flags["as_json"], show_after=0.0) as reporter:
         flat = flags["flatten"]
         if flags["exposure"] is not None and not flat:
             raise EclatError("--exposure requires --flatten: light maps hold irradiance, to which no exposure applies")
+        if flat and (flags["ktx2"] or flags["directional"]):
+            raise EclatError("--flatten writes no light map: it cannot be combined with --ktx2 or --directional")
         names = output_names(flags["output"] or f"{scene_stem(flags['scene'])}_{'flat' if flat else 'lit'}.glb")
-        for name in names[:1] if flat else names:
-            check_writable(name)
+        if not flags["dry_run"]:
+            for name in names[:1] if flat else names:
+                check_writable(name)
         check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)
         what: Any = options_of(flags["method"], flags["settings"], max_error=flags["max_error"])
+        texel_sizes = by_name("--texel-size-of", flags["texel_sizes"], _named_size)
+        stage(reporter.progress, "load")
         scene = load_scene(flags)
         if flags["cache"]:
             what = eclat.load_solved(flags["cache"], scene)
         keys = (
-            "denoise",
             "component",
             "texel_size",
             "samples",
@@ -160,20 +200,58 @@ def command(context: click.Context, /, **flags: Any) -> None:
             "max_size",
             "charts_timeout",
         )
-        keywords = {name: flags[name] for name in (*keys, "seed", "threads")}
-        lightmap = eclat.bake(scene, what, progress=reporter.progress, **keywords)
+        keywords = {name: flags[name] for name in (*keys, "seed", "threads")} | {"texel_sizes": texel_sizes}
+        if flags["dry_run"]:
+            found = eclat.estimate_bake(scene, what, ktx2=flags["ktx2"], progress=reporter.progress, **keywords)
+            _say_estimate(reporter, found, str(names[0]))
+            return
+        directional = flags["directional"]
+        lightmap = eclat.bake(
+            scene,
+            what,
+            denoise=flags["denoise"],
+            directional=directional is not None,
+            progress=reporter.progress,
+            **keywords,
+        )
         if flat:
             lightmap.save_flat(names[0], flags["exposure"])
         else:
-            lightmap.save(names[0])
+            lightmap.save(names[0], ktx2=flags["ktx2"], directional=directional)
         _say_result(reporter, lightmap, str(names[0]), flat)
 
 
+def _named_size(text: str) -> tuple[str, float]:
+    """Parse NAME=METRES. Names may contain the character `=`."""
+    name, separator, metres = text.rpartition("=")
+    try:
+        size = float(metres)
+    except ValueError:
+        size = 0.0
+    if not separator or not name or not (0 < size < math.inf):
+        raise EclatError(f"expected NAME=METRES with a number above 0, got {text!r}")
+    return name, size
+
+
+def _say_estimate(reporter: Reporter, found: eclat.BakeEstimate, output: str) -> None:
+    pages = (
+        f"{found.width} x {found.height}"
+        if found.pages == 1
+        else f"{found.pages} pages of {found.width} x {found.height}"
+    )
+    minutes, seconds = divmod(math.ceil(found.seconds), 60)
+    text = (
+        f"{output}: {pages} texels of {found.texel_size:g} m, {found.texels:,} of them in {found.charts:,} charts; at most "
+        f"{found.most_bytes / 1e6:,.3g} MB; about {f'{minutes} min ' if minutes else ''}{seconds} s"
+    )
+    reporter.result(text, file=output, dry_run=True, **asdict(found))
+
+
 def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat: bool) -> None:
-    height, width = lightmap.irradiance.shape[:2]
+    height, width = lightmap.pages[0].shape[:2]
     statistics = lightmap.statistics
     text = (
-        f"{output}: {width} x {height} texels of {lightmap.texel_size:g} m, {statistics['charts']:,.0f} charts, "
+        f"{output}: {lightmap.size_text()} texels of {lightmap.texel_size:g} m, {statistics['charts']:,.0f} charts, "
         f"{statistics['seconds']:.1f} s{_errors(statistics)}"
     )
     clipped = 0.0 if flat else lightmap.clipped_share()
@@ -185,6 +263,7 @@ def _say_result(reporter: Reporter, lightmap: eclat.Lightmap, output: str, flat:
         file=output,
         width=width,
         height=height,
+        pages=lightmap.page_count,
         texel_size=lightmap.texel_size,
         clipped_share=clipped,
         statistics=dict(statistics),

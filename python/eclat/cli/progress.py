@@ -89,13 +89,16 @@ class Meter:
 class ProgressBar:
     """A line with the phase, a bar, the rays per second and the time left.
 
-    It is shown only after `SHOW_AFTER` seconds, and removed when the `with` block ends. Without a terminal, plain lines
+    It is shown only after `show_after` seconds, and removed when the `with` block ends. Without a terminal, plain lines
     are printed instead: one for each new phase, for each tenth of a phase, and every `LINE_EVERY` seconds. To keep logs
     short, the pause between two lines is at least `LINE_PAUSE` of the time since the start.
     """
 
-    def __init__(self, console: Console | None = None, clock: Clock = time.monotonic) -> None:
+    def __init__(
+        self, console: Console | None = None, clock: Clock = time.monotonic, show_after: float = SHOW_AFTER
+    ) -> None:
         self._console = console or Console(stderr=True)
+        self._show_after = show_after
         self._clock = clock
         self._begun = clock()
         self._meter = Meter(clock)
@@ -114,7 +117,7 @@ class ProgressBar:
     def __call__(self, phase: str, fraction: float, statistics: Mapping[str, float]) -> None:
         fraction = min(1.0, max(0.0, fraction)) if math.isfinite(fraction) else 0.0
         self._meter.update(phase, fraction, float(statistics.get("rays", 0.0)))
-        if self._clock() - self._begun < SHOW_AFTER:
+        if self._clock() - self._begun < self._show_after:
             return
         if not self._console.is_terminal:
             self._print_line(phase, fraction, statistics)

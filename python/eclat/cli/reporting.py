@@ -23,7 +23,7 @@ import click
 from eclat.cli.build_facts import build_facts
 from eclat.cli.command import option, together
 from eclat.cli.parameters import Name
-from eclat.cli.progress import JsonEvents, ProgressBar
+from eclat.cli.progress import SHOW_AFTER, JsonEvents, ProgressBar
 from eclat.errors import EclatError, EclatWarning, printable
 
 LOG_LEVELS = ("debug", "info", "warning", "error")
@@ -67,15 +67,16 @@ reporting_options = together(
 class Reporter:
     """Prints the progress, warnings, results and errors of a command.
 
-    All that a command does is enclosed in `with Reporter(quiet, as_json) as reporter:`.
+    All that a command does is enclosed in `with Reporter(quiet, as_json) as reporter:`. The progress is shown after
+    `show_after` seconds.
     """
 
-    def __init__(self, quiet: bool = False, as_json: bool = False) -> None:
+    def __init__(self, quiet: bool = False, as_json: bool = False, show_after: float = SHOW_AFTER) -> None:
         context = click.get_current_context(silent=True)
         self.level = "info" if context is None else context.meta.get(_LEVEL, "info")
         self.quiet = quiet or self.level in ("warning", "error")
         self.events = JsonEvents() if as_json else None
-        self._bar = None if self.quiet or as_json else ProgressBar()
+        self._bar = None if self.quiet or as_json else ProgressBar(show_after=show_after)
         self._begun, self._phase = time.monotonic(), ""
         self._said: set[str] = set()
         self._stack = ExitStack()

@@ -163,9 +163,9 @@ def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal
 
     scene = load_file(flags)
     if flags["materials"]:
-        scene = eclat.override_materials(scene, _by_name("--material", flags["materials"], parsed_override))
+        scene = eclat.override_materials(scene, by_name("--material", flags["materials"], parsed_override))
     if flags.get("ies"):
-        files = _by_name("--ies", flags["ies"], parsed_light_override)
+        files = by_name("--ies", flags["ies"], parsed_light_override)
         try:
             scene = eclat.override_lights(scene, files)
         except EclatError as error:
@@ -194,7 +194,7 @@ def posed(scene: Scene, flags: Mapping[str, Any]) -> Scene:
     return scene.at(flags["at"])
 
 
-def _by_name(flag: str, texts: Sequence[str], parsed: Callable[[str], tuple[str, T]]) -> dict[str, T]:
+def by_name(flag: str, texts: Sequence[str], parsed: Callable[[str], tuple[str, T]]) -> dict[str, T]:
     """Parse the values NAME=… of a flag that may be repeated, each with another name."""
     values: dict[str, T] = {}
     for text in texts:

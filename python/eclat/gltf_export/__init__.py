@@ -26,7 +26,7 @@ __all__ = ["LIGHTMAP_TEXTURE", "LightmapTexture", "Part", "back_side", "encode_g
 
 
 LIGHTMAP_TEXTURE = 0
-"""The index of the light map in the list of textures. It is the first texture of a file with a light map."""
+"""The index of the first page of the light map in the list of textures; the other pages follow it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,7 +49,7 @@ def encode_glb(
     scene: Scene,
     parts: Sequence[Part] | None = None,
     *,
-    lightmap: LightmapTexture | None = None,
+    lightmaps: Sequence[LightmapTexture] = (),
     lights: bool = True,
     generator: str = "eclat",
     notes: dict[str, Any] | None = None,
@@ -64,8 +64,8 @@ def encode_glb(
     ----------
     scene : the scene.
     parts : the meshes to write. The default is `scene_parts(scene)`.
-    lightmap : a light map to embed. Every part then needs `lightmap_uvs`, which become TEXCOORD_1. The second set of
-        texture coordinates of the scene becomes TEXCOORD_2.
+    lightmaps : the pages of a light map to embed. Every part then needs `lightmap_uvs`, which become TEXCOORD_1, of its
+        `lightmap_page`. The second set of texture coordinates of the scene becomes TEXCOORD_2.
     lights : whether to write point, spot and directional lights.
     generator : the name of the program, for `asset.generator`.
     notes : additional entries of `asset.extras.eclat`.
@@ -79,8 +79,9 @@ def encode_glb(
     EclatError : a position is not finite, or the file would exceed 4 GiB.
     """
     document = Document(generator)
-    textures = Textures(document, {0: 0, 1: 1 if lightmap is None else 2})
-    materials = Materials(document, textures, None if lightmap is None else _moz_lightmap(document, textures, lightmap))
+    textures = Textures(document, {0: 0, 1: 2 if lightmaps else 1})
+    pages = [_moz_lightmap(document, textures, page, number) for number, page in enumerate(lightmaps)]
+    materials = Materials(document, textures, pages)
     document.root["asset"] |= eclat_extras(photometric=scene.photometric, **(notes or {}))
     parts = scene_parts(scene) if parts is None else parts
     nodes = [_mesh_node(document, materials, part) for part in parts]
@@ -132,10 +133,10 @@ def sides_differ(material: Material) -> bool:
     return material.back is not None or (material.emission is not None and not material.emission_two_sided)
 
 
-def _moz_lightmap(document: Document, textures: Textures, lightmap: LightmapTexture) -> Json:
+def _moz_lightmap(document: Document, textures: Textures, lightmap: LightmapTexture, page: int) -> Json:
     image = document.add("images", {"bufferView": document.view(lightmap.png), "mimeType": "image/png"})
     index = textures.texture(image, ("clamp", "clamp"), mipmaps=False)
-    assert index == LIGHTMAP_TEXTURE, "the light map is written before the textures of the scene"
+    assert index == LIGHTMAP_TEXTURE + page, "the light map is written before the textures of the scene"
     found: Json = {"index": index, "texCoord": 1, "intensity": lightmap.intensity}
     return found | ({"extras": lightmap.extras} if lightmap.extras else {})
 
@@ -143,7 +144,7 @@ def _moz_lightmap(document: Document, textures: Textures, lightmap: LightmapText
 def _mesh_node(document: Document, materials: Materials, part: Part) -> int:
     if not np.isfinite(np.asarray(part.mesh.positions, np.float32)).all():
         raise EclatError(f"mesh {part.mesh.name!r}: expected positions that are finite in float32, got others")
-    found = primitive(document, part, materials.index(part.mesh.material, one_of_two=part.one_of_two))
+    found = primitive(document, part, materials.index_of(part))
     if part.back:
         found |= eclat_extras(back_side=True)
     name = part.mesh.name

@@ -26,12 +26,14 @@ class Part:
     one_of_two : whether the mesh is one side of a two-sided mesh whose other side is a separate part.
     back : whether it is the back side of such a mesh.
     lightmap_uvs : (V, 2) texture coordinates of the vertices in the light map.
+    lightmap_page : the page of the light map to which they belong.
     """
 
     mesh: Mesh
     one_of_two: bool = False
     back: bool = False
     lightmap_uvs: FloatArray | None = None
+    lightmap_page: int = 0
 
 
 def reversed_sides(mesh: Mesh) -> Mesh:

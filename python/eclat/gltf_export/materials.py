@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from eclat.errors import warn
 from eclat.gltf_export.document import Document, Json, eclat_extras
+from eclat.gltf_export.geometry import Part
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.textures import Textures, constant_of, square_root, texels
 from eclat.scene import DEFAULTS, Material, Value
@@ -18,23 +21,25 @@ the mesh. A thickness of 0 would mean a thin-walled surface."""
 class Materials:
     """The materials of a document. Each is written only once."""
 
-    def __init__(self, document: Document, textures: Textures, lightmap: Json | None) -> None:
-        """Prepare to write into `document`. `lightmap` is the MOZ_lightmap object of every material, or None."""
+    def __init__(self, document: Document, textures: Textures, lightmaps: Sequence[Json]) -> None:
+        """Prepare to write into `document`. `lightmaps` are the MOZ_lightmap objects of the pages, if there are any."""
         self._document = document
         self._textures = textures
-        self._lightmap = lightmap
-        self._written: dict[tuple[int, bool], int] = {}
+        self._lightmaps = lightmaps
+        self._written: dict[tuple[int, bool, int], int] = {}
         self._kept: list[Material] = []
 
-    def index(self, material: Material, *, one_of_two: bool = False) -> int:
-        """Write a material, unless it has been written before, and return its index.
-
-        `one_of_two` marks one side of a two-sided mesh whose other side is a separate primitive.
-        """
-        key = (id(material), one_of_two)
+    def index_of(self, part: Part) -> int:
+        """Write the material of a part, unless it has been written before for the same page, and return its index."""
+        material = part.mesh.material
+        page = part.lightmap_page if self._lightmaps else 0
+        key = (id(material), part.one_of_two, page)
         if key not in self._written:
             self._kept.append(material)
-            self._written[key] = self._document.add("materials", self._material(material, one_of_two))
+            json = self._material(material, part.one_of_two)
+            if self._lightmaps:
+                json.setdefault("extensions", {})[self._document.use("MOZ_lightmap")] = dict(self._lightmaps[page])
+            self._written[key] = self._document.add("materials", json)
         return self._written[key]
 
     def _material(self, original: Material, one_of_two: bool) -> Json:
@@ -129,8 +134,6 @@ class Materials:
                 strength *= max(1.0, float(texels(material.emission).max(initial=0)))
         if strength > 0 and strength != 1:
             json[self._document.use("KHR_materials_emissive_strength")] = {"emissiveStrength": strength}
-        if self._lightmap is not None:
-            json[self._document.use("MOZ_lightmap")] = dict(self._lightmap)
         return json
 
     def _specular(self, material: Material) -> Json:

@@ -88,8 +88,8 @@ def differences(a: Rows, b: Rows) -> Rows:
     return Rows(np.hstack((a.columns, b.columns)), np.hstack((a.weights, -b.weights)) * both)
 
 
-def fit(gathered: FloatArray, lookups: Rows, seams: Rows) -> FloatArray:
-    """Fit texel values (N, C), none of them negative, to the irradiance `gathered` (N, C).
+def fit(gathered: FloatArray, lookups: Rows, seams: Rows, least: float = 0.0) -> FloatArray:
+    """Fit texel values (N, C), none of them below `least`, to the irradiance `gathered` (N, C).
 
     `lookups` has one row for each gathered value; the rows of `seams` are the differences of lookups across seams.
     """
@@ -117,4 +117,4 @@ def fit(gathered: FloatArray, lookups: Rows, seams: Rows) -> FloatArray:
         residual = residual - step * along
         before, squared = squared, (residual**2).sum(axis=0)
         direction = residual + squared / np.where(before > 0, before, 1) * direction
-    return np.maximum(x, 0.0)
+    return np.maximum(x, least)

@@ -49,7 +49,14 @@ class LitParts(Protocol):
 
     @property
     def irradiance(self) -> NDArray[np.float32]:
-        """The irradiance of all texels, (H, W, 3)."""
+        """The irradiance of all texels, (H, W, 3): the pages one below the other."""
+
+    @property
+    def page_count(self) -> int:
+        """The number of pages."""
+
+    def stacked_uvs(self) -> list[FloatArray]:
+        """Return the coordinates of each part in the image of all pages."""
 
     @property
     def gutter(self) -> int:
@@ -73,15 +80,19 @@ def encode_flat(lightmap: LitParts, exposure: float | None, tone_mapping: str, g
     if (opacity == 1).all():
         pixels = pixels[..., :3]
     document = Document(generator)
-    file = io.BytesIO()
-    PillowImage.fromarray(np.rint(pixels * 255).astype(np.uint8)).save(file, format="PNG")
-    image = document.add("images", {"bufferView": document.view(file.getvalue()), "mimeType": "image/png"})
-    texture = Textures(document, {0: 0, 1: 0}).texture(image, ("clamp", "clamp"), mipmaps=False)
+    textures = Textures(document, {0: 0, 1: 0})
+    shown_pages = []
+    for page in np.split(np.rint(pixels * 255).astype(np.uint8), lightmap.page_count):
+        file = io.BytesIO()
+        PillowImage.fromarray(page).save(file, format="PNG")
+        image = document.add("images", {"bufferView": document.view(file.getvalue()), "mimeType": "image/png"})
+        shown_pages.append(textures.texture(image, ("clamp", "clamp"), mipmaps=False))
     nodes, known = [], {}
     for part in lightmap.parts:
         material = part.mesh.material
-        key = id(material), part.one_of_two
+        key = id(material), part.one_of_two, part.lightmap_page
         if key not in known:
+            texture = shown_pages[part.lightmap_page]
             known[key] = document.add("materials", _unlit(document, part, texture, shown))
         bare = replace(part.mesh, uvs=part.lightmap_uvs, uvs2=None, colors=None, tangents=None)
         mesh = {"name": bare.name, "primitives": [primitive(document, Part(bare), known[key])]}
@@ -116,8 +127,7 @@ def _radiance_and_opacity(lightmap: LitParts) -> tuple[FloatArray, FloatArray]:
     size = np.array([width, height])
     unwrapped = tuple(
         Unwrapped(np.arange(len(uvs)), np.asarray(part.mesh.triangles), uvs * size, np.zeros(len(uvs), np.int64))
-        for part in lightmap.parts
-        if (uvs := part.lightmap_uvs) is not None
+        for part, uvs in zip(lightmap.parts, lightmap.stacked_uvs(), strict=True)
     )
     corners = corners_of([part.mesh for part in lightmap.parts], Atlas(width, height, unwrapped, ""))
     found = rasterize(corners, width, height)

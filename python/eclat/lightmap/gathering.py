@@ -15,6 +15,7 @@ from eclat.bridge.arguments import thread_count
 from eclat.bridge.running import ProgressReport
 from eclat.lightmap.probes import inside_or_behind
 from eclat.lightmap.solids import Mask
+from eclat.lightmap.stages import stage
 from eclat.lightmap.texels import Corners, Texels, at_texel_points
 from eclat.methods import Direct, Path, Source
 from eclat.methods.work import AtPoints, Work
@@ -109,7 +110,9 @@ def visible_points(scene: Scene, solid: Sequence[Mask], points: TexelPoints, set
     """
     shape = points.positions.shape[:2]
     places, normals = points.positions.reshape(-1, 3), points.normals.reshape(-1, 3)
-    buried, behind = inside_or_behind(scene, solid, places, points.face_normals.reshape(-1, 3), settings.threads)
+    told = stage(settings.progress, "hidden texels")
+    faces = points.face_normals.reshape(-1, 3)
+    buried, behind = inside_or_behind(scene, solid, places, faces, settings.threads, told)
     doubtful = np.flatnonzero(behind & ~buried)
     others = np.flatnonzero(~behind & ~buried)
     free = ~buried

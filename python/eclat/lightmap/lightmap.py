@@ -22,9 +22,11 @@ from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable, write_file, write_files
 from eclat.gltf_export import LIGHTMAP_TEXTURE, LightmapTexture, Part, encode_glb
 from eclat.images.exr import encode_exr
+from eclat.images.ktx2 import encode_ktx2, ktx2_scale
 from eclat.images.tone import srgb_encode
+from eclat.lightmap.directional import Directional, for_godot, for_unity
 from eclat.lightmap.flat import encode_flat
-from eclat.scene import Scene
+from eclat.scene import FloatArray, Scene
 from eclat.typed import typed
 
 VERSION = 1
@@ -39,11 +41,12 @@ finely."""
 class Lightmap:
     """The irradiance on all surfaces of a scene.
 
-    `irradiance` (H, W, 3) is float32 in W·m⁻², or in lux if the scene is photometric; row 0 is at v = 0, and the whole
-    image spans the texture coordinates (0, 0) to (1, 1). `parts` are the meshes of the scene, with their vertices split
-    at the borders of charts and with `lightmap_uvs`. `texel_size` is in metres, `gutter` in texels. `statistics` holds
-    the numbers of texels, rays and charts, the seconds, and the area in m². `settings` are the options with which the
-    map was baked.
+    `irradiance` (H, W, 3) is float32 in W·m⁻², or in lux if the scene is photometric. It holds `page_count` pages of equal
+    height, one below the other; row 0 of a page is at v = 0, and each spans the texture coordinates (0, 0) to (1, 1).
+    `parts` are the meshes of the scene, with their vertices split at the borders of charts and with `lightmap_uvs` of their
+    `lightmap_page`. `texel_size` is in metres, `gutter` in texels. `statistics` holds the numbers of texels, rays, charts
+    and pages, the seconds, and the area in m². `settings` are the options with which the map was baked. `harmonics` (H, W,
+    4, 3) are the coefficients of a directional map, in W·m⁻² or lux (`lightmap.directional`), or None.
     """
 
     scene: Scene
@@ -53,15 +56,35 @@ class Lightmap:
     component: str
     method: str
     gutter: int
+    page_count: int = 1
+    harmonics: NDArray[np.float32] | None = None
     statistics: dict[str, float] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 
     def __repr__(self) -> str:
-        height, width, _ = self.irradiance.shape
         what = f"{self.component} light by {self.method}"
         return (
-            f"<Lightmap of {self.scene.name or 'a scene'}: {width} x {height} texels of {self.texel_size:g} m, {what}>"
+            f"<Lightmap of {self.scene.name or 'a scene'}: {self.size_text()} texels of {self.texel_size:g} m, {what}>"
         )
+
+    def size_text(self) -> str:
+        """Describe the size in texels, as in "1024 x 512" or "3 pages of 1024 x 512"."""
+        height, width, _ = self.irradiance.shape
+        one = f"{width} x {height // self.page_count}"
+        return one if self.page_count == 1 else f"{self.page_count} pages of {one}"
+
+    @property
+    def pages(self) -> list[NDArray[np.float32]]:
+        """The pages, (height, W, 3) each."""
+        return np.split(self.irradiance, self.page_count)
+
+    def stacked_uvs(self) -> list[FloatArray]:
+        """Return for each part its coordinates (V, 2) in the image of all pages, `irradiance`."""
+        found = []
+        for part in self.parts:
+            assert part.lightmap_uvs is not None
+            found.append((part.lightmap_uvs + np.array([0, part.lightmap_page])) / np.array([1, self.page_count]))
+        return found
 
     @property
     def unit(self) -> str:
@@ -88,44 +111,58 @@ class Lightmap:
         return float((largest[lit] > self.intensity()).mean()) if lit.any() else 0.0
 
     @typed
-    def save(self, path: str | os.PathLike[str]) -> list[Path]:
-        """Write the files `room_lit.glb`, `room_lit.lightmap.exr` and `room_lit.lightmap.json`, and return their paths.
+    def save(
+        self, path: str | os.PathLike[str], *, ktx2: bool = False, directional: Directional | None = None
+    ) -> list[Path]:
+        """Write the files `room_lit.glb`, `room_lit.lightmap.exr` and `room_lit.lightmap.json`, and return all paths.
 
         The .glb holds the scene and its light map as MOZ_lightmap with 8 bits per channel; the .exr holds the same map
-        in single precision; the .json describes both. Either all three files are written or none. If
-        the process is killed between two renames, the .glb is the previous one, and its `lightmap_set` differs from
-        `set` in the .json.
+        in single precision; the .json describes both. Further pages are in `room_lit.lightmap.2.exr` and so on. Either all
+        files are written or none. If the process is killed between two renames, the .glb is the previous one, and its
+        `lightmap_set` differs from `set` in the .json.
+
+        Parameters
+        ----------
+        ktx2 : whether to write each page also as `room_lit.lightmap.ktx2`, in half precision, for graphics cards.
+        directional : the layout in which to write from where the light comes: "sh", the coefficients, as layers of an .exr;
+            "godot", four slices of an .exr; "unity", a .png beside the .exr. The map must be baked with `directional`.
 
         Raises
         ------
-        EclatError : the name does not end in .glb, or a file cannot be written.
+        EclatError : the name does not end in .glb, a file cannot be written, or the map holds no directions.
         """
+        if directional is not None and self.harmonics is None:
+            raise EclatError("directional: the light map holds no directions; bake it with directional=True")
         target = Path(path)
-        names = output_names(target)
-        for name in names:
-            check_writable(name)
-        glb, exr, side_car = names
+        glb, exr, side_car = output_names(target)
+        check_writable(target)
         intensity, generator = self.intensity(), f"eclat {eclat.__version__}"
         note = quote(side_car.name)
-        picture = encode_exr(self.irradiance, {}, {"unit": self.unit, "component": self.component}, {})
+        files: dict[str | os.PathLike[str], bytes] = {}
+        pages = []
+        for number, page in enumerate(self.pages):
+            described = self._page_files(number, page, exr, ktx2, directional)
+            files |= {exr.with_name(name): data for name, data in described.values()}
+            pages.append(
+                {kind: name for kind, (name, _) in described.items()}
+                | {"width": int(page.shape[1]), "height": int(page.shape[0])}
+                | {"gltf_texture": LIGHTMAP_TEXTURE + number, "intensity": intensity}
+                | ({"ktx2_scale": ktx2_scale(page)} if ktx2 else {})
+            )
+        for name in (side_car, *files):
+            check_writable(name)
         # A crash between two renames can leave files of two bakes. The scene, whose own map is complete, is renamed last,
         # and readers ignore a description that does not have the scene's mark.
-        mark = hashlib.sha256(picture).hexdigest()[:32]
+        mark = hashlib.sha256(b"".join(files.values())).hexdigest()[:32]
+        extras = {"eclat": {"lightmap": note}}
         data = encode_glb(
             self.scene,
             self.parts,
-            lightmap=LightmapTexture(self.png(intensity), intensity, {"eclat": {"lightmap": note}}),
+            lightmaps=[LightmapTexture(png(page, intensity), intensity, extras) for page in self.pages],
             lights=self.component == "indirect",
             generator=generator,
             notes={"lightmap": note, "lightmap_set": mark},
         )
-        page = {
-            "exr": exr.name,
-            "width": int(self.irradiance.shape[1]),
-            "height": int(self.irradiance.shape[0]),
-            "gltf_texture": LIGHTMAP_TEXTURE,
-            "intensity": intensity,
-        }
         description = {
             "version": VERSION,
             "generator": generator,
@@ -136,14 +173,30 @@ class Lightmap:
             "unit": self.unit,
             "texel_size": self.texel_size,
             "gutter": self.gutter,
-            "pages": [page],
+            "pages": pages,
+            "directional": directional,
             "exposure": None,
             "statistics": self.statistics | {"clipped_share": self.clipped_share()},
             "settings": self.settings,
         }
         text = json.dumps(description, ensure_ascii=False, indent=2).encode() + b"\n"
-        write_files({side_car: text, exr: picture, glb: data})
-        return list(names)
+        write_files({side_car: text} | files | {glb: data})
+        return [glb, exr, side_car, *(Path(name) for name in files if Path(name) != exr)]
+
+    def _page_files(
+        self, number: int, page: NDArray[np.float32], exr: Path, ktx2: bool, directional: Directional | None
+    ) -> dict[str, tuple[str, bytes]]:
+        """Encode the files of one page: what each is called in the description, with its name and its bytes."""
+        about = {"unit": self.unit, "component": self.component}
+        stem = exr.name.removesuffix(".exr") + (f".{number + 1}" if number else "")
+        files = {"exr": (f"{stem}.exr", encode_exr(page, {}, about, {}))}
+        if ktx2:
+            files["ktx2"] = (f"{stem}.ktx2", encode_ktx2(page / np.float32(ktx2_scale(page))))
+        if directional is not None and self.harmonics is not None:
+            own = np.split(self.harmonics, self.page_count)[number]
+            ending, data = encode_directional(own, page, directional, about)
+            files["directional"] = (f"{stem}.{directional}.{ending}", data)
+        return files
 
     @typed
     def save_flat(
@@ -165,12 +218,27 @@ class Lightmap:
         write_file(target, encode_flat(self, exposure, tone_mapping, f"eclat {eclat.__version__}"))
         return target
 
-    def png(self, intensity: float) -> bytes:
-        """Encode the map as a PNG with 8 bits per channel, sRGB-encoded, in which white represents `intensity`."""
-        scaled = srgb_encode(self.irradiance.astype(np.float64) / intensity)
+
+def png(page: NDArray[np.float32], intensity: float) -> bytes:
+    """Encode a page (H, W, 3) as a PNG with 8 bits per channel, sRGB-encoded, in which white represents `intensity`."""
+    scaled = srgb_encode(page.astype(np.float64) / intensity)
+    file = io.BytesIO()
+    PillowImage.fromarray(np.rint(scaled * 255).astype(np.uint8)).save(file, format="PNG")
+    return file.getvalue()
+
+
+def encode_directional(
+    harmonics: NDArray[np.float32], irradiance: NDArray[np.float32], layout: Directional, about: dict[str, Any]
+) -> tuple[str, bytes]:
+    """Encode coefficients (H, W, 4, 3) in the layout of an engine; return the ending of the file's name and its bytes."""
+    if layout == "unity":
         file = io.BytesIO()
-        PillowImage.fromarray(np.rint(scaled * 255).astype(np.uint8)).save(file, format="PNG")
-        return file.getvalue()
+        PillowImage.fromarray(for_unity(harmonics, irradiance)).save(file, format="PNG")
+        return "png", file.getvalue()
+    if layout == "godot":
+        return "exr", encode_exr(for_godot(harmonics), {}, about, {})
+    names = {f"l1{axis}": np.ascontiguousarray(harmonics[:, :, 1 + i]) for i, axis in enumerate("yzx")}
+    return "exr", encode_exr(np.ascontiguousarray(harmonics[:, :, 0]), names, about, {})
 
 
 def output_names(path: str | os.PathLike[str]) -> tuple[Path, Path, Path]:

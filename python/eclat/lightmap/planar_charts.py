@@ -11,24 +11,44 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.errors import EclatError
 from eclat.gltf_export.geometry import face_normals
 from eclat.loaders.components import connected_components, triangle_edges
 from eclat.scene import FloatArray, Mesh
 
 Ints = NDArray[np.int64]
-Arrays = tuple[Ints, Ints, FloatArray, Ints]
+Arrays = tuple[Ints, Ints, FloatArray, Ints, Ints]
 
 SAME_PLANE = 1e-4
 """Largest distance between the unit normals of two triangles that are treated as lying in one plane."""
 
 
-def unwrap_planar(meshes: Sequence[Mesh], texel_size: float, gutter: int) -> tuple[int, int, list[Arrays]]:
-    """Place all meshes in one image; return its width and height in texels, and the fields of `atlas.Unwrapped` per
-    mesh."""
+@dataclass(frozen=True, eq=False)
+class PlanarCharts:
+    """Charts on `count` pages of `width` × `height` texels.
+
+    `meshes` holds for each mesh the vertices, triangles, coordinates and charts, as the fields of `atlas.Unwrapped`, and
+    the page of each vertex.
+    """
+
+    width: int
+    height: int
+    count: int
+    meshes: list[Arrays]
+
+
+def unwrap_planar(
+    meshes: Sequence[Mesh], texel_size: float, gutter: int, max_size: int, least_width: int = 0
+) -> PlanarCharts:
+    """Place all meshes on one page of at least the given width, or on several where `max_size` is too small for one.
+
+    Raises EclatError if a chart alone is larger than a page.
+    """
     flat = [_charts_of(mesh, texel_size) for mesh in meshes]
     sizes: list[FloatArray] = []
     for _, _, uvs, charts in flat:
@@ -36,17 +56,25 @@ def unwrap_planar(meshes: Sequence[Mesh], texel_size: float, gutter: int) -> tup
     extents = np.concatenate(sizes) if sizes else np.zeros((0, 2))
     # Charts start 1.5 texels from the corner of their box, because bilinear filtering reads one texel around them.
     boxes = np.ceil(extents).astype(np.int64) + 2 + gutter
-    places, width, height = _pack(boxes)
+    largest = int(boxes.max(initial=0))
+    if largest > max_size:
+        fits = texel_size * largest / max_size * 1.05
+        raise EclatError(
+            f"texel_size: at {texel_size:g} m per texel a chart has {largest} texels along a side, "
+            f"more than a page of {max_size} x {max_size}; a texel size of {fits:.2g} m fits"
+        )
+    places, pages, width, height = _pack(boxes, least_width, max_size)
     first, results = 0, []
     for vertices, triangles, uvs, charts in flat:
         count = int(charts.max(initial=-1)) + 1
-        offset = places[first : first + count] + 1.5
-        results.append((vertices, triangles, uvs + offset[charts] if count else uvs, charts))
+        own = slice(first, first + count)
+        moved = uvs + (places[own] + 1.5)[charts] if count else uvs
+        results.append((vertices, triangles, moved, charts, pages[own][charts] if count else charts))
         first += count
-    return width, height, results
+    return PlanarCharts(width, height, int(pages.max(initial=0)) + 1, results)
 
 
-def _charts_of(mesh: Mesh, texel_size: float) -> Arrays:
+def _charts_of(mesh: Mesh, texel_size: float) -> tuple[Ints, Ints, FloatArray, Ints]:
     """Cut a mesh into charts, whose coordinates, in texels, start at 0."""
     positions, triangles = np.asarray(mesh.positions, np.float64), np.asarray(mesh.triangles, np.int64)
     if not len(triangles):
@@ -100,19 +128,22 @@ def _extent(uvs: FloatArray, charts: Ints) -> FloatArray:
     return high
 
 
-def _pack(boxes: Ints) -> tuple[Ints, int, int]:
-    """Pack boxes into rows from left to right, the tallest first; return their positions and the image's width and
-    height."""
-    places = np.zeros_like(boxes)
+def _pack(boxes: Ints, least_width: int, max_size: int) -> tuple[Ints, Ints, int, int]:
+    """Pack boxes into rows from left to right, the tallest first; return their positions, their pages, and the width and
+    height of all pages."""
+    places, pages = np.zeros_like(boxes), np.zeros(len(boxes), np.int64)
     if not len(boxes):
-        return places, 1, 1
+        return places, pages, 1, 1
     total = float((boxes[:, 0] * boxes[:, 1]).sum())
-    width = max(int(boxes[:, 0].max()), math.ceil(math.sqrt(total * 1.1)))
-    x = y = row = 0
+    width = min(max_size, max(least_width, int(boxes[:, 0].max()), math.ceil(math.sqrt(total * 1.1))))
+    x = y = row = page = height = 0
     for i in np.lexsort((np.arange(len(boxes)), -boxes[:, 0], -boxes[:, 1])):
         w, h = (int(n) for n in boxes[i])
         if x + w > width:
             x, y, row = 0, y + row, 0
-        places[i] = x, y
+        if y + h > max_size:
+            x, y, row, page = 0, 0, 0, page + 1
+        places[i], pages[i] = (x, y), page
         x, row = x + w, max(row, h)
-    return places, width, y + row
+        height = max(height, y + row)
+    return places, pages, width, height

@@ -20,6 +20,7 @@ from eclat.gltf_export.geometry import face_normals, with_flat_normals
 from eclat.gltf_export.textures import constant_of
 from eclat.lightmap.probes import certainly_dark
 from eclat.lightmap.solids import Mask
+from eclat.lightmap.stages import Told
 from eclat.scene import DEFAULTS, FloatArray, Material, Mesh, Scene
 
 SidesChoice = Literal["auto", "front", "both"]
@@ -41,6 +42,7 @@ def lit_sides(
     choice: SidesChoice,
     solid: Sequence[Mask],
     threads: int | None = None,
+    told: Told | None = None,
 ) -> list[Side]:
     """List the sides of all meshes of `scene` that get texels; `solid` marks the triangles of each mesh that bound
     solids.
@@ -60,7 +62,7 @@ def lit_sides(
         if behind.any():
             back = back_side(replace(mesh, triangles=np.asarray(mesh.triangles)[behind]))
             sides.append(_side(Part(back, one_of_two=True, back=True)))
-    return _without_dark(scene, sides, threads)
+    return _without_dark(scene, sides, threads, told)
 
 
 def reflects_diffusely(material: Material) -> bool:
@@ -89,7 +91,7 @@ def _side(part: Part) -> Side:
     return Side(replace(part, mesh=mesh), np.full(len(mesh.triangles), reflects_diffusely(mesh.material)))
 
 
-def _without_dark(scene: Scene, sides: list[Side], threads: int | None) -> list[Side]:
+def _without_dark(scene: Scene, sides: list[Side], threads: int | None, told: Told | None) -> list[Side]:
     """Remove from the masks the triangles that are certainly dark, both at their centroids and near their corners."""
     points, normals = [], []
     for side in sides:
@@ -98,7 +100,7 @@ def _without_dark(scene: Scene, sides: list[Side], threads: int | None) -> list[
         normals.append(np.repeat(faces[side.lit], places.shape[1], axis=0))
     if not sum(map(len, points)):
         return sides
-    dark = certainly_dark(scene, np.concatenate(points), np.concatenate(normals), threads)
+    dark = certainly_dark(scene, np.concatenate(points), np.concatenate(normals), threads, told)
     dark = np.asarray(dark.reshape(-1, 4).all(axis=1))
     found, first = [], 0
     for side in sides:

@@ -62,8 +62,9 @@ class Texels:
 class Corners:
     """The corners of the T triangles of an atlas.
 
-    `uvs` (T, 3, 2) are in texels, world `positions` (T, 3, 3) in metres; `normals` (T, 3, 3) are unit shading normals
-    and `face_normals` (T, 3) unit normals of the triangles. `charts` (T,) are the indices of their charts, −1 for none.
+    `uvs` (T, 3, 2) are in texels of the stack of pages, world `positions` (T, 3, 3) in metres; `normals` (T, 3, 3) are unit
+    shading normals and `face_normals` (T, 3) unit normals of the triangles. `charts` (T,) are the indices of their charts,
+    −1 for none.
     """
 
     uvs: FloatArray
@@ -86,7 +87,7 @@ def corners_of(meshes: Sequence[Mesh], atlas: Atlas) -> Corners:
         return np.concatenate([np.zeros((0, 3, 3)), *found])
 
     return Corners(
-        uvs=np.concatenate([np.zeros((0, 3, 2)), *(u.uvs[u.triangles] for u in atlas.meshes)]),
+        uvs=np.concatenate([np.zeros((0, 3, 2)), *(atlas.stacked(u)[u.triangles] for u in atlas.meshes)]),
         positions=at_corners("positions"),
         normals=at_corners("normals"),
         face_normals=np.concatenate([np.zeros((0, 3)), *(face_normals(mesh) for mesh in meshes)]),

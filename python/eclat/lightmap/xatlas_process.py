@@ -16,11 +16,11 @@ import xatlas
 
 
 def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
-    """Make charts of the meshes `positions0`, `normals0`, `triangles0`, `positions1`, …, and pack them into one image.
+    """Make charts of the meshes `positions0`, `normals0`, `triangles0`, `positions1`, …, and pack them into pages.
 
     Returns `size` (width, height in texels), and for each mesh `vertices`, the index of the vertex that each vertex
-    copies; `triangles`; `uvs`, in 0..1 of the image; and `charts`, the chart of each vertex, −1 for vertices that
-    xatlas left out.
+    copies; `triangles`; `uvs`, in 0..1 of the page; and `charts` and `pages`, the chart and the page of each vertex, −1 for
+    vertices that xatlas left out.
     """
     atlas = xatlas.Atlas()
     count = int(arrays["count"])
@@ -30,7 +30,8 @@ def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     packing.texels_per_unit = float(arrays["texels_per_unit"])
     packing.padding = int(arrays["padding"])
     packing.max_chart_size = int(arrays["max_chart_size"])
-    packing.resolution = 0
+    # With a resolution, xatlas fills as many pages of that size as it needs; without one, it makes one page that fits all.
+    packing.resolution = int(arrays["resolution"])
     packing.bilinear = True
     packing.rotate_charts_to_axis = True
     packing.bruteForce = False
@@ -38,9 +39,9 @@ def unwrap(arrays: dict[str, np.ndarray]) -> dict[str, np.ndarray]:
     found = {"size": np.array([atlas.width, atlas.height])}
     for i in range(count):
         vertices, triangles, uvs = atlas.get_mesh(i)
-        _, chart = atlas.get_mesh_vertex_assignment(i)
+        page, chart = atlas.get_mesh_vertex_assignment(i)
         found |= {f"vertices{i}": vertices, f"triangles{i}": triangles, f"uvs{i}": uvs}
-        found[f"charts{i}"] = chart.view(np.int32)
+        found |= {f"charts{i}": chart.view(np.int32), f"pages{i}": page.view(np.int32)}
     return found
 
 

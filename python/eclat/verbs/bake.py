@@ -7,29 +7,25 @@ from __future__ import annotations
 
 import os
 import time as clock
-from dataclasses import asdict, replace
+from collections.abc import Mapping
+from dataclasses import asdict
 from typing import get_args
-
-import numpy as np
 
 from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked_samples, checked_seed, thread_count
 from eclat.bridge.running import ProgressReport
-from eclat.errors import EclatError, did_you_mean, warn
-from eclat.gltf_export import Part
-from eclat.gltf_export.geometry import select_vertices
+from eclat.errors import EclatError, did_you_mean
 from eclat.images.denoiser import require_denoiser
-from eclat.lightmap.atlas import Atlas, areas, check_texel_count, default_texel_size, unwrap
+from eclat.lightmap.atlas import Packing
 from eclat.lightmap.denoising import gather_denoised
-from eclat.lightmap.fit import bilinear, differences, fit
+from eclat.lightmap.directional import gather_harmonics
+from eclat.lightmap.fitting import fitted_harmonics, fitted_pages
 from eclat.lightmap.gathering import GatheredTexels, Settings, gather, sample_points, visible_points
-from eclat.lightmap.gutters import dilate
+from eclat.lightmap.layout import Layout, Wishes, lay_out
 from eclat.lightmap.lightmap import Lightmap
-from eclat.lightmap.seams import seam_samples
-from eclat.lightmap.sides import Side, SidesChoice, lit_sides
-from eclat.lightmap.solids import solid_triangles
-from eclat.lightmap.texels import Corners, Texels, corners_of, rasterize
+from eclat.lightmap.sides import SidesChoice
+from eclat.lightmap.stages import stage
 from eclat.methods import IrradianceCache, Method, Source, as_method
-from eclat.scene import FloatArray, Scene
+from eclat.scene import Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.verbs.irradiance import Component, checked_component
@@ -43,9 +39,6 @@ MAX_SIZE = 4096
 LARGEST_SIZE = 16384
 """Upper limit of `max_size` in texels."""
 
-BLACK_ROWS = 3
-"""Number of black rows below the charts, which hold the texel that all dark surfaces share."""
-
 
 @typed
 def bake(
@@ -55,6 +48,8 @@ def bake(
     denoise: bool = False,
     component: Component = "total",
     texel_size: float | None = None,
+    texel_sizes: Mapping[str, float] | None = None,
+    directional: bool = False,
     sides: SidesChoice = "auto",
     samples: int = SAMPLES,
     supersampling: int = 2,
@@ -78,7 +73,12 @@ def bake(
         error is unknown, `estimated_error`, each with the ends of its 95 % confidence interval.
     component : the light to compute: "total", "direct" or "indirect". With "indirect", the saved file keeps the scene's
         lights, and the viewer adds their direct light itself.
-    texel_size : side of a texel in metres. None chooses it so that the map has about a quarter of a million texels.
+    texel_size : side of a texel in metres. None chooses it so that the area of all surfaces takes about
+        a quarter of a million texels.
+    texel_sizes : other sizes for meshes by their names, which may be shell patterns such as "statue*"; the first pattern
+        that matches counts.
+    directional : whether the map also holds from where the light comes, as spherical harmonics of order 1
+        (`Lightmap.harmonics`), for viewers that have normal maps.
     sides : "auto" gives both sides of two-sided sheets their own texels, but only the outside of solids; "front" shows
         the light of the front on both sides; "both" gives each side of every two-sided surface its own texels.
     samples : number of samples of the lights per texel, and of paths per texel with `Path`; they are divided among the
@@ -88,14 +88,15 @@ def bake(
     max_depth : greatest number of edges of a path: 2 is direct light, −1 sets no limit.
     gutter : number of texels between charts, in addition to those that bilinear filtering reads, 2..64: 2, or 2ⁿ for
         viewers that use n levels of a mip map.
-    max_size : largest width and height of the map in texels, 16..16384.
+    max_size : largest width and height of a page of the map in texels, 16..16384. Charts that do not fit on one page go on
+        several.
     charts_timeout : seconds after which xatlas is stopped and each flat piece of a surface becomes a chart; 0 does not
         use xatlas.
 
     Raises
     ------
-    EclatError : the scene has no surfaces, the map would be larger than `max_size`, or an argument is out of range,
-        or Open Image Denoise is to be used and is not installed.
+    EclatError : the scene has no surfaces, the map would take too many pages, no mesh matches a pattern, an argument is out
+        of range, or Open Image Denoise is to be used and is not installed.
 
     Examples
     --------
@@ -107,46 +108,41 @@ def bake(
     checked_component(component)
     scene = staged(scene)
     checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
-    _check_map(denoise, sides, supersampling, gutter, max_size)
+    check_map(denoise, sides, supersampling, gutter, max_size)
     source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
     source.require_match(scene, max_depth)
     started = clock.perf_counter()
-    solid = solid_triangles(scene, scene.meshes)
-    lit = lit_sides(scene, sides, solid, threads)
-    area = _lit_area(scene, lit)
-    size = default_texel_size(area) if texel_size is None else texel_size
-    check_texel_count(area, size, max_size)
-    meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in lit]
-    atlas = unwrap(meshes, size, gutter=gutter, max_size=max_size, timeout=charts_timeout, progress=progress)
-    corners = corners_of(meshes, atlas)
-    texels = rasterize(corners, atlas.width, atlas.height)
+    wishes = Wishes(texel_size, texel_sizes or {}, sides, Packing(gutter, max_size, charts_timeout))
+    layout = lay_out(scene, wishes, threads, progress)
     settings = Settings(component, samples, max_depth, seed, threads, progress)
-    points = sample_points(corners, texels, supersampling)
-    free = visible_points(scene, solid, points, settings)
+    points = sample_points(layout.corners, layout.texels, supersampling)
+    free = visible_points(scene, layout.solid, points, settings)
     if denoise:
-        charts, shape = corners.charts[texels.triangles], (atlas.height, atlas.width)
-        gathered = gather_denoised(scene, source, points, free, settings, texels, charts, shape)
+        charts, shape = layout.corners.charts[layout.texels.triangles], (layout.atlas.stack_height, layout.atlas.width)
+        gathered = gather_denoised(scene, source, points, free, settings, layout.texels, charts, shape)
     else:
         gathered = gather(scene, source, points, free, settings)
-    image = _image(texels, corners, atlas, gathered, gutter)
-    # All dark surfaces share one black texel; filtering also reads the texels around it.
-    image = np.concatenate((image, np.zeros((BLACK_ROWS, atlas.width, 3))))
+    harmonics = gather_harmonics(scene, gathered, points, free, settings) if directional else None
+    stage(progress, "fit")
     return Lightmap(
         scene=scene,
-        parts=_parts(lit, atlas, (atlas.width, atlas.height + BLACK_ROWS)),
-        irradiance=image.astype(np.float32),
-        texel_size=size,
+        parts=layout.parts(),
+        irradiance=fitted_pages(layout, gathered, gathered.values, gutter, least=0.0),
+        harmonics=None if harmonics is None else fitted_harmonics(layout, gathered, harmonics, gutter),
+        page_count=layout.atlas.pages,
+        texel_size=layout.texel_size,
         component=component,
         method=source.options.name,
         gutter=gutter,
-        statistics=_statistics(texels, corners, gathered) | {"area": area, "seconds": clock.perf_counter() - started},
+        statistics=_statistics(layout, gathered) | {"seconds": clock.perf_counter() - started},
         settings=asdict(source.options)
         | {"samples": samples, "supersampling": supersampling, "max_depth": max_depth, "seed": seed}
-        | {"charts": atlas.method, "sides": sides, "denoise": denoise},
+        | {"charts": layout.atlas.method, "sides": sides, "denoise": denoise, "texel_sizes": dict(wishes.texel_sizes)},
     )
 
 
-def _check_map(denoise: bool, sides: str, supersampling: int, gutter: int, max_size: int) -> None:
+def check_map(denoise: bool, sides: str, supersampling: int, gutter: int, max_size: int) -> None:
+    """Raise EclatError for options of light maps that are out of range."""
     if denoise:
         require_denoiser()
     if sides not in get_args(SidesChoice):
@@ -160,51 +156,12 @@ def _check_map(denoise: bool, sides: str, supersampling: int, gutter: int, max_s
         raise EclatError(f"max_size must be between 16 and {LARGEST_SIZE} texels, got {max_size}")
 
 
-def _statistics(texels: Texels, corners: Corners, gathered: GatheredTexels) -> dict[str, float]:
-    charts = len(np.unique(corners.charts[corners.charts >= 0]))
-    numbers = {"texels": len(texels), "buried": int((~gathered.seen).sum()), "charts": charts}
+def _statistics(layout: Layout, gathered: GatheredTexels) -> dict[str, float]:
+    numbers = {
+        "texels": len(layout.texels),
+        "buried": int((~gathered.seen).sum()),
+        "charts": layout.charts,
+        "pages": layout.atlas.pages,
+        "area": layout.area,
+    }
     return {name: float(number) for name, number in numbers.items()} | gathered.counts
-
-
-def _lit_area(scene: Scene, lit: list[Side]) -> float:
-    """Compute the area in m² of the surfaces that get texels. Raises EclatError if there are no surfaces; warns if
-    there are normal maps."""
-    if not sum(areas(side.part.mesh).sum() for side in lit) > 0:
-        raise EclatError(f"bake: {scene.name or 'the scene'} has no surfaces, so there is nothing to bake")
-    if any(mesh.material.normal_map is not None for mesh in scene.meshes):
-        warn("bake: the light map ignores normal maps; its irradiance is that of the surfaces without them")
-    return float(sum(areas(side.part.mesh)[side.lit].sum() for side in lit))
-
-
-def _image(texels: Texels, corners: Corners, atlas: Atlas, gathered: GatheredTexels, gutter: int) -> FloatArray:
-    """Fit the irradiance of the map, (H, W, 3). Texels that no viewer can see take the mean of their neighbours."""
-    seen = gathered.seen
-    numbers = np.full((atlas.height, atlas.width), -1, np.int64)
-    numbers[texels.rows[seen], texels.columns[seen]] = np.arange(int(seen.sum()))
-    a, b = (bilinear(numbers, ends) for ends in seam_samples(corners))
-    fitted = fit(gathered.values[seen], bilinear(numbers, gathered.places[seen]), differences(a, b))
-    image: FloatArray = np.zeros((atlas.height, atlas.width, 3))
-    image[texels.rows[seen], texels.columns[seen]] = fitted
-    known = numbers >= 0
-    hidden = np.zeros_like(known)
-    hidden[texels.rows[~seen], texels.columns[~seen]] = True
-    image, known = dilate(image, known, gutter + 1, hidden)
-    image, _ = dilate(image, known | hidden, gutter + 1)
-    return image
-
-
-def _parts(sides: list[Side], atlas: Atlas, size: tuple[int, int]) -> tuple[Part, ...]:
-    """Make the parts, with vertices split at the borders of charts and with light map coordinates in (0, 0)..(1, 1)."""
-    black = np.array([1.5, size[1] - BLACK_ROWS / 2])
-    found = []
-    for side, unwrapped in zip(sides, atlas.meshes, strict=True):
-        mesh = side.part.mesh
-        dark = np.asarray(mesh.triangles)[~side.lit]
-        corners, renumbered = np.unique(dark, return_inverse=True)
-        triangles = np.empty((len(side.lit), 3), np.int64)
-        triangles[side.lit] = unwrapped.triangles
-        triangles[~side.lit] = renumbered.reshape(-1, 3) + len(unwrapped.vertices)
-        uvs = np.concatenate((unwrapped.uvs, np.broadcast_to(black, (len(corners), 2)))) / size
-        split = select_vertices(mesh, np.concatenate((unwrapped.vertices, corners)), triangles)
-        found.append(replace(side.part, mesh=split, lightmap_uvs=uvs))
-    return tuple(found)

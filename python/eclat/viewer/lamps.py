@@ -55,8 +55,10 @@ def sharp_sky(sky: Environment | None) -> Environment | None:
 
 
 def parts_of(scene: Scene, lightmap: Lightmap | None) -> list[Part]:
-    """Return the meshes that the page draws, with coordinates in the light map if there is one."""
-    return scene_parts(scene) if lightmap is None else list(lightmap.parts)
+    """Return the meshes that the page draws, with coordinates in the light map if there is one, whose pages are one image."""
+    if lightmap is None:
+        return scene_parts(scene)
+    return [replace(part, lightmap_uvs=uvs) for part, uvs in zip(lightmap.parts, lightmap.stacked_uvs(), strict=True)]
 
 
 def light_message(lightmap: Lightmap | None) -> bytes:

@@ -152,3 +152,12 @@ def test_numbers_are_formatted_for_people() -> None:
         "",
         "",
     ]
+
+
+def test_the_bar_of_a_bake_shows_at_once() -> None:
+    clock, out = Clock(), io.StringIO()
+    for show_after, lines in ((0.0, 1), (2.0, 0)):
+        out = io.StringIO()
+        bar = ProgressBar(Console(file=out), clock, show_after=show_after)
+        bar("load", 0.0, {})
+        assert out.getvalue().count("load") == lines

@@ -202,7 +202,7 @@ def test_uv_sets_beside_a_light_map(tmp_path: Path) -> None:
     places = np.array([[0.1, 0.9], [0.9, 0.9], [0.9, 0.1], [0.1, 0.1]])
     png = _png()
     part = Part(mesh, lightmap_uvs=places)
-    keywords = {"lightmap": LightmapTexture(png, 3.5), "notes": {"lightmap": "scene.lightmap.json"}}
+    keywords = {"lightmaps": [LightmapTexture(png, 3.5)], "notes": {"lightmap": "scene.lightmap.json"}}
     root = root_of(encode_glb(Scene((mesh,)), [part], **keywords))
     attributes = root["meshes"][0]["primitives"][0]["attributes"]
     assert {"TEXCOORD_0", "TEXCOORD_1", "TEXCOORD_2"} <= set(attributes)

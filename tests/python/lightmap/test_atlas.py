@@ -17,7 +17,7 @@ import eclat
 from eclat.errors import EclatError, EclatWarning
 from eclat.gltf_export.geometry import with_flat_normals
 from eclat.lightmap import atlas as atlas_module
-from eclat.lightmap.atlas import Atlas, areas, default_texel_size, unwrap
+from eclat.lightmap.atlas import Atlas, Packing, areas, default_texel_size, unwrap
 from eclat.lightmap.texels import corners_of, rasterize
 from eclat.scene import Material, Mesh
 from eclat.scenes import build
@@ -33,10 +33,16 @@ def check(meshes: list[Mesh], atlas: Atlas, texel_size: float, scale: float = 0.
     """Charts lie apart, inside the image, and are about as large as the texel size says: xatlas stretches them to whole
     texels."""
     corners = corners_of(meshes, atlas)
-    texels = rasterize(corners, atlas.width, atlas.height)
+    texels = rasterize(corners, atlas.width, atlas.stack_height)
     assert texels.shared == 0, "no texel is read from two charts"
-    assert corners.uvs.min() >= 0
-    assert (corners.uvs.max(axis=(0, 1)) <= (atlas.width, atlas.height)).all()
+    for unwrapped in atlas.meshes:
+        placed = unwrapped.charts >= 0
+        uvs = unwrapped.uvs[placed]
+        # Bilinear filtering clamps half a texel from the border, so charts must not come nearer.
+        assert (uvs >= 0.5 - 1e-4).all() and (uvs <= np.array([atlas.width, atlas.height]) - 0.5 + 1e-4).all()
+        assert unwrapped.page_of_vertices().max(initial=0) < atlas.pages
+        for chart in np.unique(unwrapped.charts[placed]):
+            assert len(np.unique(unwrapped.page_of_vertices()[unwrapped.charts == chart])) == 1, "charts are whole"
     # Inside a chart nothing overlaps: a texel's centre lies in one triangle at most, or on an edge of several.
     a, b, c = (corners.uvs[:, i] for i in range(3))
     doubled = (b - a)[:, 0] * (c - a)[:, 1] - (b - a)[:, 1] * (c - a)[:, 0]
@@ -44,7 +50,7 @@ def check(meshes: list[Mesh], atlas: Atlas, texel_size: float, scale: float = 0.
     world = sum(areas(mesh).sum() for mesh in meshes) / texel_size**2
     assert inside == pytest.approx(world, rel=scale)
     rng = np.random.default_rng(0)
-    points = rng.uniform(0, (atlas.width, atlas.height), (4000, 2))
+    points = rng.uniform(0, (atlas.width, atlas.stack_height), (4000, 2))
     hits = np.zeros(len(points), int)
     for triangle, area in zip(corners.uvs, doubled, strict=True):
         if area == 0:
@@ -61,7 +67,7 @@ def check(meshes: list[Mesh], atlas: Atlas, texel_size: float, scale: float = 0.
 @pytest.mark.parametrize("gutter", [2, 6])
 def test_cornell_box(timeout: float, gutter: int) -> None:
     meshes = meshes_of("cornell-box")
-    atlas = unwrap(meshes, 0.05, gutter=gutter, timeout=timeout)
+    atlas = unwrap(meshes, 0.05, Packing(gutter, timeout=timeout))
     check(meshes, atlas, 0.05)
     assert atlas.method == ("xatlas" if timeout else "planar")
     charts = [len(np.unique(m.charts)) for m in atlas.meshes]
@@ -71,7 +77,7 @@ def test_cornell_box(timeout: float, gutter: int) -> None:
 @BOTH
 def test_curved_meshes(timeout: float) -> None:
     meshes = [with_flat_normals(mesh) for mesh in build("furnace").meshes]
-    atlas = unwrap(meshes, 0.1, timeout=timeout)
+    atlas = unwrap(meshes, 0.1, Packing(timeout=timeout))
     check(meshes, atlas, 0.1, scale=0.3 if timeout else 1e-6)
 
 
@@ -81,7 +87,7 @@ def test_uvs_of_the_scene_do_not_matter(timeout: float) -> None:
     (wall, *_), n = meshes_of("cornell-box"), 0.05
     stacked = replace(wall, uvs=np.zeros((len(wall.positions), 2)))
     beyond = replace(wall, uvs=np.full((len(wall.positions), 2), 1e6))
-    found = [unwrap([wall, mesh], n, timeout=timeout).meshes[1].uvs for mesh in (wall, stacked, beyond)]
+    found = [unwrap([wall, mesh], n, Packing(timeout=timeout)).meshes[1].uvs for mesh in (wall, stacked, beyond)]
     np.testing.assert_array_equal(found[0], found[1])
     np.testing.assert_array_equal(found[0], found[2])
 
@@ -94,14 +100,14 @@ def test_instances_and_mirror_images_have_charts_of_their_own(timeout: float) ->
         box, positions=box.positions * mirror, normals=box.normals * mirror, triangles=box.triangles[:, ::-1]
     )
     meshes = [box, replace(box, positions=box.positions + np.array([5, 0, 0])), mirrored, box]
-    check(meshes, unwrap(meshes, 0.05, timeout=timeout), 0.05)
+    check(meshes, unwrap(meshes, 0.05, Packing(timeout=timeout)), 0.05)
 
 
 @BOTH
 def test_triangles_without_area_go_along(timeout: float) -> None:
     wall = meshes_of("cornell-box")[1]
     thin = replace(wall, triangles=np.concatenate((wall.triangles, [[0, 0, 1], [2, 2, 2]])))
-    atlas = unwrap([thin], 0.1, timeout=timeout)
+    atlas = unwrap([thin], 0.1, Packing(timeout=timeout))
     assert np.isfinite(atlas.meshes[0].uvs).all()
     assert len(atlas.meshes[0].triangles) == len(thin.triangles)
     assert len(rasterize(corners_of([thin], atlas), atlas.width, atlas.height)) >= 21 * 21
@@ -113,7 +119,7 @@ def test_meshes_without_triangles_go_along(timeout: float) -> None:
     empty = replace(wall, triangles=np.zeros((0, 3), np.int64))
     with warnings.catch_warnings():
         warnings.simplefilter("error")
-        atlas = unwrap([empty, wall, empty], 0.1, timeout=timeout)
+        atlas = unwrap([empty, wall, empty], 0.1, Packing(timeout=timeout))
     assert [len(m.triangles) for m in atlas.meshes] == [0, 2, 0]
     check([empty, wall, empty], atlas, 0.1, scale=0.2)
 
@@ -130,15 +136,29 @@ def test_too_slow_or_broken_unwrapping_is_replaced(monkeypatch: pytest.MonkeyPat
         (tmp_path / "child.py").write_text(program)
         started = time.monotonic()
         with pytest.warns(EclatWarning, match=problem):
-            atlas = unwrap(meshes, 0.05, timeout=0.5 if "sleep" in program else 20)
+            atlas = unwrap(meshes, 0.05, Packing(timeout=0.5 if "sleep" in program else 20))
         assert atlas.method == "planar" and time.monotonic() - started < 50
         check(meshes, atlas, 0.05)
 
 
 def test_an_atlas_that_is_too_large_is_refused() -> None:
     long = Mesh(np.array([[0.0, 0, 0], [100, 0, 0], [0, 0.1, 0]]), np.array([[0, 1, 2]]), Material())
-    with pytest.raises(EclatError, match=r"more than 256 x 256; a texel size of .* m fits"):
-        unwrap([with_flat_normals(long)], 0.1, max_size=256, timeout=0)
+    with pytest.raises(EclatError, match=r"more than a page of 256 x 256; a texel size of .* m fits"):
+        unwrap([with_flat_normals(long)], 0.1, Packing(max_size=256, timeout=0))
+
+
+@BOTH
+def test_charts_that_do_not_fit_on_one_page_go_on_several(timeout: float) -> None:
+    meshes = meshes_of("cornell-box")
+    for max_size, least in ((64, 3), (80, 2), (256, 1)):
+        atlas = unwrap(meshes, 0.05, Packing(max_size=max_size, timeout=timeout))
+        check(meshes, atlas, 0.05)
+        assert atlas.pages >= least and max(atlas.width, atlas.height) <= max_size
+        used = np.unique(np.concatenate([u.page_of_vertices() for u in atlas.meshes]))
+        np.testing.assert_array_equal(used, np.arange(atlas.pages))
+        corners = corners_of(meshes, atlas)
+        rows = rasterize(corners, atlas.width, atlas.stack_height).rows % (atlas.height + atlas.gap)
+        assert rows.max() < atlas.height, "no texel lies between pages"
 
 
 def test_default_texel_size() -> None:
@@ -161,6 +181,36 @@ def test_an_interrupt_ends_the_child(monkeypatch: pytest.MonkeyPatch, tmp_path: 
             raise KeyboardInterrupt
 
     with pytest.raises(KeyboardInterrupt):
-        unwrap(meshes_of("cornell-box"), 0.05, timeout=120, progress=progress)
+        unwrap(meshes_of("cornell-box"), 0.05, Packing(timeout=120), progress)
     with pytest.raises(ProcessLookupError):
         os.kill(int((tmp_path / "pid").read_text()), 0)
+
+
+def test_triangles_that_xatlas_leaves_out_get_charts_of_their_own(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    """Sibenik has slivers that xatlas leaves out: the charts of all else stay, without a warning."""
+    real = atlas_module.XATLAS_PROGRAM
+    (tmp_path / "child.py").write_text(
+        f"import sys\nsys.path.insert(0, {str(real.parent)!r})\nimport xatlas_process\n"
+        "unwrap = xatlas_process.unwrap\n"
+        "def without(arrays):\n"
+        "    found = unwrap(arrays)\n"
+        "    found['charts6'] = found['charts6'].copy()\n"
+        "    found['charts6'][found['triangles6'][[0, 5]].ravel()] = -1\n"
+        "    return found\n"
+        "xatlas_process.unwrap = without\nxatlas_process.main()\n"
+    )
+    meshes = meshes_of("cornell-box")
+    whole = unwrap(meshes, 0.05)
+    monkeypatch.setattr(atlas_module, "XATLAS_PROGRAM", tmp_path / "child.py")
+    with warnings.catch_warnings():
+        warnings.simplefilter("error")
+        atlas = unwrap(meshes, 0.05)
+    check(meshes, atlas, 0.05)
+    assert atlas.method == "xatlas" and len(np.unique(atlas.meshes[6].charts)) > 1
+    np.testing.assert_array_equal(atlas.meshes[0].uvs, whole.meshes[0].uvs)
+    # All triangles that share a vertex with those that were left out are left out too; a mesh of them alone is too much.
+    monkeypatch.setattr(atlas_module, "MAX_LEFT_OUT", 0.0)
+    with pytest.warns(EclatWarning, match="left out"):
+        assert unwrap(meshes, 0.05).method == "planar"

@@ -12,7 +12,7 @@ import pytest
 
 import eclat
 from eclat.images import denoiser
-from eclat.lightmap.atlas import unwrap
+from eclat.lightmap.atlas import Packing, unwrap
 from eclat.lightmap.denoising import gather_denoised
 from eclat.lightmap.gathering import GatheredTexels, Settings, TexelPoints, gather, sample_points
 from eclat.lightmap.sides import lit_sides
@@ -41,7 +41,7 @@ def cornell() -> eclat.Scene:
 def texels(cornell: eclat.Scene) -> MapTexels:
     lit = lit_sides(cornell, "front", solid_triangles(cornell, cornell.meshes), 1)
     meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in lit]
-    atlas = unwrap(meshes, 0.05, gutter=2, max_size=1024, timeout=0, progress=None)
+    atlas = unwrap(meshes, 0.05, Packing(2, 1024, 0))
     corners = corners_of(meshes, atlas)
     found = rasterize(corners, atlas.width, atlas.height)
     return found, sample_points(corners, found, 1), corners.charts[found.triangles], (atlas.height, atlas.width)

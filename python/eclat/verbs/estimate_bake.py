@@ -1,0 +1,159 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""The verb `estimate_bake`, which says how large a light map will be and about how long it will take, before it is baked."""
+
+from __future__ import annotations
+
+import os
+import time as clock
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked_samples, checked_seed, thread_count
+from eclat.bridge.running import ProgressReport
+from eclat.gltf_export import encode_glb
+from eclat.lightmap.atlas import Packing
+from eclat.lightmap.gathering import Settings, gather, sample_points, visible_points
+from eclat.lightmap.layout import Layout, Wishes, lay_out
+from eclat.lightmap.sides import SidesChoice
+from eclat.methods import IrradianceCache, Method, Source, as_method
+from eclat.scene import Scene
+from eclat.stage.staging import staged
+from eclat.typed import typed
+from eclat.verbs.bake import MAX_SIZE, SAMPLES, check_map
+from eclat.verbs.irradiance import Component, checked_component
+
+TRIALS = (64, 256, 1024)
+"""Numbers of texels that are baked to see how the work grows with them."""
+
+PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8
+"""Bytes of a texel without compression in the embedded PNG, in the EXR and in the KTX2 file."""
+
+FIT_SECONDS = 3e-5
+"""Processor seconds per texel for the fit and the files, which trials are too small to show (Sibenik)."""
+
+
+@dataclass(frozen=True)
+class BakeEstimate:
+    """What a light map will take.
+
+    `texels` is the number of texels that surfaces use, in `charts`, on `pages` of `width` × `height` texels. `texel_size` is
+    in metres. `most_bytes` is an upper bound of the size of all files, without compression of images. `rays` and `seconds`
+    are predicted from bakes of a few texels, on as many processors; the truth is often twice as much or half of it.
+    """
+
+    texels: int
+    charts: int
+    pages: int
+    width: int
+    height: int
+    texel_size: float
+    most_bytes: int
+    rays: float
+    seconds: float
+
+
+@typed
+def estimate_bake(
+    scene: Scene | str | os.PathLike[str],
+    what: Source | type[Method] | str | None = None,
+    *,
+    component: Component = "total",
+    texel_size: float | None = None,
+    texel_sizes: Mapping[str, float] | None = None,
+    ktx2: bool = False,
+    sides: SidesChoice = "auto",
+    samples: int = SAMPLES,
+    supersampling: int = 2,
+    max_error: float = 0.01,
+    max_depth: int = -1,
+    gutter: int = 2,
+    max_size: int = MAX_SIZE,
+    charts_timeout: float = 60.0,
+    seed: int = 0,
+    threads: int | None = None,
+    progress: ProgressReport | None = None,
+) -> BakeEstimate:
+    """Lay out the light map of `scene`, and bake a few of its texels to predict the time.
+
+    The arguments are those of `eclat.bake`, and `ktx2` that of `Lightmap.save`.
+
+    Raises
+    ------
+    EclatError : as `eclat.bake` does before it begins.
+
+    Examples
+    --------
+    >>> import eclat
+    >>> found = eclat.estimate_bake("furnace", texel_size=0.2, samples=16)
+    >>> found.pages
+    1
+    """
+    checked_component(component)
+    scene = staged(scene)
+    checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
+    check_map(False, sides, supersampling, gutter, max_size)
+    source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
+    source.require_match(scene, max_depth)
+    started = clock.perf_counter()
+    wishes = Wishes(texel_size, texel_sizes or {}, sides, Packing(gutter, max_size, charts_timeout))
+    layout = lay_out(scene, wishes, threads, progress)
+    laid_out = clock.perf_counter() - started
+    settings = Settings(component, samples, max_depth, seed, threads, progress)
+    count = len(layout.texels)
+    numbers = sorted({min(count, number) for number in TRIALS})
+    trials = [_trial(scene, source, layout, number, supersampling, settings) for number in numbers]
+    rays = extrapolated(numbers, [rays for rays, _ in trials], count)
+    last_rays, last_seconds = trials[-1]
+    height, width = layout.page_shape
+    all_texels = layout.atlas.pages * height * width
+    bare = len(encode_glb(scene, layout.parts(), lights=component == "indirect"))
+    return BakeEstimate(
+        texels=count,
+        charts=layout.charts,
+        pages=layout.atlas.pages,
+        width=width,
+        height=height,
+        texel_size=layout.texel_size,
+        most_bytes=bare + all_texels * (PNG_BYTES + EXR_BYTES + (KTX2_BYTES if ktx2 else 0)),
+        rays=rays,
+        seconds=laid_out + last_seconds * rays / max(last_rays, 1.0) + FIT_SECONDS * count,
+    )
+
+
+def extrapolated(numbers: list[int], rays: list[float], count: int) -> float:
+    """Predict the rays of `count` texels from those of a few numbers of them, each four times the one before.
+
+    Some rays are needed for any number of texels, such as those of far records; the others follow a power of the number,
+    which is 1 for light from lamps and less for records that serve many texels. With fewer than three numbers, all rays are
+    in proportion to the number.
+    """
+    if len(numbers) < 3 or numbers[-1] >= count:
+        return rays[-1] * count / max(1, numbers[-1])
+    first, second = max(rays[1] - rays[0], 1.0), max(rays[2] - rays[1], 1.0)
+    ratio = numbers[2] / numbers[1]
+    power = float(np.clip(np.log(second / first) / np.log(ratio), 0.25, 1.0))
+    share = second / (numbers[2] ** power - numbers[1] ** power)
+    return float(rays[2] + share * (count**power - numbers[2] ** power))
+
+
+def _trial(
+    scene: Scene, source: Source, layout: Layout, number: int, supersampling: int, settings: Settings
+) -> tuple[float, float]:
+    """Bake `number` texels, evenly spread over all; return the number of rays and the seconds."""
+    started = clock.perf_counter()
+    which = np.linspace(0, len(layout.texels) - 1, number).astype(np.int64)
+    all_texels = layout.texels
+    texels = replace(
+        all_texels,
+        **{
+            name: getattr(all_texels, name)[which]
+            for name in ("rows", "columns", "triangles", "weights", "positions", "normals", "face_normals", "uvs")
+        },
+    )
+    points = sample_points(layout.corners, texels, supersampling)
+    free = visible_points(scene, layout.solid, points, settings)
+    gathered = gather(scene, source, points, free, settings)
+    return gathered.counts["rays"], clock.perf_counter() - started
