@@ -433,6 +433,18 @@ def probes(
     Coefficients of the incident radiance and half the differences of its halves, (probes, order², 3) each; number of dropped radiances.
     """
 
+def surface_probes(
+    scene: Scene,
+    positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    estimator: Estimator,
+    options: ProbeOptions,
+    progress: Progress,
+) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32], int]:
+    """
+    The same for the light that arrives at points of surfaces from the side of their normals.
+    """
+
 max_harmonic_order: int = 48
 
 class Basis(enum.Enum):

@@ -135,4 +135,5 @@ def for_unity(harmonics: FloatArray, irradiance: FloatArray) -> NDArray[np.uint8
     w = 0.5 + np.where(flux > 0, luminance(irradiance) / safe, 0) * shorter
     direction = d * shorter[..., None] * np.array([-1.0, 1.0, 1.0])
     packed = np.concatenate((0.5 + direction / 2, w[..., None]), axis=-1)
-    return np.rint(np.clip(packed, 0, 1) * 255).astype(np.uint8)
+    bytes_of: NDArray[np.uint8] = np.rint(np.clip(packed, 0, 1) * 255).astype(np.uint8)
+    return bytes_of
