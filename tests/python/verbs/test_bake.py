@@ -11,12 +11,12 @@ import pytest
 
 import eclat
 from eclat.errors import EclatError, EclatWarning
+from eclat.lightmap import fitting
 from eclat.lightmap.probes import inside_or_behind
 from eclat.lightmap.solids import solid_triangles
 from eclat.scene import Environment, Material, Mesh, NormalMap, PointLight, Scene, Texture, Value, grey
 from eclat.scenes import build
 from eclat.scenes.geometry import icosphere, mesh
-from eclat.verbs import bake as baking
 from support.light_maps import read_at_random, seam_gap
 
 SQUARE = np.array([[-1, 0, 1], [1, 0, 1], [1, 0, -1], [-1, 0, -1]], np.float64)
@@ -165,7 +165,7 @@ def test_seams_of_a_smooth_surface_meet(monkeypatch: pytest.MonkeyPatch) -> None
     for fitted in (False, True):
         with monkeypatch.context() as patched:
             if not fitted:
-                patched.setattr(baking, "fit", lambda gathered, lookups, seams: gathered)
+                patched.setattr(fitting, "fit", lambda gathered, lookups, seams: gathered)
             lightmap = eclat.bake(scene, eclat.Direct(), texel_size=0.1, samples=256)
         gaps.append(seam_gap(lightmap))
     assert gaps[1] < 0.3 * gaps[0]
