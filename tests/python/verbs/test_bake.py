@@ -165,7 +165,7 @@ def test_seams_of_a_smooth_surface_meet(monkeypatch: pytest.MonkeyPatch) -> None
     for fitted in (False, True):
         with monkeypatch.context() as patched:
             if not fitted:
-                patched.setattr(fitting, "fit", lambda gathered, lookups, seams: gathered)
+                patched.setattr(fitting, "fit", lambda gathered, lookups, seams, least: gathered)
             lightmap = eclat.bake(scene, eclat.Direct(), texel_size=0.1, samples=256)
         gaps.append(seam_gap(lightmap))
     assert gaps[1] < 0.3 * gaps[0]
