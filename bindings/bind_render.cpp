@@ -178,36 +178,59 @@ constexpr uint32_t Film::Pixel::* counted[] = {&Film::Pixel::samples, &Film::Pix
                                                &Film::Pixel::gloss_cached, &Film::Pixel::gloss_traced};
 constexpr size_t numbers_of_pixel = 3 * (std::size(summed_colors) + std::size(summed_normals)) + 1 + std::size(counted);
 
-auto film_sums(const Film& film) {
-    const std::array shape{size_t(film.height()), size_t(film.width()), numbers_of_pixel};
-    return float_array({shape[0], shape[1], shape[2]}, [&](float* data) {
-        for (const Film::Pixel& p : film.pixels()) {
+using FilmSums = Array<float, -1, -1, static_cast<int>(numbers_of_pixel)>;
+
+/// Calls `visit` for the pixels of a rectangle of the film, row by row.
+template <class AnyFilm, class Visit>
+void for_pixels(AnyFilm& film, int x0, int y0, size_t width, size_t height, Visit&& visit) {
+    require(x0 >= 0 && y0 >= 0 && size_t(x0) + width <= size_t(film.width()) &&
+                size_t(y0) + height <= size_t(film.height()),
+            "film: expected a rectangle inside " + std::to_string(film.width()) + "x" + std::to_string(film.height()) +
+                " pixels, got one of " + std::to_string(width) + "x" + std::to_string(height) + " at (" +
+                std::to_string(x0) + ", " + std::to_string(y0) + ")");
+    for (size_t y = 0; y < height; ++y)
+        for (size_t x = 0; x < width; ++x)
+            visit(film.pixels()[(size_t(y0) + y) * size_t(film.width()) + size_t(x0) + x]);
+}
+
+auto sums_within(const Film& film, std::array<int, 4> rectangle) {
+    const auto [x0, y0, x1, y1] = rectangle;
+    require(x0 <= x1 && y0 <= y1, "film: expected a rectangle with x0 <= x1 and y0 <= y1");
+    const auto width = static_cast<size_t>(x1 - x0), height = static_cast<size_t>(y1 - y0);
+    return float_array({height, width, numbers_of_pixel}, [&](float* data) {
+        for_pixels(film, x0, y0, width, height, [&](const Film::Pixel& p) {
             for (const auto color : summed_colors)
                 for (int k = 0; k < 3; ++k) *data++ = (p.*color)[k];
             for (const auto normal : summed_normals)
                 for (int k = 0; k < 3; ++k) *data++ = (p.*normal)[k];
             *data++ = p.distance;
             for (const auto count : counted) *data++ = static_cast<float>(p.*count);
-        }
+        });
     });
 }
 
-void restore_film(Film& film, const Array<float, -1, -1, static_cast<int>(numbers_of_pixel)>& sums) {
-    require(sums.shape(0) == size_t(film.height()) && sums.shape(1) == size_t(film.width()),
-            "sums: expected " + std::to_string(film.width()) + "x" + std::to_string(film.height()) + " pixels, got " +
-                std::to_string(sums.shape(1)) + "x" + std::to_string(sums.shape(0)));
+auto film_sums(const Film& film) { return sums_within(film, {0, 0, film.width(), film.height()}); }
+
+void restore_within(Film& film, const FilmSums& sums, int x0, int y0) {
     const float* data = sums.data();
-    for (Film::Pixel& p : film.pixels()) {
+    for_pixels(film, x0, y0, sums.shape(1), sums.shape(0), [&](Film::Pixel& p) {
         for (const auto color : summed_colors) p.*color = {data[0], data[1], data[2]}, data += 3;
         for (const auto normal : summed_normals) p.*normal = {data[0], data[1], data[2]}, data += 3;
         p.distance = *data++;
         for (const auto count : counted) p.*count = static_cast<uint32_t>(*data++);
-    }
+    });
+}
+
+void restore_film(Film& film, const FilmSums& sums) {
+    require(sums.shape(0) == size_t(film.height()) && sums.shape(1) == size_t(film.width()),
+            "sums: expected " + std::to_string(film.width()) + "x" + std::to_string(film.height()) + " pixels, got " +
+                std::to_string(sums.shape(1)) + "x" + std::to_string(sums.shape(0)));
+    restore_within(film, sums, 0, 0);
 }
 
 void bind_film(nb::module_& m) {
     nb::class_<Film>(m, "Film")
-        .def(nb::init<int, int>())
+        .def(nb::init<int, int, int, int>(), "width"_a, "height"_a, "x0"_a = 0, "y0"_a = 0)
         .def("copy", [](const Film& f) { return Film(f); })
         .def_prop_ro("radiance", mean_layer(&Film::Pixel::radiance), nb::rv_policy::move)
         .def_prop_ro("direct", mean_layer(&Film::Pixel::direct), nb::rv_policy::move)
@@ -219,6 +242,16 @@ void bind_film(nb::module_& m) {
              "Adds the samples of another film; ours are the even ones from then on.")
         .def("sums", &film_sums, nb::rv_policy::move, "What has been added up, (height, width, numbers).")
         .def("restore", &restore_film, "sums"_a, "Goes on from what `sums` gave.")
+        .def("sums_within", &sums_within, "rectangle"_a, nb::rv_policy::move, "The sums of (x0, y0, x1, y1).")
+        .def("restore_within", &restore_within, "sums"_a, "x0"_a, "y0"_a, "Replaces those of a rectangle.")
+        .def(
+            "add_bad",
+            [](Film& f, uint64_t count, const std::vector<std::tuple<int, int, uint32_t>>& first) {
+                std::vector<BadSample> bad;
+                for (const auto& [x, y, sample] : first) bad.push_back({x, y, sample});
+                f.add_bad(count, bad);
+            },
+            "count"_a, "first"_a, "Counts samples of a part of the picture that were not finite.")
         .def_prop_ro("depth", &depth_layer, nb::rv_policy::move)
         .def_prop_ro(
             "gloss_cached", [](const Film& f) { return share(f, &Film::Pixel::gloss_cached); }, nb::rv_policy::move)
@@ -274,10 +307,10 @@ void bind_points(nb::module_& m) {
     nb::class_<PointIrradianceOptions>(m, "PointIrradianceOptions")
         .def(
             "__init__",
-            [](PointIrradianceOptions* o, Component component, int samples, int max_depth, uint32_t seed, int threads) {
-                new (o) PointIrradianceOptions{component, samples, max_depth, seed, threads};
-            },
-            nb::kw_only(), "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a);
+            [](PointIrradianceOptions* o, Component component, int samples, int max_depth, uint32_t seed, int threads,
+               uint32_t first) { new (o) PointIrradianceOptions{component, samples, max_depth, seed, threads, first}; },
+            nb::kw_only(), "component"_a, "samples"_a, "max_depth"_a, "seed"_a, "threads"_a, "first"_a = 0,
+            "first: the index of the first point, if the points are a range of more.");
     m.def("irradiance", &irradiance, "positions"_a, "normals"_a, "estimator"_a, "options"_a, "progress"_a,
           "Irradiance (points, 3), and how many points a cache served and did not, or None where there is none.");
 }

@@ -35,17 +35,22 @@ struct BadSample {
 
 class Film {
   public:
-    Film(int width, int height) : width_(width), height_(height), pixels_(size_t(width) * height) {}
+    /// The film of a part of a picture has the picture's pixel (x0, y0) in its upper left corner.
+    Film(int width, int height, int x0 = 0, int y0 = 0)
+        : width_(width), height_(height), x0_(x0), y0_(y0), pixels_(size_t(width) * height) {}
     /// This may be called only between passes, while no samples are added.
     Film(const Film& other)
         : width_(other.width_),
           height_(other.height_),
+          x0_(other.x0_),
+          y0_(other.y0_),
           pixels_(other.pixels_),
           bad_count_(other.bad_count_),
           bad_(other.bad_) {}
 
+    /// (x, y) is a pixel of the picture.
     void add(int x, int y, uint32_t sample, const FilmSample& s) {
-        Pixel& p = pixels_[size_t(y) * width_ + x];
+        Pixel& p = pixels_[size_t(y - y0_) * width_ + (x - x0_)];
         if (!is_finite(s.radiance)) {
             report(x, y, sample);
             return;
@@ -91,6 +96,12 @@ class Film {
         for (const BadSample& bad : other.bad_) remember({bad.x, bad.y, 2 * bad.sample + 1});
     }
 
+    /// Counts samples that were not finite in the film of a part of this picture; `first` are the first of them.
+    void add_bad(uint64_t count, const std::vector<BadSample>& first) {
+        bad_count_ += count;
+        for (const BadSample& bad : first) remember(bad);
+    }
+
     int width() const { return width_; }
     int height() const { return height_; }
     const std::vector<Pixel>& pixels() const { return pixels_; }
@@ -115,6 +126,7 @@ class Film {
     }
 
     int width_, height_;
+    int x0_ = 0, y0_ = 0;
     std::vector<Pixel> pixels_;
     std::mutex mutex_;
     uint64_t bad_count_ = 0;

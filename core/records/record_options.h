@@ -15,6 +15,8 @@
 
 namespace eclat {
 
+class GatherExchange;
+
 constexpr float usual_far_spacing = 0.3f;
 
 struct IrradianceCacheOptions {
@@ -38,6 +40,7 @@ struct IrradianceCacheOptions {
     int max_depth = -1;
     uint32_t seed = 0;
     int threads = 0;
+    std::shared_ptr<const GatherExchange> exchange;  // shares the gathers of passes with other processes
 };
 
 }  // namespace eclat

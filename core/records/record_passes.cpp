@@ -24,6 +24,7 @@
 
 #include "base/parallel.h"
 #include "records/gather.h"
+#include "records/gather_exchange.h"
 
 namespace eclat {
 
@@ -72,10 +73,13 @@ void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOp
 template <class Rows>
 std::vector<Gathered> gather_each(const GatherTask& task, std::span<const Candidate> candidates, const Rows& rows,
                                   float mean, float& usual) {
-    auto out = parallel_map<Gathered>(candidates.size(), task.options.threads, [&](size_t i) {
+    const auto one = [&](size_t i) {
         task.progress.check();
         return gather(task, candidates[i], rows(candidates[i]));
-    });
+    };
+    const int threads = task.options.threads;
+    auto out = task.options.exchange ? exchanged(*task.options.exchange, candidates.size(), threads, task.progress, one)
+                                     : parallel_map<Gathered>(candidates.size(), threads, one);
     space_all(out, mean, task.options, usual);
     return out;
 }

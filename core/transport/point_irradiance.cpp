@@ -35,7 +35,7 @@ Color indirect_by_paths(const World& world, const SurfacePoint& point, uint32_t 
     const Color sum = sum_over_samples(0, options.samples, progress, [&](int first, int end) {
         std::vector<PathRay> rays;
         for (int s = first; s < end; ++s) {
-            Sampler sampler(options.seed, index, static_cast<uint32_t>(s));
+            Sampler sampler(options.seed, options.first + index, static_cast<uint32_t>(s));
             sampler.set_dimension(path_dimension);
             const Vec3 w = square_to_cosine_hemisphere(sampler.next_2d());
             rays.push_back({point.ray(point.frame.to_world(w)), sampler});
@@ -106,8 +106,9 @@ Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t 
                         const PointIrradianceOptions& options, Progress& progress) {
     DirectSampler sampler(world, point, set, options);
     const auto sum = [&](int from, int to) {
-        return sum_over_samples(from, to, progress,
-                                [&](int first, int end) { return sampler.sum(index, first, end, progress); });
+        return sum_over_samples(from, to, progress, [&](int first, int end) {
+            return sampler.sum(options.first + index, first, end, progress);
+        });
     };
     // The standard error of the mean is half the difference between the two halves of the samples.
     const int first_half = (options.samples + 1) / 2, second_half = options.samples - first_half;

@@ -30,12 +30,14 @@ struct PointIrradianceOptions {
     int max_depth = -1;  // greatest number of edges as for pictures: 2 is direct light
     uint32_t seed = 0;
     int threads = 0;
+    uint32_t first =
+        0;  // index of the first point, if the points are a range of more; random numbers depend on indices
     /// If this is not empty, it gets the standard error of the luminance of direct light at each point, in W m⁻². The
     /// caller fills it with 0.
     std::span<float> direct_errors{};
 };
 
-/// Computes the direct light of the lights of `set` at the point with that index, from light samples, in W m⁻².
+/// Computes the direct light of the lights of `set` at the point with that index in the range, from light samples, in W m⁻².
 Color direct_irradiance(const World& world, const SurfacePoint& point, uint32_t index, LightSet set,
                         const PointIrradianceOptions& options, Progress& progress);
 

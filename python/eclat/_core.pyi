@@ -309,7 +309,7 @@ class Camera:
         """
 
 class Film:
-    def __init__(self, arg0: int, arg1: int, /) -> None: ...
+    def __init__(self, width: int, height: int, x0: int = 0, y0: int = 0) -> None: ...
     def copy(self) -> Film: ...
     @property
     def radiance(self) -> NDArray[numpy.float32]: ...
@@ -334,6 +334,20 @@ class Film:
         sums: Annotated[NDArray[numpy.float32], dict(shape=(None, None, 24), order="C", device="cpu", writable=False)],
     ) -> None:
         """Goes on from what `sums` gave."""
+
+    def sums_within(self, rectangle: Sequence[int]) -> NDArray[numpy.float32]:
+        """The sums of (x0, y0, x1, y1)."""
+
+    def restore_within(
+        self,
+        sums: Annotated[NDArray[numpy.float32], dict(shape=(None, None, 24), order="C", device="cpu", writable=False)],
+        x0: int,
+        y0: int,
+    ) -> None:
+        """Replaces those of a rectangle."""
+
+    def add_bad(self, count: int, first: Sequence[tuple[int, int, int]]) -> None:
+        """Counts samples of a part of the picture that were not finite."""
 
     @property
     def depth(self) -> NDArray[numpy.float32]: ...
@@ -391,7 +405,12 @@ class Component(enum.Enum):
     indirect = 2
 
 class PointIrradianceOptions:
-    def __init__(self, *, component: Component, samples: int, max_depth: int, seed: int, threads: int) -> None: ...
+    def __init__(
+        self, *, component: Component, samples: int, max_depth: int, seed: int, threads: int, first: int = 0
+    ) -> None:
+        """
+        first: the index of the first point, if the points are a range of more.
+        """
 
 def irradiance(
     positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
@@ -661,6 +680,11 @@ class IrradianceCacheOptions:
     def threads(self) -> int: ...
     @threads.setter
     def threads(self, arg: int, /) -> None: ...
+    def exchange_gathers(self, exchange: object) -> None:
+        """
+        Lets a function share the gathers of each pass: it gets their number and a function that computes a range of them as bytes, and returns the bytes of ranges that are all of them, in order.
+        """
+
     @property
     def weight(self) -> Weight: ...
     @weight.setter

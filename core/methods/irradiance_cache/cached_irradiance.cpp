@@ -42,7 +42,7 @@ CachedPoints cached_irradiance(const World& world, std::span<const PointNormal> 
             if (E) {
                 out.irradiance[i] = *E;
             } else {
-                missed.emplace_back(bare_point(world, points[i]), 0.0f, static_cast<uint32_t>(i));
+                missed.emplace_back(bare_point(world, points[i]), 0.0f, options.first + static_cast<uint32_t>(i));
                 missed_index.push_back(i);
             }
         }

@@ -12,6 +12,7 @@ import click
 
 import eclat
 from eclat.cli.command import Command, option
+from eclat.cli.farm_options import farm_options, on_farm
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import Name, Number
 from eclat.cli.quality_options import (
@@ -165,6 +166,7 @@ EXAMPLES = {
 @light_options
 @material_option
 @work_options
+@farm_options
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
@@ -172,7 +174,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
     from eclat.lightmap.lightmap import output_names
     from eclat.lightmap.stages import stage
 
-    with Reporter(flags["quiet"], flags["as_json"], show_after=0.0) as reporter:
+    with Reporter(flags["quiet"], flags["as_json"], show_after=0.0) as reporter, on_farm(flags):
         flat = flags["flatten"]
         if flags["exposure"] is not None and not flat:
             raise EclatError("--exposure requires --flatten: light maps hold irradiance, to which no exposure applies")

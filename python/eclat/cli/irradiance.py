@@ -13,6 +13,7 @@ import numpy as np
 
 import eclat
 from eclat.cli.command import Command, option
+from eclat.cli.farm_options import farm_options, on_farm
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import Name
 from eclat.cli.point_files import encode_irradiance, read_points
@@ -78,11 +79,12 @@ EXAMPLES = {
 @light_options
 @material_option
 @work_options
+@farm_options
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
     """Read the points, compute their irradiance, and write the results."""
-    with Reporter(flags["quiet"], flags["as_json"]) as reporter:
+    with Reporter(flags["quiet"], flags["as_json"]) as reporter, on_farm(flags):
         output = flags["output"]
         _check_output(output, flags["as_json"])
         check_cache_alone(flags, context.get_parameter_source("method") is not click.core.ParameterSource.DEFAULT)

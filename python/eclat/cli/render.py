@@ -14,6 +14,7 @@ import click
 
 import eclat
 from eclat.cli.command import Command, option, together
+from eclat.cli.farm_options import farm_options, on_farm
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import CROP, REPLAY, LightGroups, Name, Parsed, groups_given
 from eclat.cli.partial import keep_partial_option, keeping_partial
@@ -226,6 +227,7 @@ _quality_options = together(
 @light_options
 @material_option
 @work_options
+@farm_options
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
@@ -233,7 +235,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
     from eclat.images.tone import exposure_stops
 
     begun = clock.perf_counter()
-    with Reporter(flags["quiet"], flags["as_json"]) as reporter:
+    with Reporter(flags["quiet"], flags["as_json"]) as reporter, on_farm(flags):
         if flags["replay_settings"]:
             flags.update(replayed_flags(flags["replay_settings"], context))
         if flags["continued"]:

@@ -11,6 +11,7 @@ import click
 
 import eclat
 from eclat.cli.command import Command, option
+from eclat.cli.farm_options import farm_options, on_farm
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.partial import keep_partial_option, keeping_partial
 from eclat.cli.point_files import read_points
@@ -87,11 +88,12 @@ EXAMPLES = {
 @light_options
 @material_option
 @work_options
+@farm_options
 @reporting_options
 @click.pass_context
 def command(context: click.Context, /, **flags: Any) -> None:
     """Solve the scene and write the solution."""
-    with Reporter(flags["quiet"], flags["as_json"]) as reporter:
+    with Reporter(flags["quiet"], flags["as_json"]) as reporter, on_farm(flags):
         output = flags["output"] or f"{scene_stem(flags['scene'])}.npz"
         if Path(output).suffix.lower() != ".npz":
             raise EclatError(f"{output}: expected a name that ends in .npz")

@@ -132,9 +132,10 @@ class Farm:
         shared: Any,
         items: Sequence[Any],
         progress: Callable[[float], None] | None = None,
+        more: Parcels | None = None,
     ) -> list[Any]:
         """Compute ranges, and return their results in the order of `items`. See `each`."""
-        found: dict[int, Any] = dict(self.each(function, shared, items, progress))
+        found: dict[int, Any] = dict(self.each(function, shared, items, progress, more))
         return [found[index] for index in range(len(items))]
 
     def each(
@@ -143,6 +144,7 @@ class Farm:
         shared: Any,
         items: Sequence[Any],
         progress: Callable[[float], None] | None = None,
+        more: Parcels | None = None,
     ) -> Iterator[tuple[int, Any]]:
         """Compute ranges on the workers, and yield the index and the result of each as it is finished.
 
@@ -152,12 +154,14 @@ class Farm:
         shared : an object that travels to each worker once.
         items : the ranges.
         progress : a function that is called with the finished share of all ranges, 0..1.
+        more : further parcels, which travel to each worker once as well.
 
         Raises
         ------
         EclatError : the function raised one, no worker may compute, or the scheduler is lost and does not come back.
         """
-        request = _Request(self, function, self._packed.pack(shared), items, progress)
+        name, parcels = self._packed.pack(shared)
+        request = _Request(self, function, (name, parcels | (more or {})), items, progress)
         outer = self._request, self._fractions
         self._request, self._fractions = request.name, {}
         try:
@@ -165,6 +169,13 @@ class Farm:
         finally:
             request.cancel()
             self._request, self._fractions = outer
+
+    def threads(self) -> int:
+        """The number of threads of all workers that may compute, at least 1."""
+        try:
+            return max(1, sum(int(n) for worker, n in self.client.nthreads().items() if worker not in self._refused))
+        except (OSError, TimeoutError, ValueError):
+            return 1
 
     def accepted_workers(self) -> list[str] | None:
         """The addresses of workers that may compute, or None if all may."""

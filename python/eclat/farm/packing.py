@@ -31,13 +31,16 @@ class _Packer(cloudpickle.Pickler):  # type: ignore[misc]
 
 
 class Packed:
-    """Packs objects. A scene is packed once as long as it exists."""
+    """Packs objects. The last scenes and other objects are packed once only."""
 
     def __init__(self) -> None:
+        self._shared: OrderedDict[int, tuple[Any, str, Parcels]] = OrderedDict()
         self._scenes: OrderedDict[int, tuple[Scene, str, bytes]] = OrderedDict()
 
     def pack(self, thing: Any) -> tuple[str, Parcels]:
-        """Return the name of the parcel of `thing`, and it with those of all scenes in it."""
+        """Return the name of the parcel of `thing`, and it with those of all scenes in it. It must not change afterwards."""
+        if id(thing) in self._shared:
+            return self._shared[id(thing)][1:]
         parcels: Parcels = {}
 
         def known(scene: Scene) -> str:
@@ -55,6 +58,9 @@ class Packed:
         content = file.getvalue()
         name = name_of("shared", content)
         parcels[name] = content
+        self._shared[id(thing)] = (thing, name, parcels)
+        while len(self._shared) > OPENED:
+            self._shared.popitem(last=False)
         return name, parcels
 
 

@@ -41,10 +41,11 @@ class StoppedError(Exception):
 
 @dataclass(frozen=True)
 class Bench:
-    """What the function that computes a range may use: a number of threads, and a function for its progress."""
+    """What the function that computes a range may use: a number of threads, a function for its progress, and parcels."""
 
     threads: int
     progress: Callable[[str, float, dict[str, float]], None]
+    parcels: Mapping[str, bytes]
 
 
 _lock = threading.Lock()
@@ -81,5 +82,5 @@ def run_range(expected: Identity, call: bytes, shared: str, parcels: Mapping[str
 
     with _lock, heard_warnings() as heard:
         function, item = pickle.loads(call)
-        value = function(_opened.open(shared, parcels), item, Bench(int(worker.state.nthreads), progress))
+        value = function(_opened.open(shared, parcels), item, Bench(int(worker.state.nthreads), progress, parcels))
     return Done(worker.address, value, heard)

@@ -20,7 +20,8 @@ from eclat.lightmap.texels import Corners, Texels, at_texel_points
 from eclat.methods import Direct, Path, Source
 from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
-from eclat.verbs.irradiance import Component, asks_for_indirect, irradiance
+from eclat.verbs.irradiance import asks_for_indirect, irradiance
+from eclat.verbs.light_at_points import Component
 
 DARK_SHARE = 0.05
 """Irradiance, relative to the mean of the scene, below which a point that may lie behind a surface is treated as lying

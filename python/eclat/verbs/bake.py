@@ -28,7 +28,8 @@ from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.scene import Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
-from eclat.verbs.irradiance import Component, checked_component
+from eclat.verbs.irradiance import checked_component
+from eclat.verbs.light_at_points import Component
 
 SAMPLES = 256
 """Default number of samples of the lights per texel."""

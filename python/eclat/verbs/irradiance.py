@@ -7,12 +7,11 @@ from __future__ import annotations
 import math
 import os
 import time as clock
-from typing import Literal, get_args
+from typing import get_args
 
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat import _core
 from eclat.bridge.arguments import (
     checked_max_depth,
     checked_max_error,
@@ -21,8 +20,7 @@ from eclat.bridge.arguments import (
     points_with_normals,
     thread_count,
 )
-from eclat.bridge.compiled import compiled
-from eclat.bridge.running import ProgressReport, run
+from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean
 from eclat.measure.metrics import RELATIVE_C
 from eclat.measure.photometry import luminance
@@ -32,8 +30,7 @@ from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
-
-Component = Literal["total", "direct", "indirect"]
+from eclat.verbs.light_at_points import Component, PointLight, light_at
 
 RAYS_OF_TRACED_PATH, RAYS_OF_GATHER_PATH = 7, 2.5
 """Mean number of rays, shadow rays included, of a path that is traced to its end, and of a path that ends in a far
@@ -141,20 +138,12 @@ def irradiance(
     prepared = source.prepare(scene, places, work)
     if prepared is not source:
         counts["rays"] += prepared.statistics.get("rays", 0.0)
-    estimator = prepared.point_estimator(scene, work)
-    asked = _core.PointIrradianceOptions(
-        component=_core.Component[component], samples=samples, max_depth=max_depth, seed=seed, threads=work.threads
-    )
-    positions = compiled(scene).to_core(places.positions)
-    directions = np.ascontiguousarray(places.normals, np.float32)
-    counted = _core.Progress()
-    found, served, direct_errors = run(
-        "irradiance", lambda p: _core.irradiance(positions, directions, estimator, asked, p), progress, counted
-    )
-    if served is not None:
-        counts |= {"served": float(served[0]), "gathered": float(served[1])}
-    counts["rays"] += float(counted.rays)
-    counts |= stated_errors(np.asarray(found), np.asarray(direct_errors), prepared.statistics)
+    light = light_at(PointLight(scene, prepared, work, component, samples), places, progress)
+    if light.served is not None:
+        counts |= {"served": float(light.served[0]), "gathered": float(light.served[1])}
+    counts["rays"] += float(light.rays)
+    counts |= stated_errors(light.irradiance, light.direct_errors, prepared.statistics)
+    found = light.irradiance
     if statistics is not None:
         statistics.update(counts, seconds=clock.perf_counter() - started)
     return np.asarray(found, np.float32).reshape(-1, 3)

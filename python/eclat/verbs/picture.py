@@ -69,7 +69,12 @@ class SampleTaker:
         for number in range(len(self._films)):
             counted = _core.Progress()
             part = self._watched(self._part_of_report(number, rays, report))
-            run("render", lambda p, n=number: self._take(n, first, end, p), part, counted)  # type: ignore[misc]
+            film, pixels = self._films[number], self._pixels[number]
+
+            def take(p: _core.Progress, film: Any = film, number: int = number, pixels: Any = pixels) -> None:
+                self.take_into(film, number, pixels, (first, end), p)
+
+            run("render", take, part, counted)
             if self._growing is not None:
                 self._growing.show()
             rays += float(counted.rays)
@@ -99,8 +104,16 @@ class SampleTaker:
 
         return part
 
-    def _take(self, number: int, first: Counts, end: Counts, progress: _core.Progress) -> None:
-        film, pixels = self._films[number], self._pixels[number]
+    def take_into(
+        self,
+        film: _core.Film,
+        number: int,
+        pixels: _core.RenderRange,
+        counts: tuple[Counts, Counts],
+        progress: _core.Progress,
+    ) -> None:
+        """Take the samples between two numbers of each pixel into a film that is, or is a part of, film `number`."""
+        first, end = counts
         if self._estimator_of is None:
             _core.render(self._camera, film, self._estimator, pixels, first, end, progress)
             return

@@ -26,7 +26,8 @@ from eclat.probe_grid.quadric import COSINE_LOBE, COUNT, Window, check_window, w
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
-from eclat.verbs.irradiance import Component, checked_component
+from eclat.verbs.irradiance import checked_component
+from eclat.verbs.light_at_points import Component
 
 MEASURED_ORDER = len(COSINE_LOBE)
 """Number of bands that are computed. Those that a probe does not hold measure what it leaves out."""

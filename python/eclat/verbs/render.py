@@ -26,6 +26,7 @@ from eclat.bridge.arguments import (
 )
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, shown, warn
+from eclat.farm.farm import current_farm
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
@@ -45,11 +46,9 @@ from eclat.verbs.picture import Picture, SampleTaker, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
 from eclat.verbs.shown_while_rendered import shown_while_rendered, with_display
 from eclat.verbs.solve import require_check
+from eclat.verbs.tiles_on_farm import TILE, TakerOnFarm, Tiles
 
 FILTERS = ("box", "tent")
-
-TILE = 32
-"""The side of a tile in pixels, `tile_size` of `core/render/render.cpp`."""
 
 SHARE_OF_PROBES = 0.15
 """The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
@@ -345,7 +344,12 @@ def _sampling(
         for half in range(count)
     ]
     films = [_core.Film(*view.size) for _ in pixels]
-    take = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels, growing)
+    farm = current_farm()
+    take: SampleTaker | TakerOnFarm = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels, growing)
+    if farm is not None:
+        seeds = tuple(seed_of_half(work.seed, half) for half in range(count))
+        tiles = Tiles(picture.scene, picture.prepared, view, work, region, picture.filter.name, seeds)
+        take = TakerOnFarm(farm, tiles, films)
     film = films[0] if len(films) == 1 else Halves(films[0], films[1], region)
     adaptive = AdaptiveSamples(view.size, region) if picture.adaptive else None
     sampling = Sampling(film, take.samples, keep_partial, work.progress, adaptive)

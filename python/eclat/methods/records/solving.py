@@ -9,25 +9,22 @@ from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import cached_property
 
-import numpy as np
-
 from eclat import _core
 from eclat.bridge.compiled import compiled
 from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
+from eclat.farm.farm import current_farm
 from eclat.measure.error_estimate import CHECK_SHARE, ErrorEstimate, with_light_by_chance
 from eclat.methods.photon_map import PhotonMap, trace
 from eclat.methods.records import laws
+from eclat.methods.records.cache_functions import CacheFunctions, functions_for
 from eclat.methods.records.laws import CHECK_SHARE_OF_REFINEMENT, core_options, core_radiance_options, finer
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
+from eclat.methods.records.shared_passes import SharedSolve, share_passes
 from eclat.methods.records.solution import Solution, solved_from_core
-from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, Views, Work
+from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
-
-SURFACE_POINTS = 1 << 14
-"""Number of points, evenly distributed over all surfaces, at which the error of records for all surfaces is
-estimated."""
 
 
 def solve_records(scene: Scene, options: RecordOptions, purpose: Purpose, work: Work, care: Care) -> Solution:
@@ -47,23 +44,6 @@ def refine_records(
     if solution.estimate is None:
         solution = job.checked(solution, CHECK_SHARE_OF_REFINEMENT)
     return job.refined(solution, max_error)
-
-
-@dataclass(frozen=True)
-class CacheFunctions:
-    """The functions of the core that fill the caches for a purpose and estimate their error."""
-
-    fill: Callable[[_core.SolvedCaches, _core.IrradianceCacheOptions, _core.Progress], None]
-    """Fills the caches in place; if it is cancelled, the finished records remain."""
-    estimate: Callable[
-        [_core.SolvedCaches, _core.ErrorCheck, _core.Progress, _core.RadianceTables | None], _core.ErrorEstimate
-    ]
-    fill_radiance: (
-        Callable[[_core.SolvedCaches, _core.RadianceTables, _core.RadianceCacheOptions, _core.Progress], None] | None
-    ) = None
-    """Fills the caches with records of radiance too; None for points, which have no glossy lobes."""
-    estimates_gloss: bool = False
-    """Whether `estimate` includes the error of glossy reflection, and not only that of irradiance."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -91,7 +71,14 @@ class Job:
             return lambda p: fill_radiance(caches, tables, with_radiance, p)
         settings = core_options(options, **common)
         settings.far_photons = photons
-        return lambda p: self.functions.fill(caches, settings, p)
+        farm = current_farm()
+
+        def fill(progress: _core.Progress) -> None:
+            if farm is not None and photons is None:
+                share_passes(farm, SharedSolve(self.scene, self.purpose, options, self.work), settings)
+            self.functions.fill(caches, settings, progress)
+
+        return fill
 
     def _tables(self, options: RecordOptions) -> _core.RadianceTables | None:
         if not isinstance(options, RadianceOptions) or self.functions.fill_radiance is None:
@@ -216,31 +203,3 @@ class Job:
             seconds += solution.statistics["seconds"]
         total = {"rays": rays, "seconds": seconds, "refinements": float(refinements)}
         return replace(solution, statistics=solution.statistics | total)
-
-
-def functions_for(scene: Scene, purpose: Purpose) -> CacheFunctions:
-    """Return the functions of the core that fill and check caches for a purpose."""
-    prepared = compiled(scene)
-    if isinstance(purpose, AtPoints):
-        positions = prepared.to_core(purpose.positions)
-        directions = np.ascontiguousarray(purpose.normals, np.float32)
-        return CacheFunctions(
-            lambda caches, o, p: _core.solve_at_points(prepared.core, positions, directions, o, caches, p),
-            lambda caches, c, p, _: _core.estimate_error_at_points(prepared.core, positions, directions, caches, c, p),
-        )
-    if isinstance(purpose, Everywhere):
-        return CacheFunctions(
-            lambda caches, o, p: _core.solve_everywhere(prepared.core, o, caches, p),
-            lambda caches, c, p, _: _core.estimate_error_everywhere(prepared.core, SURFACE_POINTS, caches, c, p),
-            lambda caches, tables, o, p: _core.solve_radiance_everywhere(prepared.core, tables, o, caches, p),
-        )
-    views = purpose.views if isinstance(purpose, Views) else (purpose,)
-    cameras = [prepared.camera(view.camera, view.size) for view in views]
-    # The error of several views is not estimated here: each of their pictures measures its own.
-    first = cameras[0]
-    return CacheFunctions(
-        lambda caches, o, p: _core.solve_for_cameras(prepared.core, cameras, o, caches, p),
-        lambda caches, c, p, tables: _core.estimate_error_for_camera(prepared.core, first, caches, c, p, tables),
-        lambda caches, tables, o, p: _core.solve_radiance_for_cameras(prepared.core, cameras, tables, o, caches, p),
-        estimates_gloss=True,
-    )
