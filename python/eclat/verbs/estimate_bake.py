@@ -23,7 +23,8 @@ from eclat.scene import Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.verbs.bake import MAX_SIZE, SAMPLES, check_map
-from eclat.verbs.irradiance import Component, checked_component
+from eclat.verbs.irradiance import checked_component
+from eclat.verbs.light_at_points import Component
 
 TRIALS = (64, 256, 1024)
 """Numbers of texels that are baked to see how the work grows with them."""
