@@ -8,6 +8,7 @@ The flags are those that the commands themselves declare, so that a new one cann
 from __future__ import annotations
 
 import importlib
+from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
@@ -73,6 +74,8 @@ VALUES: dict[str, list[str]] = {
     "--camera-path": ["walk.json"],
     "--ies": ["bulb=absent.ies"],
     "--display-server": ["localhost:14158"],
+    "--workers": ["2"],
+    "--scheduler": ["tcp://hub:8786"],
 }
 """A value unlike the default for each flag that takes one."""
 
@@ -100,6 +103,15 @@ class Recorder:
         for verb in ("animate", "render", "solve", "refine", "irradiance", "bake", "probes", "load_solved"):
             monkeypatch.setitem(vars(eclat), verb, self.verb(verb))
         monkeypatch.setattr("eclat.verbs.compare.render", self.verb("render"))
+        for name in ("local", "connect"):
+            monkeypatch.setattr(f"eclat.farm.farm.Farm.{name}", self.farm(name))
+
+    def farm(self, name: str) -> Any:
+        def started(*arguments: Any) -> Any:
+            self.said.append(f"farm {name} {arguments}")
+            return nullcontext()
+
+        return started
 
     def verb(self, name: str) -> Any:
         def called(*arguments: Any, **keywords: Any) -> Any:
