@@ -108,9 +108,12 @@ def default_texel_size(area: float) -> float:
     """Return the texel size in metres at which surfaces of `area` m² take about `TYPICAL_TEXELS` texels."""
     if area <= 0:
         return 1.0
-    size = math.sqrt(area / TYPICAL_TEXELS)
-    digits = SIGNIFICANT_DIGITS - 1 - math.floor(math.log10(size))
-    return float(round(size, digits))
+    return rounded_size(math.sqrt(area / TYPICAL_TEXELS))
+
+
+def rounded_size(size: float) -> float:
+    """Round a default texel size to `SIGNIFICANT_DIGITS` digits."""
+    return float(round(size, SIGNIFICANT_DIGITS - 1 - math.floor(math.log10(size))))
 
 
 def check_texel_count(texels: float, max_size: int, texel_size: float) -> None:

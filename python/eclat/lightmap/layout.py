@@ -5,6 +5,7 @@ stand for. All of this is known before any light is computed."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
@@ -15,7 +16,16 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, warn
 from eclat.gltf_export import Part
 from eclat.gltf_export.geometry import select_vertices
-from eclat.lightmap.atlas import Atlas, Packing, areas, check_texel_count, default_texel_size, unwrap
+from eclat.lightmap.atlas import (
+    TYPICAL_TEXELS,
+    Atlas,
+    Packing,
+    areas,
+    check_texel_count,
+    default_texel_size,
+    rounded_size,
+    unwrap,
+)
 from eclat.lightmap.sides import Side, SidesChoice, lit_sides
 from eclat.lightmap.solids import Mask, solid_triangles
 from eclat.lightmap.stages import stage
@@ -31,14 +41,16 @@ class Wishes:
     """What the caller asks of the layout.
 
     `texel_size` is the side of a texel in metres, or None for a size at which all surfaces take about a quarter of a
-    million texels. `texel_sizes` gives other sizes to the meshes whose names match its keys, which are shell patterns; the
-    first that matches counts. `sides` says which sides get texels, and `packing` how charts are placed.
+    million texels; `usual_size` is that size once it is known better than from the area. `texel_sizes` gives other sizes to
+    the meshes whose names match its keys, which are shell patterns; the first that matches counts. `sides` says which sides
+    get texels, and `packing` how charts are placed.
     """
 
     texel_size: float | None = None
     texel_sizes: Mapping[str, float] = field(default_factory=dict)
     sides: SidesChoice = "auto"
     packing: Packing = field(default_factory=Packing)
+    usual_size: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,6 +125,13 @@ class Layout:
         return parts
 
 
+MOST_OF_TYPICAL = 1.2
+"""Number of texels, relative to `TYPICAL_TEXELS`, up to which a default texel size is kept."""
+
+SIZE_ATTEMPTS = 3
+"""Number of layouts after which a default texel size is kept in any case."""
+
+
 def lay_out(scene: Scene, wishes: Wishes, threads: int | None, progress: ProgressReport | None) -> Layout:
     """Lay out the light map of a staged scene.
 
@@ -124,7 +143,27 @@ def lay_out(scene: Scene, wishes: Wishes, threads: int | None, progress: Progres
     solid = solid_triangles(scene, scene.meshes)
     sides = lit_sides(scene, wishes.sides, solid, threads, told)
     lit_areas = _lit_areas(scene, sides)
-    size, sizes = _texel_sizes(scene, sides, wishes, lit_areas)
+    for attempt in range(SIZE_ATTEMPTS):
+        size, sizes = _texel_sizes(scene, sides, wishes, lit_areas)
+        layout = _placed(solid, sides, lit_areas, size, sizes, wishes, progress)
+        excess = len(layout.texels) / TYPICAL_TEXELS
+        if wishes.texel_size is not None or excess <= MOST_OF_TYPICAL or attempt == SIZE_ATTEMPTS - 1:
+            break
+        # The area alone gives too small a size where many charts have many border texels.
+        wishes = replace(wishes, usual_size=rounded_size(size * math.sqrt(excess)))
+    return layout
+
+
+def _placed(
+    solid: list[Mask],
+    sides: list[Side],
+    lit_areas: FloatArray,
+    size: float,
+    sizes: FloatArray,
+    wishes: Wishes,
+    progress: ProgressReport | None,
+) -> Layout:
+    """Place the charts of all sides at the usual texel `size`, with `sizes` of each side, and find their texels."""
     packing = replace(wishes.packing, max_size=wishes.packing.max_size - BLACK_ROWS)
     check_texel_count(float((lit_areas / sizes**2).sum()), packing.max_size, size)
     meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in sides]
@@ -167,7 +206,7 @@ def _texel_sizes(scene: Scene, sides: list[Side], wishes: Wishes, lit_areas: Flo
         next((size for pattern, size in wishes.texel_sizes.items() if fnmatchcase(side.part.mesh.name, pattern)), None)
         for side in sides
     ]
-    usual = wishes.texel_size
+    usual = wishes.usual_size if wishes.texel_size is None else wishes.texel_size
     if usual is None:
         free = np.array([size is None for size in own])
         usual = default_texel_size(float(lit_areas[free].sum() if free.any() else lit_areas.sum()))

@@ -74,8 +74,8 @@ def bake(
         error is unknown, `estimated_error`, each with the ends of its 95 % confidence interval.
     component : the light to compute: "total", "direct" or "indirect". With "indirect", the saved file keeps the scene's
         lights, and the viewer adds their direct light itself.
-    texel_size : side of a texel in metres. None chooses it so that the area of all surfaces takes about
-        a quarter of a million texels.
+    texel_size : side of a texel in metres. None chooses it so that all surfaces take about a quarter of a
+        million texels.
     texel_sizes : other sizes for meshes by their names, which may be shell patterns such as "statue*"; the first pattern
         that matches counts.
     directional : whether the map also holds from where the light comes, as spherical harmonics of order 1

@@ -26,7 +26,7 @@ from eclat.verbs.bake import MAX_SIZE, SAMPLES, check_map
 from eclat.verbs.irradiance import checked_component
 from eclat.verbs.light_at_points import Component
 
-TRIALS = (64, 256, 1024)
+TRIALS = (256, 1024, 4096)
 """Numbers of texels that are baked to see how the work grows with them."""
 
 PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8

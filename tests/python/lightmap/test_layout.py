@@ -11,7 +11,9 @@ import pytest
 
 import eclat
 from eclat.errors import EclatError
+from eclat.lightmap.atlas import TYPICAL_TEXELS, Packing, default_texel_size
 from eclat.lightmap.layout import Wishes, lay_out
+from eclat.scene import Environment, Material, Mesh, Scene, grey
 from eclat.stage.staging import staged
 from support.light_maps import read_at_random
 
@@ -61,3 +63,19 @@ def test_a_map_of_several_pages_shows_the_light_of_one(tmp_path: Path) -> None:
     names = {file.name for file in files}
     assert {"a.lightmap.exr", "a.lightmap.2.exr", "a.lightmap.ktx2", "a.lightmap.2.ktx2"} <= names
     assert len(eclat.load(tmp_path / "a.glb").meshes) >= len(one.parts) - 2
+
+
+def test_the_default_size_counts_the_borders_of_charts() -> None:
+    """Many small pieces have more texels at their borders than in their areas: the size is that of about 260,000 texels."""
+    rng = np.random.default_rng(0)
+    places = rng.uniform(-20, 20, (6000, 1, 3))
+    corners = (places + rng.uniform(0, 0.4, (6000, 3, 3))).reshape(-1, 3)
+    leaves = Mesh(
+        corners, np.arange(18000).reshape(-1, 3), Material("diffuse", {"reflectance": grey(0.5)}, two_sided=False)
+    )
+    scene = staged(Scene((leaves,), environment=Environment(np.ones((1, 1, 3), np.float32))))
+    found = lay_out(scene, Wishes(packing=Packing(timeout=0)), 1, None)
+    plain = default_texel_size(found.area)
+    at_plain = lay_out(scene, Wishes(plain, packing=Packing(timeout=0)), 1, None)
+    assert len(at_plain.texels) > 1.5 * TYPICAL_TEXELS
+    assert 0.7 * TYPICAL_TEXELS < len(found.texels) <= 1.25 * TYPICAL_TEXELS
