@@ -21,7 +21,7 @@ from support.small_work import make_small, smaller
 GENERATED = ("gallery", "project", "reference")
 """Folders of docs/ that a build of the site writes."""
 
-MOST_MARKED = 20
+MOST_MARKED = 24
 """Blocks that are marked as not run. Whoever adds one has a reason that no test can remedy, and raises this number."""
 
 ROOM = """mtllib room.mtl
