@@ -48,6 +48,7 @@ if TYPE_CHECKING:
     from eclat.verbs.denoise import denoise
     from eclat.verbs.estimate_bake import BakeEstimate, estimate_bake
     from eclat.verbs.irradiance import irradiance
+    from eclat.verbs.merge_pictures import merge_pictures
     from eclat.verbs.probes import probes
     from eclat.verbs.render import render
     from eclat.verbs.solve import refine, solve
@@ -95,6 +96,7 @@ _HOMES = {
     "Display": "eclat.tev.display",
     "Image": "eclat.images.image",
     "mix": "eclat.images.mixing",
+    "merge_pictures": "eclat.verbs.merge_pictures",
     "light_groups": "eclat.stage.light_groups",
     "Scene": "eclat.scene",
     "EclatError": "eclat.errors",
@@ -141,6 +143,7 @@ __all__ = [
     "load_ies",
     "load_solved",
     "merge",
+    "merge_pictures",
     "mix",
     "override_lights",
     "override_materials",

@@ -35,6 +35,7 @@ COMMANDS: dict[str, str] = {
     "probes": "eclat.cli.probes",
     "denoise": "eclat.cli.denoise",
     "mix": "eclat.cli.mix",
+    "merge": "eclat.cli.merge",
     "compare": "eclat.cli.compare",
     "info": "eclat.cli.info",
     "scenes": "eclat.cli.scenes",

@@ -65,7 +65,7 @@ class Begun:
             )
         if state.get("format") != FORMAT:
             raise EclatError(f"{name}: expected a continuable picture of format {FORMAT}, got {state.get('format')!r}")
-        if _checksum(_state_of(image.layers)) != state.get("checksum"):
+        if checksum_of(image.layers) != state.get("checksum"):
             raise EclatError(f"{name}: expected the layers of samples as Éclat wrote them, got damaged ones")
         return Begun(image, state, name)
 
@@ -144,7 +144,7 @@ def make_continuable(
     image.layers.update({name: np.ascontiguousarray(layer, np.float32) for name, layer in layers.items()})
     image.metadata[KEY] = {
         "format": FORMAT, "scene": fingerprint(scene), "camera": fingerprint_of_camera(camera),
-        "checksum": _checksum(_state_of(image.layers)),
+        "checksum": checksum_of(image.layers),
         **{name: list(v) if isinstance(v, tuple) else v for name, v in zip(FROM_PICTURE, settings, strict=True)},
     }  # fmt: skip
 
@@ -159,6 +159,11 @@ def fingerprint_of_camera(camera: Camera) -> str:
 def _films(sampling: Sampling) -> list[_core.Film]:
     film = sampling.film
     return [film.even, film.odd] if isinstance(film, Halves) else [film]
+
+
+def checksum_of(layers: Layers) -> str:
+    """Compute a hash of those layers by which a picture can be continued."""
+    return _checksum(_state_of(layers))
 
 
 def _state_of(layers: Layers) -> Layers:
