@@ -23,6 +23,7 @@ from support.brdf_files import tensor_file
 from support.compressed_files import COMPRESSED
 from support.gltf_files import TRIANGLE, GltfFile, png_bytes
 from support.mitsuba_files import WHOLE
+from support.usd_files import SQUARE, usda
 
 Files = dict[str, bytes]
 """Name → content; the first is the one that is loaded."""
@@ -31,12 +32,58 @@ PICTURE = (np.arange(5 * 4 * 4).reshape(5, 4, 4) * 7 % 256).astype(np.uint8)
 QUAD = ((-1.0, 0.0, -1.0), (-1.0, 0.0, 1.0), (1.0, 0.0, 1.0), (1.0, 0.0, -1.0))
 
 
+_ROOM = f"""
+def Material "m" {{
+    token outputs:surface.connect = </m/s.outputs:surface>
+    def Shader "s" {{
+        uniform token info:id = "UsdPreviewSurface"
+        color3f inputs:diffuseColor.connect = </m/t.outputs:rgb>
+        float inputs:roughness = 0.4
+        token outputs:surface
+    }}
+    def Shader "t" {{
+        uniform token info:id = "UsdUVTexture"
+        asset inputs:file = @a.png@
+        float4 inputs:bias = (0.1, 0, 0, 0)
+        float2 inputs:st.connect = </m/r.outputs:result>
+        float3 outputs:rgb
+    }}
+    def Shader "r" {{
+        uniform token info:id = "UsdPrimvarReader_float2"
+        string inputs:varname = "st"
+        float2 outputs:result
+    }}
+}}
+def Mesh "floor" (prepend apiSchemas = ["MaterialBindingAPI"]) {{
+    {SQUARE}
+    texCoord2f[] primvars:st = [(0, 0), (3, 0), (3, 2), (0, 2)] (interpolation = "faceVarying")
+    int[] primvars:st:indices = [0, 1, 2, 3]
+    rel material:binding = </m>
+}}
+def PointInstancer "many" {{
+    rel prototypes = [</many/cone>]
+    int[] protoIndices = [0, 0]
+    point3f[] positions = [(0, 0, 0), (2, 0, 0)]
+    def Cone "cone" {{ double radius = 0.5 }}
+}}
+def SphereLight "lamp" (prepend apiSchemas = ["ShapingAPI"]) {{
+    float inputs:shaping:cone:angle = 40
+    float inputs:intensity = 40
+    double3 xformOp:translate = (0, 0, 2.5)
+    uniform token[] xformOpOrder = ["xformOp:translate"]
+}}
+def DomeLight "sky" {{ asset inputs:texture:file = @a.png@ }}
+def Camera "eye" {{ float focalLength = 24 }}
+"""
+
+
 def corpus() -> dict[str, list[Files]]:
     """Format → its seeds. Those that need a solve are made by the core: call this in a process of its own."""
     return {
         "gltf": _gltf(),
         "obj": _obj(),
         "ply": _ply(),
+        "usd": _usd(),
         "mitsuba": _mitsuba(),
         "serialized": _serialized(),
         "dict": [{"scene.json": json.dumps(scene).encode()} for scene in (_DICT,)],
@@ -147,6 +194,11 @@ def _moving_gltf() -> bytes:
     channels = [{"sampler": n, "target": target} for n, (target, _, _) in enumerate(targets)]
     file.append("animations", {"samplers": samplers, "channels": channels})
     return file.glb()
+
+
+def _usd() -> list[Files]:
+    """Text only: the package that reads `.usdc` may ask for gigabytes that a damaged file claims (docs/guides/service.md)."""
+    return [{"scene.usda": usda(_ROOM).encode(), "a.png": png_bytes(PICTURE)}]
 
 
 def _obj() -> list[Files]:

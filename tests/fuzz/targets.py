@@ -191,7 +191,7 @@ def try_options(path: Path, random: Random) -> str:
 
 
 TARGETS: dict[str, Target] = {
-    **dict.fromkeys(("gltf", "obj", "ply", "mitsuba", "serialized"), try_scene),
+    **dict.fromkeys(("gltf", "obj", "ply", "usd", "mitsuba", "serialized"), try_scene),
     "dict": try_dict,
     "image": try_image,
     "points": try_points,
@@ -205,6 +205,6 @@ TARGETS: dict[str, Target] = {
 
 SHARES: dict[str, int] = {
     **{"gltf": 5, "obj": 3, "ply": 3, "mitsuba": 4, "serialized": 1, "dict": 2, "image": 5, "points": 1, "solved": 3},
-    **{"brdf": 1, "brdf-cache": 1, "settings": 1, "options": 1},
+    **{"brdf": 1, "brdf-cache": 1, "settings": 1, "options": 1, "usd": 2},
 }
 """How many of thirty inputs a format gets."""

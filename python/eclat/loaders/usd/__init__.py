@@ -13,7 +13,7 @@ from pathlib import Path
 
 from eclat.errors import warn
 from eclat.loaders.usd.builder import Builder
-from eclat.loaders.usd.stages import opened
+from eclat.loaders.usd.stages import guarded, opened
 from eclat.scene import Scene
 
 
@@ -38,7 +38,7 @@ def load_usd(path: str | Path) -> Scene:
     --------
     >>> scene = load_usd("kitchen.usdz")  # doctest: +SKIP
     """
-    with opened(Path(path)) as stage:
+    with guarded(Path(path).name), opened(Path(path)) as stage:
         builder = Builder(stage)
         builder.build()
         builder.parts.finish()

@@ -13,13 +13,13 @@ from numpy.typing import NDArray
 from eclat.errors import EclatError, warn
 from eclat.loaders.budget import OBJECT, spend
 from eclat.loaders.gltf.primitives import Primitive, transform_primitive
-from eclat.loaders.parts import Parts
+from eclat.loaders.parts import LimitError, Parts
 from eclat.loaders.usd import gprims
 from eclat.loaders.usd.cameras import read_camera
 from eclat.loaders.usd.lights import read_light
 from eclat.loaders.usd.materials import Materials
 from eclat.loaders.usd.meshes import Polygons, primitive_of, read_polygons
-from eclat.loaders.usd.stages import Stage, matrix, pxr
+from eclat.loaders.usd.stages import Stage, guarded, matrix, pxr
 from eclat.scene import Camera, Environment, Light, Material, Mesh
 
 Matrix = NDArray[np.float64]
@@ -66,7 +66,20 @@ class Builder:
         predicate = usd.TraverseInstanceProxies(usd.PrimDefaultPredicate)
         stack = [_Visit(root, unit, "default", predicate, 0)]
         while stack:
-            stack += reversed(self._visit(stack.pop()))
+            stack += reversed(self._visited(stack.pop()))
+
+    def _visited(self, visit: _Visit) -> list[_Visit]:
+        """Visit a prim. If it is damaged, it is left out with all below it, and there is nothing to be visited next."""
+        found: list[_Visit] = []
+        try:
+            with guarded(self._stage.name):
+                found = self._visit(visit)
+        except LimitError:
+            raise
+        except EclatError as error:
+            with self.parts.one():
+                raise error
+        return found
 
     def _visit(self, visit: _Visit) -> list[_Visit]:
         """Visit a prim. Returns what is to be visited next: its children, or the copies of a point instancer."""
@@ -90,10 +103,10 @@ class Builder:
         if purpose in _SHOWN:
             if prim.IsA(geometry.PointInstancer):
                 copies: list[_Visit] = []
-                with self.parts.one():
+                with self.parts.one(), guarded(stage.name):
                     copies = self._copies(replace(visit, parent=to_world, purpose=purpose))
                 return copies
-            with self.parts.one():
+            with self.parts.one(), guarded(stage.name):
                 self._add(prim, to_world)
         children = prim.GetFilteredChildren(visit.predicate)
         return [replace(visit, prim=child, parent=to_world, purpose=purpose) for child in children]

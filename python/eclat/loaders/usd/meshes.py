@@ -85,7 +85,7 @@ def _read_mesh(stage: Stage, prim: Any) -> Polygons:
     check(_CORNER_SIZE * len(vertices), where)
     if not len(positions) or not len(vertices):
         raise EclatError(f"{where}: expected points and faces, got {len(positions)} points and {len(vertices)} corners")
-    if counts.min() < 0 or counts.sum() != len(vertices):
+    if counts.min(initial=0) < 0 or counts.sum() != len(vertices):
         raise EclatError(
             f"{where}: expected {len(vertices)} corners of faces, as faceVertexIndices has, got {counts.sum()} "
             "(faceVertexCounts)"

@@ -49,12 +49,17 @@ class Stage:
         return f"{self.name}, {prim.GetPath()}"
 
     def value(self, attribute: Any, default: Any = None) -> Any:
-        """Return the value of an attribute, or `default` if the attribute is invalid or has none."""
+        """Return the value of an attribute, or `default` if the attribute is invalid or has none.
+
+        Raises EclatError if the file gives the value a type that the schema does not know.
+        """
         if not attribute:
             return default
         if attribute.ValueMightBeTimeVarying():
             self.once("motion", "values that change over time are those of the first time")
         found = attribute.Get(self.time)
+        if type(found).__name__ == "UnregisteredValue":
+            raise EclatError(f"{self.name}, {attribute.GetPath()}: expected a value of a known type, got another")
         return default if found is None else found
 
     def number(self, attribute: Any, default: float) -> float:
@@ -105,6 +110,24 @@ def opened(path: Path) -> Iterator[Stage]:
         listener.TakeUncoalescedDiagnostics()
 
 
+@contextmanager
+def guarded(name: str) -> Iterator[None]:
+    """Turn what the package raises about damaged values in the body of this context into EclatError.
+
+    It raises its own exceptions where it cannot unpack a value, and those of Python where a value has no form in Python.
+    """
+    try:
+        yield
+    except UnicodeDecodeError:
+        raise EclatError(f"{name}: expected names in UTF-8, got other bytes") from None
+    except pxr("Tf").ErrorException as error:
+        raise EclatError(f"{name}: expected valid values, got an error: {_reason(error)}") from None
+    except TypeError as error:
+        if "to_python" not in str(error):
+            raise
+        raise EclatError(f"{name}: expected values of known types, got another: {_short(str(error))}") from None
+
+
 def _metres(unit: float, name: str) -> float:
     if not (np.isfinite(unit) and unit > 0):
         warn(f"{name}: expected a metersPerUnit above 0, got {unit}; 0.01 is used instead, as without one")
@@ -125,7 +148,10 @@ def _check_layers(stage: Any, path: Path) -> None:
 
 def _reason(error: Exception) -> str:
     """Return the first sentence of an error of USD, without the place in its sources."""
-    text = str(error.args[0] if error.args else error)
+    try:
+        text = str(error.args[0] if error.args else error)
+    except UnicodeDecodeError:
+        return "what it says is not in UTF-8"
     return _short(text.partition(" : '")[2] or text)
 
 
@@ -137,11 +163,18 @@ def _short(text: str) -> str:
 
 def _warn_of(listener: Any, name: str) -> None:
     """Warn about what USD reported."""
-    reports = list(dict.fromkeys(_short(report.commentary) for report in listener.TakeUncoalescedDiagnostics()))
+    reports = list(dict.fromkeys(_commentary(report) for report in listener.TakeUncoalescedDiagnostics()))
     for report in reports[:MOST_REPORTS]:
         warn(f"{name}: USD reports: {report}")
     if len(reports) > MOST_REPORTS:
         warn(f"{name}: USD reports {len(reports) - MOST_REPORTS} more problems of this file")
+
+
+def _commentary(report: Any) -> str:
+    try:
+        return _short(report.commentary)
+    except UnicodeDecodeError:
+        return "a problem whose description is not in UTF-8"
 
 
 def matrix(value: Any) -> NDArray[np.float64]:

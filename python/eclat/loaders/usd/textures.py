@@ -92,8 +92,8 @@ class Textures:
                 f"{where}: expected a UsdUVTexture, got {kind[:40] or 'no shader'!r} with {output[:20]!r}; it is ignored"
             )
             return None
-        scale = np.array(source_of(stage, node, "scale").value or (1, 1, 1, 1), dtype=np.float64)
-        bias = np.array(source_of(stage, node, "bias").value or (0, 0, 0, 0), dtype=np.float64)
+        scale = _numbers(stage, node, "scale", (1, 1, 1, 1))
+        bias = _numbers(stage, node, "bias", (0, 0, 0, 0))
         if normals:
             scale, bias = self._of_normals(node, where, scale, bias)
         texture = self._texture(node, where, scale, bias)
@@ -129,7 +129,7 @@ class Textures:
         stage = self._stage
         asset = source_of(stage, node, "file").value
         space = str(source_of(stage, node, "sourceColorSpace").value or "auto")
-        fallback = source_of(stage, node, "fallback").value
+        has_fallback = source_of(stage, node, "fallback").value is not None
         wraps = [self._wrap(node, name) for name in ("wrapS", "wrapT")]
         name = str(getattr(asset, "path", "") or "")
         resolved = str(getattr(asset, "resolvedPath", "") or "")
@@ -137,7 +137,8 @@ class Textures:
         if key not in self._textures:
             found = self._image(name, resolved, where)
             if isinstance(found, str):
-                neutral = None if fallback is None else (float(fallback[0]), float(fallback[1]), float(fallback[2]))
+                red, green, blue, _ = _numbers(stage, node, "fallback", (0, 0, 0, 1)).tolist()
+                neutral = (red, green, blue) if has_fallback else None
                 made = stand_in(found, srgb=neutral is None and space != "raw", where=where, neutral=neutral)
             else:
                 image, linear = found
@@ -205,11 +206,31 @@ class Textures:
         return uv_sets.index(name), ((a[0], a[1], a[2]), (b[0], b[1], b[2]))
 
 
+def _numbers(stage: Stage, node: Any, name: str, default: tuple[float, ...]) -> NDArray[np.float64]:
+    """Return the numbers of an input, as many as `default` has, which replaces invalid ones with a warning.
+
+    The file chooses the type of an input of a shader.
+    """
+    value = source_of(stage, node, name).value
+    if value is None:
+        return np.array(default, dtype=np.float64)
+    try:
+        numbers = np.array(value, dtype=np.float64).ravel()
+    except (TypeError, ValueError):
+        numbers = np.zeros(0)
+    if numbers.shape == (len(default),) and np.isfinite(numbers).all():
+        return numbers
+    warn(
+        f"{stage.where(node.GetPrim())}: expected {len(default)} finite numbers as {name}, got others; {default} is used"
+    )
+    return np.array(default, dtype=np.float64)
+
+
 def _affine(stage: Stage, node: Any) -> NDArray[np.float64]:
     """Return the 3×3 matrix of a UsdTransform2d: scaled, then rotated counter-clockwise, then moved."""
-    angle = math.radians(float(source_of(stage, node, "rotation").value or 0.0))
-    size = source_of(stage, node, "scale").value or (1.0, 1.0)
-    moved = source_of(stage, node, "translation").value or (0.0, 0.0)
+    angle = math.radians(float(_numbers(stage, node, "rotation", (0,))[0]))
+    size = _numbers(stage, node, "scale", (1, 1))
+    moved = _numbers(stage, node, "translation", (0, 0))
     cos, sin = math.cos(angle), math.sin(angle)
     return np.array(
         [[cos * size[0], -sin * size[1], moved[0]], [sin * size[0], cos * size[1], moved[1]], [0.0, 0.0, 1.0]]

@@ -11,7 +11,7 @@ from typing import Any
 import numpy as np
 import pytest
 from numpy.typing import NDArray
-from pxr import Gf, Usd, UsdGeom
+from pxr import Gf, Sdf, Usd, UsdGeom
 
 import eclat
 from eclat.errors import EclatError, EclatWarning
@@ -417,3 +417,26 @@ def test_what_is_not_drawn_is_named_once(tmp_path: Path) -> None:
 def test_skeletons_are_named(tmp_path: Path) -> None:
     with pytest.warns(EclatWarning, match="skeletons are not supported: skinned meshes are shown as they were bound"):
         load_usda(tmp_path, 'def Skeleton "bones" {}\ndef Sphere "s" {}')
+
+
+def test_damaged_values_are_left_out_with_a_message(tmp_path: Path) -> None:
+    """A value that cannot be unpacked leaves its prim out, or its file is refused; nothing else is raised."""
+    source = save_usda(tmp_path, f'def Mesh "m" {{ {SQUARE} }}\ndef Sphere "ball" {{ double radius = 3.25 }}')
+    path = tmp_path / "whole.usdc"
+    assert Sdf.Layer.FindOrOpen(str(source)).Export(str(path))
+    data, refused = path.read_bytes(), 0
+    for place in range(90, len(data), 61):
+        damaged = tmp_path / f"at_{place}.usdc"
+        damaged.write_bytes(data[:place] + bytes([data[place] ^ 0x85]) + data[place + 1 :])
+        try:
+            eclat.load(damaged)
+        except EclatError:
+            refused += 1
+    assert refused > 3
+
+
+def test_names_that_are_not_utf8_are_refused(tmp_path: Path) -> None:
+    path = tmp_path / "a.usda"
+    path.write_bytes(b'#usda 1.0\ndef Sphere "a\x80b" {}\n')
+    with pytest.raises(EclatError, match=r"a\.usda: expected a USD file, got an error: "):
+        eclat.load(path)
