@@ -162,10 +162,13 @@ class _Preview:
             if textured is not None:
                 return textured
         value = default if found.value is None else found.value
-        numbers = np.array(value, dtype=np.float64).ravel()
+        try:
+            numbers = np.array(value, dtype=np.float64).ravel()
+        except (TypeError, ValueError):
+            numbers = np.zeros(0)
         if numbers.shape != (3,) or not np.isfinite(numbers).all() or numbers.min() < 0:
             warn(
-                f"{self._where}: expected three numbers of at least 0 as {name}, got {value}; {default} is used instead"
+                f"{self._where}: expected three numbers of at least 0 as {name}, got others; {default} is used instead"
             )
             numbers = np.array(default)
         red, green, blue = numbers.tolist()

@@ -266,3 +266,13 @@ def test_images_outside_of_the_root_folder_are_not_read(tmp_path: Path) -> None:
         scene = eclat.load(tmp_path / "inside" / "a.usda", root=tmp_path / "inside")
     found = scene.meshes[0].material.parameters["base_color"].texture
     assert found is not None and not np.array_equal(found.image, PIXELS)
+
+
+def test_inputs_of_wrong_types_are_replaced_with_a_warning(tmp_path: Path) -> None:
+    """The file, not the schema, gives the inputs of a shader their types."""
+    with pytest.warns(EclatWarning, match="expected 4 finite numbers as bias, got others"):
+        material_of(tmp_path, COLOR, texture('string inputs:bias = "much"'))
+    with pytest.warns(EclatWarning, match="expected 4 finite numbers as scale, got others"):
+        material_of(tmp_path, COLOR, texture("float2 inputs:scale = (1, 2)"))
+    with pytest.warns(EclatWarning, match="expected three numbers of at least 0 as emissiveColor, got"):
+        material_of(tmp_path, 'string inputs:emissiveColor = "red"')
