@@ -37,6 +37,7 @@ extensions = [
     "project_pages",
     "python_reference",
     "repository_links",
+    "viewer_demos",
 ]
 exclude_patterns = [
     "_extensions",

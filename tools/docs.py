@@ -4,7 +4,7 @@
 """Builds the documentation site into build/docs/html, with warnings as errors, and checks its links.
 
 tools/docs.py                    the whole site; the examples of the gallery that changed are run
-tools/docs.py --fast             without running any example of the gallery
+tools/docs.py --fast             without running any example of the gallery, and without scenes to walk through
 tools/docs.py --external-links   also asks every other host that the pages link to, for which a network is needed
 tools/docs.py --output FOLDER    writes the site to another folder
 
@@ -27,6 +27,9 @@ LOADED = {"img": "src", "script": "src", "iframe": "src", "source": "src", "vide
 """What a browser loads by itself, by the attribute that names it. So do `link`s, but for a few relations."""
 
 NOT_LOADED = {"canonical", "index", "search", "next", "prev", "author", "genindex", "license"}
+
+FAST = ("-D", "plot_gallery=0", "-D", "viewer_demos=0")
+"""Options of Sphinx that leave out what takes minutes."""
 
 
 class Page(HTMLParser):
@@ -80,11 +83,15 @@ def build(builder: str, output: Path, *options: str) -> int:
 
 def main() -> int:
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("--fast", action="store_true", help="do not run the examples of the gallery")
+    parser.add_argument(
+        "--fast",
+        action="store_true",
+        help="leave out the pictures of the gallery and the scenes to walk through",
+    )
     parser.add_argument("--external-links", action="store_true", help="also check links to other hosts")
     parser.add_argument("--output", type=Path, default=ROOT / "build/docs/html", help="folder to write")
     arguments = parser.parse_args()
-    options = ["-D", "plot_gallery=0"] if arguments.fast else []
+    options = list(FAST) if arguments.fast else []
     if (arguments.output / ".buildinfo").exists():
         for page in arguments.output.rglob("*.html"):
             page.unlink()  # Pages whose source is gone would stay.
@@ -92,7 +99,7 @@ def main() -> int:
     problems = list(problems_of(arguments.output))
     print("".join(f"{problem}\n" for problem in problems), end="")
     if arguments.external_links:
-        failed |= build("linkcheck", arguments.output.parent / "linkcheck", "-D", "plot_gallery=0") != 0
+        failed |= build("linkcheck", arguments.output.parent / "linkcheck", *FAST) != 0
     if failed or problems:
         print("tools/docs.py: FAILED")
         return 1

@@ -56,6 +56,13 @@ def names_of(site: Path) -> set[str]:
     return {f"{kind} {name}" for kind, names in inventory.data.items() for name in names}
 
 
+def test_the_site_has_a_page_of_scenes_to_walk_through(site: Path) -> None:
+    # They are made by `make docs` only, because they take minutes.
+    page = (site / "demo/index.html").read_text(encoding="utf-8")
+    assert "make docs" in page and "<iframe" not in page
+    assert "../demo/index.html" in (site / "guides/index.html").read_text(encoding="utf-8")
+
+
 def test_every_public_name_of_python_is_documented(site: Path) -> None:
     known = {entry.split(" ", 1)[1] for entry in names_of(site) if entry.startswith("py:")}
     assert {f"eclat.{name}" for name in eclat.__all__} <= known

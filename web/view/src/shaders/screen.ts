@@ -55,8 +55,10 @@ float sunVisibility(vec3 p, vec3 n, float wide) {
   vec2 place = ((toMap * vec4(p, 1.0)).xy * 0.5 + 0.5) * vec2(textureSize(flatMap, 0));
   float depth = dot(lampDirection, p), sum = 0.0, count = 0.0;
   float widest = tangent * min(farthest, 400.0 * texel / max(tangent, 1e-6));
-  for (int i = 0; i < 16 && tangent > 0.0; ++i) {
-    vec2 offset = widest * disc(i, 16);
+  for (int i = 0; i < 32 && tangent > 0.0; ++i) {
+    // Denser towards the middle, so that also what is near is found: its cone is narrow.
+    vec2 spread = disc(i, 32);
+    vec2 offset = widest * dot(spread, spread) * spread;
     float near = mapDepth(place, offset);
     // Only what is in the cone from the point to the sun's disc is in its way.
     float before = planeDepth(depth, n, offset) - near;
