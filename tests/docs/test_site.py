@@ -59,7 +59,7 @@ def names_of(site: Path) -> set[str]:
 def test_the_site_has_a_page_of_scenes_to_walk_through(site: Path) -> None:
     # They are made by `make docs` only, because they take minutes.
     page = (site / "demo/index.html").read_text(encoding="utf-8")
-    assert "make docs" in page and "<iframe" not in page
+    assert "no scenes" in page and "<iframe" not in page
     assert "../demo/index.html" in (site / "guides/index.html").read_text(encoding="utf-8")
 
 
