@@ -114,6 +114,7 @@ def test_the_texel_of_a_point_is_that_of_its_coordinates(tmp_path: Path) -> None
     assert mesh.uvs is not None
     value = mesh.material.parameters["base_color"]
     corner = int(np.argmin(np.asarray(mesh.positions)[:, :2].sum(axis=1)))
+    np.testing.assert_allclose(np.asarray(mesh.uvs)[corner], [0, 1])
     inside = np.asarray(mesh.uvs)[corner] + [0.25, -0.25]
     assert texel(value, tuple(inside)) == pytest.approx([decoded(30), decoded(60), decoded(200)])
 
