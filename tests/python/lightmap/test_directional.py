@@ -177,3 +177,14 @@ def test_files_hold_the_coefficients(tmp_path: Path) -> None:
     with pytest.raises(EclatError, match="holds no directions"):
         eclat.bake(scene, "direct", texel_size=0.5, samples=4).save(tmp_path / "b.glb", directional="sh")
     assert not list(tmp_path.glob("b*"))
+
+
+def test_same_bits_on_any_number_of_threads() -> None:
+    scene = eclat.load("cornell-box")
+    one, two = (
+        eclat.bake(scene, texel_size=0.25, samples=8, max_error=0.1, directional=True, threads=threads)
+        for threads in (1, 2)
+    )
+    assert one.harmonics is not None and two.harmonics is not None
+    np.testing.assert_array_equal(one.harmonics, two.harmonics)
+    np.testing.assert_array_equal(one.irradiance, two.irradiance)

@@ -12,9 +12,11 @@ import pytest
 import eclat
 from eclat.errors import EclatError
 from eclat.lightmap.atlas import TYPICAL_TEXELS, Packing, default_texel_size
+from eclat.lightmap.flat import encode_flat
 from eclat.lightmap.layout import Wishes, lay_out
 from eclat.scene import Environment, Material, Mesh, Scene, grey
 from eclat.stage.staging import staged
+from eclat.viewer.lamps import parts_of
 from support.light_maps import read_at_random
 
 
@@ -63,6 +65,11 @@ def test_a_map_of_several_pages_shows_the_light_of_one(tmp_path: Path) -> None:
     names = {file.name for file in files}
     assert {"a.lightmap.exr", "a.lightmap.2.exr", "a.lightmap.ktx2", "a.lightmap.2.ktx2"} <= names
     assert len(eclat.load(tmp_path / "a.glb").meshes) >= len(one.parts) - 2
+    # The viewer reads one image of all pages, and unlit files have a texture for each page.
+    for part, seen in zip(many.parts, parts_of(many.scene, many), strict=True):
+        assert part.lightmap_uvs is not None and seen.lightmap_uvs is not None
+        assert (np.floor(seen.lightmap_uvs[:, 1] * many.page_count) == part.lightmap_page).all()
+    assert encode_flat(many, None, "none", "test").count(b"\x89PNG") == many.page_count
 
 
 def test_the_default_size_counts_the_borders_of_charts() -> None:
