@@ -5,7 +5,8 @@
 Says for each scene the relative RMSE of the page's linear picture against `render` away from edges (of shapes and of lamps),
 apart for surfaces without gloss and for gloss from records; then records, bytes, fragments of splats per pixel, and the
 seconds of a picture by headless Chromium with software WebGL. With --growth it says how soon a page that begins without
-records gets its first ones, when the view is finished, and what a solve of it takes. The pictures go into --folder, those of the page beside those of `render`.
+records gets its first ones, when the view is finished, and what a solve of it takes. The pictures go into --folder, those
+of the page beside those of `render`.
 
     python benchmarks/viewer.py cornell-box glossy-box-0.4 --cameras 10 --width 128
 """
