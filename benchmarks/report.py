@@ -15,6 +15,7 @@ import convergence
 import embree_rate
 import equal_error
 import far_end
+import farm_scaling
 import fly_through
 import glossy
 import lazy_fill
@@ -35,6 +36,7 @@ MODULES = (
     max_error,
     scaling,
     radiosity_scaling,
+    farm_scaling,
     memory,
     lazy_fill,
     far_end,

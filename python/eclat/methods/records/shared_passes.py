@@ -31,6 +31,10 @@ RANGES_OF_THREAD, FEWEST_GATHERS = 3, 16
 """The number of ranges for each thread of a worker, and the least number of gathers in a range: a gather takes about a
 millisecond, and a range some tens of milliseconds to travel."""
 
+JOINED = 32
+"""A solve for one view has fewer passes, so that each travels once; with 2, the simulated network of
+`benchmarks/farm_scaling.py` was busy for several times as long."""
+
 Pass = list[bytes]
 """What all ranges of a pass found, in index order."""
 Compute = Callable[[int, int], bytes]
@@ -60,7 +64,7 @@ class GatherRange:
 class Passes:
     """What was found in the passes so far, in parcels: each worker needs all of them.
 
-    Of two parcels with as many passes, one is made, so that there are few, and each pass travels only a few times.
+    Of `JOINED` parcels with as many passes each, one is made, so that there are few, and a pass seldom travels more than once.
     """
 
     def __init__(self) -> None:
@@ -70,9 +74,8 @@ class Passes:
     def add(self, found: Pass) -> None:
         """Add the next pass."""
         self._parts.append([found])
-        while len(self._parts) > 1 and len(self._parts[-1]) == len(self._parts[-2]):
-            last = self._parts.pop()
-            self._parts[-1] = self._parts[-1] + last
+        while len({len(part) for part in self._parts[-JOINED:]}) == 1 and len(self._parts) >= JOINED:
+            self._parts[-JOINED:] = [[found for part in self._parts[-JOINED:] for found in part]]
 
     def parcels(self) -> dict[str, bytes]:
         """Return the parcels by their names, in the order of the passes."""
@@ -82,7 +85,8 @@ class Passes:
             kept = self._packed.get(begin)
             if kept is None or len(pickle.loads(kept[1])) != len(part):
                 content = pickle.dumps(part)
-                kept = (f"eclat-passes-{hashlib.sha256(content).hexdigest()[:32]}", content)
+                # Two passes may have found the same, such as nothing, and both count.
+                kept = (f"eclat-passes-{begin}-{hashlib.sha256(content).hexdigest()[:32]}", content)
             known[begin] = kept
             found[kept[0]] = kept[1]
             begin += len(part)

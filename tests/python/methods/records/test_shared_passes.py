@@ -16,6 +16,7 @@ from eclat.bridge.compiled import compiled
 from eclat.farm.worker import Bench
 from eclat.methods.records.laws import core_options
 from eclat.methods.records.shared_passes import (
+    JOINED,
     GatherRange,
     Pass,
     Passes,
@@ -98,12 +99,12 @@ def test_an_error_of_the_exchange_ends_the_solve() -> None:
 
 def test_few_parcels_hold_many_passes() -> None:
     passes = Passes()
-    found = [[f"{n}".encode()] for n in range(100)]
+    found = [[f"{n // 2}".encode()] for n in range(100)]  # two passes may have found the same
     names: set[str] = set()
     for n, one in enumerate(found):
         passes.add(one)
         parcels = passes.parcels()
         names |= set(parcels)
         assert [p for content in parcels.values() for p in pickle.loads(content)] == found[: n + 1]
-        assert len(parcels) <= 7
-    assert len(names) == 100
+        assert len(parcels) < 2 * JOINED
+    assert len(names) == 100  # one new parcel a pass, of which three hold the passes before as well
