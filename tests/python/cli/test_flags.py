@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib
 from contextlib import nullcontext
+from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
@@ -74,6 +75,8 @@ VALUES: dict[str, list[str]] = {
     "--camera-path": ["walk.json"],
     "--ies": ["bulb=absent.ies"],
     "--display-server": ["localhost:14158"],
+    "--texel-size-of": ["floor=0.2"],
+    "--directional": ["sh"],
     "--workers": ["2"],
     "--scheduler": ["tcp://hub:8786"],
 }
@@ -100,7 +103,17 @@ class Recorder:
 
     def __init__(self, monkeypatch: pytest.MonkeyPatch) -> None:
         self.said: list[str] = []
-        for verb in ("animate", "render", "solve", "refine", "irradiance", "bake", "probes", "load_solved"):
+        for verb in (
+            "animate",
+            "render",
+            "solve",
+            "refine",
+            "irradiance",
+            "bake",
+            "estimate_bake",
+            "probes",
+            "load_solved",
+        ):
             monkeypatch.setitem(vars(eclat), verb, self.verb(verb))
         monkeypatch.setattr("eclat.verbs.compare.render", self.verb("render"))
         for name in ("local", "connect"):
@@ -126,6 +139,8 @@ class Recorder:
                 return [Path("out.png")]
             if name == "render":
                 return Image(np.linspace(0.2, 3, 108 * 3, dtype=np.float32).reshape(9, 12, 3), {}, {})
+            if name == "estimate_bake":
+                return eclat.BakeEstimate(**{field.name: 1 for field in fields(eclat.BakeEstimate)})
             return np.ones((1, 3), np.float32) if name == "irradiance" else Result(self.said)
 
         return called
@@ -142,6 +157,7 @@ class Result:
     def __init__(self, said: list[str]) -> None:
         self._said = said
         self.irradiance = np.ones((4, 4, 3))
+        self.pages, self.page_count = [self.irradiance], 1
         self.statistics = {"charts": 1.0, "seconds": 1.0, "inside": 1.0, "windowed": 1.0}
         self.statistics |= {"noise_error": 0.1}
         self.counts = (1, 1, 1)
@@ -150,8 +166,8 @@ class Result:
     def __repr__(self) -> str:
         return "result"
 
-    def save(self, *arguments: Any) -> None:
-        self._said.append(f"save {arguments}")
+    def save(self, *arguments: Any, **keywords: Any) -> None:
+        self._said.append(f"save {arguments} {keywords}")
 
     def save_flat(self, *arguments: Any) -> None:
         self._said.append(f"save_flat {arguments}")
@@ -161,6 +177,9 @@ class Result:
 
     def facts(self) -> dict[str, Any]:
         return {}
+
+    def size_text(self) -> str:
+        return "4 x 4"
 
     def clipped_share(self) -> float:
         return 0.0
