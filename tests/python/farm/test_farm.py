@@ -87,6 +87,20 @@ def test_workers_that_are_killed_cost_their_ranges_only(client: Any) -> None:
     client.wait_for_workers(3)
 
 
+def test_a_slow_worker_computes_fewer_ranges_and_the_results_are_the_same(client: Any) -> None:
+    slow = next(iter(client.nthreads()))
+
+    def where(shared: str, item: int, bench: Any) -> tuple[int, str]:
+        address = str(distributed.get_worker().address)
+        time.sleep(2.0 if address == shared else 0.01)
+        return item, address
+
+    with Farm(client) as farm:
+        found = farm.ordered(where, slow, range(24))
+    assert [item for item, _ in found] == list(range(24))
+    assert [address for _, address in found].count(slow) < 24 / 3
+
+
 def test_all_workers_at_once_may_die_with_what_was_sent_to_them(client: Any) -> None:
     def slow(shared: str, item: int, bench: Any) -> str:
         time.sleep(0.2)
