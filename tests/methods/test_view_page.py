@@ -15,7 +15,7 @@ from PIL import Image
 
 import eclat
 from eclat.cli.scene_options import camera_options
-from support.browser import require_browser, require_node, require_page, use_page
+from support.browser import look_at_page, require_browser, require_node, require_page, use_page
 
 
 @pytest.fixture(scope="module")
@@ -70,3 +70,21 @@ def test_the_screenshot_shows_the_picture(used: dict[str, Any]) -> None:
 def test_without_webgl_2_the_page_says_so(used: dict[str, Any]) -> None:
     assert "WebGL 2" in used["without"]
     assert used["messages"] == []
+
+
+def test_the_overlay_of_obstacles_is_darker_in_corners() -> None:
+    choose = (
+        "const overlay = [...document.querySelectorAll('select')].find((s) => "
+        "[...s.options].some((o) => o.value === 'clearance')); overlay.value = 'clearance'; "
+        "overlay.dispatchEvent(new Event('change'));"
+    )
+    scene = eclat.load("cornell-box")
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.1), size=(64, 64), check=False)
+    with eclat.view(scene, solution, texel_size=0.3, samples=16) as viewer:
+        page = look_at_page(viewer.url, shot={"width": 360, "height": 300, "wait": 3000, "script": choose})
+    assert page.message == "" and page.messages == []
+    # The picture is the upper 180 rows, and the box the middle of it: the lower edge of the back wall beside its middle.
+    box = page.shot[:180, 90:270].astype(float) if page.shot is not None else np.zeros((180, 180, 3))
+    middle, corners = box[70:80, 120:140], box[[37, 37], [37, 143]]
+    assert corners[:, 1].mean() < middle[..., 1].mean() - 20
+    assert middle[..., 1].mean() > middle[..., 0].mean() + 20  # the colours of the overlay, not of the warm wall

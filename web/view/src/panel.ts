@@ -34,6 +34,8 @@ const OVERLAYS: readonly [Overlay, string][] = [
   ['weights', 'Sum of weights'],
   ['density', 'Splats per pixel'],
   ['records', 'Records and their radii'],
+  ['clearance', 'Distance to the nearest obstacle'],
+  ['noise', 'Noise of the records, up to 10 %'],
   ['left-out', 'What is approximated'],
 ];
 const MODES: readonly [Mode, string][] = [

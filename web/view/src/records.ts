@@ -12,7 +12,7 @@ import { withoutVersion } from './surfaces';
 const WEIGHTS: Record<Reading['weight'], number> = { tabellion: 0, ward: 1, 'split-sphere': 2 };
 
 /** What splats add, by the numbers of `overlay` in shaders/splat.ts. */
-const ADDED = ['light', 'count', 'outlines', 'fragments'] as const;
+const ADDED = ['light', 'count', 'outlines', 'fragments', 'clearance', 'noise'] as const;
 
 /** Switches of the page. */
 export interface Switches {
@@ -90,8 +90,8 @@ export class Records {
   }
 
   /**
-   * Sets how the records are read, and what splats add: their light, the number that serve a pixel, outlines of that width at distance 1, or the
-   * number of fragments.
+   * Sets how the records are read, and what splats add: their light, the number that serve a pixel, outlines of that width at distance 1, the number
+   * of fragments, or values of the records with their weights.
    */
   switch(switches: Switches, adds: (typeof ADDED)[number] = 'light', pixelAngle = 1): void {
     if (!this.reading) return;

@@ -18,7 +18,7 @@ import type { Pose } from './pose';
 import type { Beside } from './truth';
 
 export type ToneMapping = 'none' | 'filmic' | 'agx';
-export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records';
+export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records' | 'clearance' | 'noise';
 
 /** What the picture shows. */
 export interface Look {
@@ -51,7 +51,10 @@ export const USUAL_LOOK: Look = {
 };
 
 const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
-const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4 };
+const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4, clearance: 5, noise: 6 };
+
+/** What splats add for the overlays that need a pass of their own. */
+const COUNTED = { density: 'count', records: 'outlines', clearance: 'clearance', noise: 'noise' } as const;
 
 export class Renderer {
   readonly precision: Precision;
@@ -119,6 +122,7 @@ export class Renderer {
       overlay: { value: 0 },
       scale: { value: 1 },
       toneMappingExposure: { value: 1 },
+      diagonal: { value: 1 },
       comparing: { value: false },
       pagePicture: { value: null },
       truth: { value: null },
@@ -174,6 +178,7 @@ export class Renderer {
   draw(pose: Pose, look: Look, width: number, height: number, beside?: Beside): void {
     this.gl.setSize(width, height, false);
     this.drawLinear(pose, look, width, height);
+    this.set(this.displaying, 'diagonal', pose.diagonal);
     this.set(this.displaying, 'toneMapping', TONE_MAPPINGS[look.toneMapping]);
     this.set(this.displaying, 'overlay', OVERLAYS[look.overlay]);
     this.set(this.displaying, 'scale', 2 ** look.exposure);
@@ -304,9 +309,9 @@ export class Renderer {
   /** Draws what overlays count. */
   private drawCounts(pose: Pose, look: Look, width: number, height: number): void {
     const { gl, targets } = this;
-    if (look.overlay === 'density' || look.overlay === 'records') {
+    if (look.overlay in COUNTED) {
       const pixelAngle = (2 * pose.extent(width / height)[1]) / height;
-      this.records.switch(look, look.overlay === 'density' ? 'count' : 'outlines', pixelAngle);
+      this.records.switch(look, COUNTED[look.overlay as keyof typeof COUNTED], pixelAngle);
       gl.setRenderTarget(targets.counts);
       gl.clear(true, false, false);
       gl.render(this.records.splats, this.camera);

@@ -12,7 +12,8 @@ precision highp int;
 layout(location = 0) out vec4 outColor;
 uniform highp sampler2D picture, positions, normals, albedos, sums, glossSums, counts;
 uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
-uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records
+uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records, 5: nearest obstacle, 6: noise
+uniform float diagonal;   // of the scene, m
 uniform float scale;      // 2 to the power of the exposure
 uniform bool comparing, showDifference;
 uniform highp sampler2D pagePicture, truth;  // of the page, averaged over pixels; of the server, row 0 at the top
@@ -74,6 +75,13 @@ void main() {
   if (seen && overlay == 4) {
     vec2 drawn = min(texelFetch(counts, pixel, 0).rg, 1.0);
     color = mix(mix(0.6 * color, vec3(0.3, 0.75, 1.0), 0.8 * drawn.r), vec3(1.0, 0.9, 0.2), drawn.g);
+  }
+  if (seen && overlay >= 5) {
+    // Distances from a thousandth of the diagonal to all of it, and noise to 10 %.
+    vec4 sum = texelFetch(counts, pixel, 0);
+    float value = sum.r / max(sum.w, 1e-30);
+    float share = overlay == 5 ? 1.0 + log2(max(value / diagonal, 1e-6)) / 10.0 : 10.0 * value;
+    if (sum.w > 0.0) color = mix(vec3(light), ramp(share), 0.8);
   }
   outColor = vec4(color, 1.0);
 }

@@ -49,7 +49,8 @@ precision highp int;
 flat in int vRecord;
 layout(location = 0) out vec4 weighted;
 uniform highp sampler2D positions, normals, albedos;
-uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records, 3: the number of fragments
+uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records, 3: the number of fragments,
+                      // 4: the distance to the nearest obstacle, 5: the relative noise of the record
 uniform vec4 eye;
 uniform float pixelAngle;  // width of a pixel at distance 1, or of a parallel view
 ${fetching}
@@ -77,6 +78,10 @@ void main() {
     float pixelWidth = pixelAngle * (eye.w > 0.5 ? distance(eye.xyz, at.xyz) : 1.0);
     float ring = abs(sqrt(max(0.0, dot(d, d) - along * along)) - t0.w) / pixelWidth;
     weighted = vec4(1.0 - smoothstep(0.5, 1.5, ring), 1.0 - smoothstep(1.5, 2.5, length(d) / pixelWidth), 0.0, w);
+    return;
+  }
+  if (overlay >= 4) {
+    weighted = vec4(w * (overlay == 4 ? t1.w : recordTexel(vRecord, 12).y), 0.0, 0.0, w);
     return;
   }
   float packed = texelFetch(albedos, pixel, 0).w;
