@@ -128,7 +128,7 @@ size_t escapes(const CoreScene& scene, Points origins, Points directions) {
     return static_cast<size_t>(std::count(hit.begin(), hit.end(), uint8_t(0)));
 }
 
-auto first_hits(const CoreScene& scene, Points origins, Points directions, int threads) {
+auto first_hits(const CoreScene& scene, Points origins, Points directions, int threads, bool from_camera) {
     const auto o = vec3s(origins), d = vec3s(directions);
     if (o.size() != d.size()) throw std::invalid_argument("expected as many directions as origins");
     auto* triangles = new int32_t[o.size()];
@@ -139,7 +139,7 @@ auto first_hits(const CoreScene& scene, Points origins, Points directions, int t
             std::vector<Ray> rays;
             for (size_t i = begin; i < end; ++i) rays.push_back({o[i], 0, d[i], infinity});
             std::vector<Hit> hits(rays.size());
-            scene.geometry->meet_with_backs(rays, hits);
+            scene.geometry->meet_with_backs(rays, hits, from_camera ? Coherence::camera : Coherence::none);
             for (size_t i = begin; i < end; ++i)
                 triangles[i] = static_cast<int32_t>(hits[i - begin].triangle);  // -1 for no_triangle
         });
@@ -172,6 +172,7 @@ void bind_material(nb::module_& m) {
         .def("set", &set_parameter, "name"_a, "value"_a)
         .def_rw("two_sided", &Material::two_sided)
         .def_rw("back_culled", &Material::back_culled)
+        .def_rw("hidden_from_camera", &Material::hidden_from_camera)
         .def_rw("back", &Material::back)
         .def_prop_rw(
             "children", [](const Material& s) { return std::array<int, 2>{s.children[0], s.children[1]}; },
@@ -223,7 +224,7 @@ void bind_scene(nb::module_& m) {
         .def_prop_ro("radius", [](const CoreScene& s) { return s.geometry->radius(); })
         .def("escapes", &escapes, "origins"_a, "directions"_a, "Number of rays that meet nothing.")
         .def(
-            "first_hits", &first_hits, "origins"_a, "directions"_a, "threads"_a,
+            "first_hits", &first_hits, "origins"_a, "directions"_a, "threads"_a, "from_camera"_a = false,
             "The triangle that each ray meets first, culled backs included, counted over all meshes, and -1 for none.");
     m.def(
         "smooth_limit",

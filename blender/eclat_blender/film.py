@@ -42,6 +42,7 @@ def _flat(material: Material, glow: float | None) -> Material:
         {"reflectance": grey(0)},
         two_sided=material.two_sided,
         back_culled=material.back_culled,
+        hidden_from_camera=material.hidden_from_camera,
         opacity=material.opacity,
         alpha_cutoff=material.alpha_cutoff,
         emission=None if glow is None else grey(glow),

@@ -15,7 +15,6 @@ from eclat.errors import EclatError, heard_warnings
 from . import passes
 from .camera import scene_camera
 from .film import without_background
-from .lamps_in_view import name_lamps_in_view
 from .notices import Notices
 from .translate import translate
 from .world import DrawWorld
@@ -62,7 +61,6 @@ class _Final:
         to_world = np.array(placed.matrix_world, float)
         self.camera = scene_camera(placed.data, to_world, self.size, self.notices)
         found = translate(self.depsgraph, self.draw_world, self.notices)
-        name_lamps_in_view(found.scene, found.sources, self.camera, self.notices)
         scene = replace(found.scene, cameras=(self.camera,))
         for which in self.passes:
             engine.add_pass(which.name, len(which.channels), which.channels, layer=self.depsgraph.view_layer.name)

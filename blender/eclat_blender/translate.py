@@ -4,12 +4,12 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
 
-from eclat.scene import Environment, Mesh, Scene
+from eclat.scene import Environment, Material, Mesh, Scene
 
 from .image_nodes import ImageReader
 from .lights import Light, lamp
@@ -45,6 +45,7 @@ class _Objects:
         self.sources: list[str] = []
         self.lights: list[Light] = []
         self._parts: dict[tuple[str, int], list[Part]] = {}
+        self._hidden: dict[int, tuple[Material, Material]] = {}
 
     def add(self, thing: Any, to_world: np.ndarray) -> None:
         """Add an evaluated object at a transform."""
@@ -58,8 +59,7 @@ class _Objects:
     def _add_lamp(self, thing: Any, to_world: np.ndarray) -> None:
         made = lamp(thing.data, to_world, thing.name, self.notices)
         if isinstance(made, Mesh):
-            self.meshes.append(made)
-            self.sources.append("")
+            self._keep(made, thing, "")
         elif made is not None:
             self.lights.append(made)
 
@@ -74,8 +74,17 @@ class _Objects:
         for part in self._parts[key]:
             made = found[min(part.slot, len(found) - 1)]
             self._name_missing_maps(thing, part, made)
-            self.meshes.append(placed(part, to_world, made, thing.name))
-            self.sources.append(thing.name_full)
+            self._keep(placed(part, to_world, made, thing.name), thing, thing.name_full)
+
+    def _keep(self, mesh: Mesh, thing: Any, source: str) -> None:
+        """Add a mesh of an object; like Cycles, the camera sees lamps only where Blender says so."""
+        if not getattr(thing, "visible_camera", True):
+            original = mesh.material
+            if id(original) not in self._hidden:
+                self._hidden[id(original)] = original, replace(original, hidden_from_camera=True)
+            mesh = replace(mesh, material=self._hidden[id(original)][1])
+        self.meshes.append(mesh)
+        self.sources.append(source)
 
     def _read(self, thing: Any, tangents: tuple[str, ...]) -> list[Part]:
         mesh = thing.to_mesh()
@@ -97,7 +106,7 @@ class _Objects:
     def _name_visibility(self, thing: Any) -> None:
         flags = [
             name
-            for name in ("camera", "diffuse", "glossy", "transmission", "shadow")
+            for name in ("diffuse", "glossy", "transmission", "shadow")
             if not getattr(thing, f"visible_{name}", True)
         ]
         if flags:

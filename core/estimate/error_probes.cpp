@@ -67,6 +67,7 @@ Color PixelProbes::shown(Vec2 u, uint32_t stream, uint32_t place, uint32_t sampl
         rays.push_back({first, sampler});
     }
     PathOptions options;
+    options.coherence = Coherence::camera;
     options.max_depth = max_depth_;
     options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches_);
@@ -89,7 +90,7 @@ std::vector<PixelProbes::Served> PixelProbes::served_vertices(const Ray& first, 
     Paths<PathState> paths;
     if (max_depth_ < 0 || max_depth_ > 2) paths.push({.sampler = sampler, .from = first.origin}, first);
     follow_paths(
-        world_, std::move(paths), Coherence::none, Span::batch, progress,
+        world_, std::move(paths), Coherence::camera, Span::batch, progress,
         [&](int edges, std::span<PathState> states, std::span<Vertex> vertices, Paths<PathState>& next) {
             Vertex& v = vertices[0];
             PathState& path = states[0];

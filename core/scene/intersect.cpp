@@ -6,8 +6,10 @@
 #include "scene/intersect.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cmath>
+#include <utility>
 
 #if __has_include(<embree4/rtcore.h>)
 #include <embree4/rtcore.h>
@@ -27,13 +29,14 @@ struct Intersector::Impl {
     OpacityFunction opacity;
     PaneFunction pane;
     // There is one geometry for each combination of the tests that its triangles need (none, opacity, side, or both),
-    // each with and without panes.
-    static constexpr unsigned kinds = 8;
+    // each with and without panes, and each seen by cameras or hidden from them.
+    static constexpr unsigned kinds = 16;
     std::vector<uint32_t> to_triangle[kinds];
     std::vector<Triangle> indices[kinds];
 
     static unsigned kind_of(Sieve sieve) {
-        return (sieve.translucent ? 1u : 0u) + (sieve.back_culled ? 2u : 0u) + (sieve.pane ? 4u : 0u);
+        return (sieve.translucent ? 1u : 0u) + (sieve.back_culled ? 2u : 0u) + (sieve.pane ? 4u : 0u) +
+               (sieve.hidden_from_camera ? 8u : 0u);
     }
 
     ~Impl() {
@@ -44,10 +47,13 @@ struct Intersector::Impl {
 
 namespace {
 
+/// The bits of the flags that rays of a packet carry to the filters.
+constexpr unsigned meets_backs = 1, comes_from_camera = 2;
+
 void reject_backs(const RTCFilterFunctionNArguments* args) {
     const unsigned n = args->N;
     for (unsigned i = 0; i < n; ++i) {
-        if (args->valid[i] != -1 || RTCRayN_flags(args->ray, n, i) == unsigned(Backs::met)) continue;
+        if (args->valid[i] != -1 || (RTCRayN_flags(args->ray, n, i) & meets_backs)) continue;
         const float along = RTCHitN_Ng_x(args->hit, n, i) * RTCRayN_dir_x(args->ray, n, i) +
                             RTCHitN_Ng_y(args->hit, n, i) * RTCRayN_dir_y(args->ray, n, i) +
                             RTCHitN_Ng_z(args->hit, n, i) * RTCRayN_dir_z(args->ray, n, i);
@@ -89,6 +95,38 @@ void reject_transparent(const RTCFilterFunctionNArguments* args) {
     }
 }
 
+/// Applies the tests of a kind to rays that look for the closest hit.
+template <unsigned kind>
+void reject_unseen(const RTCFilterFunctionNArguments* args) {
+    if (kind & 8) {
+        for (unsigned i = 0; i < args->N; ++i)
+            if (RTCRayN_flags(args->ray, args->N, i) & comes_from_camera) args->valid[i] = 0;
+    }
+    if (kind & 1)
+        reject_transparent<kind>(args);
+    else if (kind & 2)
+        reject_backs(args);
+}
+
+/// The filters of kind `id`, for closest hits and for shadow rays; null where a kind needs none.
+struct Filters {
+    RTCFilterFunctionN meeting, hiding;
+};
+
+template <unsigned kind>
+void pass_light(const RTCFilterFunctionNArguments* args);
+
+template <unsigned kind>
+constexpr Filters filters_of() {
+    constexpr bool sees_all = (kind & 11) == 0, blocks_all = (kind & 7) == 0, sided = (kind & 7) == 2;
+    return {sees_all ? nullptr : reject_unseen<kind>, blocks_all ? nullptr : sided ? reject_backs : pass_light<kind>};
+}
+
+template <unsigned... kind>
+constexpr std::array<Filters, sizeof...(kind)> all_filters(std::integer_sequence<unsigned, kind...>) {
+    return {filters_of<kind>()...};
+}
+
 /// Candidates come in any order and each once, so panes, and surfaces that are there in part, multiply what passes as they are
 /// found: a sun through half a surface is half a sun at every point, and not all of it at half of the points.
 template <unsigned kind>
@@ -124,13 +162,10 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
     rtcSetSharedGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, indices.data(), 0,
                                sizeof(Intersector::Triangle), indices.size());
     if (id > 0) {
-        const RTCFilterFunctionN met[] = {nullptr, reject_transparent<1>, reject_backs, reject_transparent<3>,
-                                          nullptr, reject_transparent<5>, reject_backs, reject_transparent<7>};
-        const RTCFilterFunctionN hiding[] = {met[0],        pass_light<1>, met[2],        pass_light<3>,
-                                             pass_light<4>, pass_light<5>, pass_light<6>, pass_light<7>};
+        constexpr auto filters = all_filters(std::make_integer_sequence<unsigned, Intersector::Impl::kinds>());
         rtcSetGeometryUserData(geometry, &impl);
-        rtcSetGeometryIntersectFilterFunction(geometry, met[id]);
-        rtcSetGeometryOccludedFilterFunction(geometry, hiding[id]);
+        rtcSetGeometryIntersectFilterFunction(geometry, filters[id].meeting);
+        rtcSetGeometryOccludedFilterFunction(geometry, filters[id].hiding);
     }
     rtcCommitGeometry(geometry);
     rtcAttachGeometryByID(impl.scene, geometry, id);
@@ -138,13 +173,13 @@ void add_geometry(Intersector::Impl& impl, std::span<const Vec3> vertices, unsig
 }
 
 /// The data that are the same for all packets.
-void prepare(RTCRay8& packet, int* valid, Backs backs) {
+void prepare(RTCRay8& packet, int* valid, Backs backs, bool from_camera = false) {
     for (size_t i = 0; i < 8; ++i) {
         valid[i] = -1;
         packet.time[i] = 0;
         packet.mask[i] = ~0u;
         packet.id[i] = static_cast<unsigned>(i);
-        packet.flags[i] = static_cast<unsigned>(backs);
+        packet.flags[i] = (backs == Backs::met ? meets_backs : 0) | (from_camera ? comes_from_camera : 0);
     }
 }
 
@@ -249,8 +284,8 @@ Intersector::Intersector(std::span<const Vec3> vertices, std::span<const Triangl
 Intersector::~Intersector() = default;
 
 bool Intersector::culls_backs() const {
-    for (const unsigned kind : {2u, 3u, 6u, 7u})
-        if (!impl_->indices[kind].empty()) return true;
+    for (unsigned kind = 0; kind < Impl::kinds; ++kind)
+        if ((kind & 2) && !impl_->indices[kind].empty()) return true;
     return false;
 }
 
@@ -258,7 +293,7 @@ void Intersector::intersect(std::span<const Ray> rays, std::span<Hit> hits, Cohe
     const QueryFlags flags = coherence == Coherence::camera ? coherent : incoherent;
     alignas(32) RTCRayHit8 packet{};
     alignas(32) int valid[8];
-    prepare(packet.ray, valid, backs);
+    prepare(packet.ray, valid, backs, coherence == Coherence::camera);
     for (size_t begin = 0; begin < rays.size(); begin += 8) {
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));
         fill(packet.ray, some, valid);

@@ -29,6 +29,7 @@ using OpacityFunction = std::function<float(uint32_t triangle, float u, float v)
 /// The share of light along `direction` that passes straight through a pane at the barycentric weights (u, v).
 using PaneFunction = std::function<Color(uint32_t triangle, float u, float v, Vec3 direction)>;
 
+/// Rays that a camera sends are coherent, and they pass through what is hidden from cameras.
 enum class Coherence { none, camera };
 
 /// Whether rays pass through culled backs or hit them.
@@ -39,6 +40,7 @@ struct Sieve {
     bool translucent = false;  // depends on its opacity
     bool back_culled = false;  // depends on the side from which the ray comes
     bool pane = false;         // shadow rays pass straight through it
+    bool hidden_from_camera = false;
 };
 
 class Intersector {

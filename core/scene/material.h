@@ -84,6 +84,7 @@ struct Material {
     bool two_sided = true;
     int back = -1;             // with two_sided, the material of the other side; −1: the same
     bool back_culled = false;  // without two_sided, rays pass through the back
+    bool hidden_from_camera = false;
     int children[2] = {-1, -1};
     bool beckmann = false;
     bool nonlinear = false;

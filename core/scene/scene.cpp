@@ -70,7 +70,7 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
         const Material& material = materials_[m.material];
         const Sieve sieve{!material.opacity.is_constant() || material.opacity.constant.r < 1 ||
                               (material.vertex_colors && !m.colors.empty()),
-                          material.culls_back(), material.pane};
+                          material.culls_back(), material.pane, material.hidden_from_camera};
         for (const auto& t : m.triangles) {
             triangles.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}});
             faces_.push_back({{t.v[0] + first, t.v[1] + first, t.v[2] + first}, static_cast<uint32_t>(i)});
@@ -94,11 +94,11 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
         });
 }
 
-void Geometry::meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits) const {
-    intersector_->intersect(rays, hits);
+void Geometry::meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {
+    intersector_->intersect(rays, hits, coherence);
     if (!intersector_->culls_backs()) return;
     std::vector<Hit> with_backs(rays.size());
-    intersector_->intersect(rays, with_backs, Coherence::none, Backs::met);
+    intersector_->intersect(rays, with_backs, coherence, Backs::met);
     for (size_t i = 0; i < rays.size(); ++i)
         if (with_backs[i].t < hits[i].t * shadow_shortening) hits[i] = with_backs[i];
 }

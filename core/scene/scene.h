@@ -55,7 +55,7 @@ class Geometry {
         return m.has_no_back();
     }
     /// Closest hits of rays, culled backs included; a front that lies on such a back comes first.
-    void meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits) const;
+    void meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence = Coherence::none) const;
     Vec3 vertex(uint32_t triangle, int corner) const { return vertices_[faces_[triangle].v[corner]]; }
     Vec2 uv(uint32_t triangle, int corner, int set) const;
     /// Unit normal by counter-clockwise order.

@@ -106,6 +106,10 @@ class Material:
     @back_culled.setter
     def back_culled(self, arg: bool, /) -> None: ...
     @property
+    def hidden_from_camera(self) -> bool: ...
+    @hidden_from_camera.setter
+    def hidden_from_camera(self, arg: bool, /) -> None: ...
+    @property
     def back(self) -> int: ...
     @back.setter
     def back(self, arg: int, /) -> None: ...
@@ -267,6 +271,7 @@ class Scene:
         origins: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
         directions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
         threads: int,
+        from_camera: bool = False,
     ) -> NDArray[numpy.int32]:
         """
         The triangle that each ray meets first, culled backs included, counted over all meshes, and -1 for none.

@@ -177,6 +177,10 @@ class Material:
     """Without `two_sided`: whether the back is invisible instead of black, so that rays from behind pass through, as
     for single-sided materials of glTF [glTF 2.0 specification, section 3.9.6, Double Sided]. Light passes through a
     culled back exactly where a viewer at the lit point sees through it."""
+    hidden_from_camera: bool = False
+    """Whether rays that a camera sends pass through, so that a lamp lights the scene without standing in the picture.
+    Everything else sees the surface, mirrors included. The field counts on the material of a mesh, not on its `back` or
+    on `children`."""
     distribution: Literal["ggx", "beckmann"] = "ggx"
     nonlinear: bool = False
     """Whether internal scattering shifts the colour of a plastic."""

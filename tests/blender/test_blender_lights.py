@@ -7,11 +7,11 @@ import math
 import numpy as np
 import pytest
 
-from eclat.scene import Camera, DirectionalLight, Mesh, PointLight, Scene, SpotLight, triangle_areas
-from eclat_blender.lamps_in_view import name_lamps_in_view
+from eclat.scene import DirectionalLight, Mesh, PointLight, SpotLight, triangle_areas
 from eclat_blender.lights import lamp, spot_angles
 from eclat_blender.notices import Notices
-from support.blender_standins import light
+from eclat_blender.translate import translate
+from support.blender_standins import depsgraph, light, solid, thing
 
 ABOVE = np.array([(1, 0, 0, 2), (0, 1, 0, 3), (0, 0, 1, 4), (0, 0, 0, 1)], float)
 
@@ -75,25 +75,13 @@ def test_what_lamps_cannot_do_is_named():
     assert lamp(light("POINT", 0.0), ABOVE, "dark", notices) is None
 
 
-@pytest.mark.parametrize(
-    ("kind", "place", "turned", "seen"),
-    [
-        ("POINT", (0, 0, -5), False, True),
-        ("POINT", (0, 0, 5), False, False),  # Behind the camera.
-        ("POINT", (9, 0, -5), False, False),  # Beside the picture.
-        ("AREA", (0, 0, -5), False, False),  # It looks where the camera looks.
-        ("AREA", (0, 0, -5), True, True),
-    ],
-)
-@pytest.mark.parametrize("projection", ["perspective", "orthographic"])
-def test_a_lamp_in_the_picture_is_named(kind, place, turned, seen, projection):
-    camera = Camera(np.eye(4), 40.0 if projection == "perspective" else 4.0, projection=projection, size=(16, 9))
-    to_world = np.diag((1.0, -1.0, -1.0, 1.0)) if turned else np.eye(4)
-    to_world[:3, 3] = place
-    made = lamp(light(kind, 10.0, shadow_soft_size=0.2), to_world, "lamp", Notices())
+@pytest.mark.parametrize("visible", [False, True])
+def test_the_camera_sees_objects_and_lamps_with_a_size_only_where_blender_says_so(visible):
+    square, other = solid(), solid("other")
+    area = thing("LIGHT", light("AREA", 10.0), "area")
+    square.visible_camera = area.visible_camera = visible
     notices = Notices()
-    name_lamps_in_view(Scene(meshes=(made,)), ("",), camera, notices)
-    assert (notices.texts != []) == seen
-    notices = Notices()
-    name_lamps_in_view(Scene(meshes=(made,)), ("object",), camera, notices)
+    made = translate(depsgraph([(square, ABOVE), (other, ABOVE), (area, ABOVE)]), lambda _: None, notices).scene
+    hidden = {mesh.name: mesh.material.hidden_from_camera for mesh in made.meshes}
+    assert hidden == {"square": not visible, "other": False, "area": not visible}
     assert notices.texts == []

@@ -209,6 +209,7 @@ class _Compiler:
             out.set(name, self.value(given.get(name, DEFAULTS[name])))
         out.two_sided = material.two_sided
         out.back_culled = material.back_culled
+        out.hidden_from_camera = material.hidden_from_camera
         out.back = -1 if material.back is None else self.material(material.back)
         out.children = [self.material(child) for child in material.children] or [-1, -1]
         out.beckmann = material.distribution == "beckmann"

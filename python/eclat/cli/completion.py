@@ -40,4 +40,6 @@ def command(context: click.Context, /, **flags: Any) -> None:
     assert completion is not None
     # The template alone: `source` would run bash to find its version.
     made = completion(context.find_root().command, {}, "eclat", COMPLETION_VARIABLE)
-    click.echo(made.source_template % made.source_vars())
+    # click's script for fish splits what it gets at every comma, and so cuts descriptions at their first one.
+    template = made.source_template.replace('string split ","', 'string split --max 1 ","')
+    click.echo(template % made.source_vars())

@@ -103,7 +103,7 @@ def _projected(camera: Camera, places: Numbers, meshes: NDArray[np.int64], size:
 def _first_triangles(scene: Scene, origins: Numbers, directions: Numbers, threads: int) -> NDArray[np.int64]:
     prepared = compiled(scene)
     local, along = prepared.to_core(origins), np.ascontiguousarray(directions, np.float32)
-    return np.asarray(prepared.core.first_hits(local, along, threads), np.int64)
+    return np.asarray(prepared.core.first_hits(local, along, threads, from_camera=True), np.int64)
 
 
 def _meshes_of(scene: Scene, hit: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:

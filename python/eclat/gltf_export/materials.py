@@ -47,6 +47,8 @@ class Materials:
         factor = [min(c, 1.0) for c in constant_of(self._of(material, "base_color"))]
         if max(constant_of(self._of(material, "base_color"))) > 1:
             warn(f"material {material.name!r}: the base colour has components above 1, which are clipped to 1")
+        if original.hidden_from_camera:
+            warn(f"material {original.name!r}: glTF hides nothing from cameras; the surface is visible")
         json: Json = {
             "name": material.name,
             "pbrMetallicRoughness": {"baseColorFactor": [*factor, self._alpha(material)]} | self._surface(material),

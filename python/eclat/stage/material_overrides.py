@@ -122,6 +122,7 @@ def _in_place_of(old: Material, name: str, given: Mapping[str, Any] | Material, 
         _with_base_colour(_on_sides_of(old, new), _base_colour(old), given),
         name=old.name, opacity=old.opacity, alpha_cutoff=old.alpha_cutoff, vertex_colors=old.vertex_colors,
         normal_map=new.normal_map or old.normal_map, emission=old.emission, emission_two_sided=old.emission_two_sided,
+        hidden_from_camera=old.hidden_from_camera,
     )  # fmt: skip
 
 

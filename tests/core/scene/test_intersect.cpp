@@ -238,3 +238,32 @@ TEST_CASE("rays that the ray tracer cannot trace hit nothing and do not affect o
         CHECK(passed[i].r == (hidden[i] ? 0 : 1));
     }
 }
+
+TEST_CASE(
+    "rays of a camera pass through what is hidden from it, and other rays meet it, with every other test as well") {
+    Soup s;
+    for (const float z : {1.0f, 2.0f})
+        for (const Vec3 corner : {Vec3{-9, -9, z}, Vec3{9, -9, z}, Vec3{0, 9, z}}) s.vertices.push_back(corner);
+    s.vertices.push_back({});
+    s.triangles = {{{0, 1, 2}}, {{3, 4, 5}}};
+    const Ray ray{{0, 0, 0}, 0, {0, 0, 1}, infinity};
+    for (const bool translucent : {false, true})
+        for (const bool back_culled : {false, true})
+            for (const bool pane : {false, true})
+                for (const bool hidden : {false, true}) {
+                    // Seen from below, the fronts of these triangles look away, so culled ones are not met at all.
+                    s.sieves = {{translucent, back_culled, pane, hidden}, {}};
+                    const Intersector rays(
+                        s.shown(), s.triangles, s.sieves, [](uint32_t, float, float) { return 1.0f; },
+                        [](uint32_t, float, float, Vec3) { return Color(); });
+                    Hit seen, met;
+                    uint8_t hides = 0;
+                    rays.intersect({&ray, 1}, {&seen, 1}, Coherence::camera);
+                    rays.intersect({&ray, 1}, {&met, 1});
+                    const Ray shadow{{0, 0, 0}, 0, {0, 0, 1}, 1.5f};
+                    rays.occluded({&shadow, 1}, {&hides, 1});
+                    CHECK(met.triangle == (back_culled ? 1 : 0));
+                    CHECK(seen.triangle == (back_culled || hidden ? 1 : 0));
+                    CHECK(hides == (back_culled ? 0 : 1));
+                }
+}

@@ -110,10 +110,15 @@ def test_fish_completes_commands_and_options(home: Path) -> None:
     def completed(line: str) -> list[str]:
         command = ["fish", "-c", f'complete -C "{line}"']
         done = subprocess.run(command, env=environment(home), cwd=home, capture_output=True, text=True, timeout=LIMIT)
-        return [text.split("\t")[0] for text in done.stdout.splitlines()]
+        return done.stdout.splitlines()
 
-    assert completed("eclat irr") == ["irradiance"]
-    assert completed("eclat render --max-e") == ["--max-error"]
+    def names(line: str) -> list[str]:
+        return [text.split("\t")[0] for text in completed(line)]
+
+    assert names("eclat irr") == ["irradiance"]
+    assert names("eclat render --max-e") == ["--max-error"]
+    # Descriptions are whole, also behind commas.
+    assert completed("eclat completi")[0].endswith("in bash, zsh or fish.")
 
 
 def answers(words: str, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> list[str]:

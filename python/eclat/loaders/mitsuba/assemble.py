@@ -15,7 +15,7 @@ from eclat.loaders.mitsuba.kinds import IGNORED_TAGS, PLUGINS, SILENT_PROPERTIES
 from eclat.loaders.mitsuba.moving import MovingTransform, at_time
 from eclat.loaders.mitsuba.node import Node
 from eclat.loaders.mitsuba.sensors import make_camera, up_axis
-from eclat.loaders.mitsuba.settings import warn_about_settings
+from eclat.loaders.mitsuba.settings import hides_emitters, warn_about_settings
 from eclat.loaders.mitsuba.shapes import Shapes
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.parts import Parts
@@ -32,7 +32,7 @@ def assemble(tree: Node, name: str) -> Scene:
     A shape or an emitter that is invalid is left out with a warning. Raises EclatError if all of them are invalid.
     """
     moving = moving_nodes(tree)
-    shapes = Shapes(tessellation=Tessellation(tree), moving=frozenset(moving))
+    shapes = Shapes(tessellation=Tessellation(tree), moving=frozenset(moving), hide_emitters=hides_emitters(tree))
     found = _Found()
     parts = Parts()
     for number, (_, node) in enumerate(tree.children):
@@ -45,8 +45,8 @@ def assemble(tree: Node, name: str) -> Scene:
             _report_object(node)
     parts.finish()
     _report_unread(tree)
-    warn_about_settings(tree)
     rest = found.pose()
+    warn_about_settings(tree, sky=rest.environment is not None)
     cameras = tuple(rest.cameras.values())
     up = up_axis(cameras[0]) if cameras else (0.0, 1.0, 0.0)
     return Scene(

@@ -15,12 +15,26 @@ _WRAPPERS = ("adaptive", "irrcache", "aov", "moment", "multichannel")
 """The integrators that contain another integrator."""
 
 
-def warn_about_settings(tree: Node) -> None:
-    """Warn about each setting of an integrator or a film that would change the converged image but is not used.
+def hides_emitters(tree: Node) -> bool:
+    """Return whether an integrator hides lamps from the camera."""
+    integrators = [node for _, node in tree.of_tag("integrator")]
+    while integrators:
+        node = integrators.pop()
+        if node.boolean("hide_emitters", default=False):
+            return True
+        integrators += [inner for _, inner in node.of_tag("integrator")]
+    return False
+
+
+def warn_about_settings(tree: Node, sky: bool) -> None:
+    """Warn about each setting of an integrator or a film that would change the converged image but is not used. `sky`
+    tells whether the scene has an environment.
 
     There is no warning about the sampler, the number of samples and the start of Russian roulette (`rr_depth`),
     because the converged image does not depend on them.
     """
+    if sky and hides_emitters(tree):
+        warn(f"{tree.where}: hide_emitters hides lamps, but not the sky: it is visible to the camera")
     for _, node in tree.children:
         if node.tag == "integrator":
             _warn_about_integrator(node)
@@ -36,8 +50,6 @@ def _warn_about_integrator(node: Node) -> None:
         return
     if node.type not in PLUGINS["integrator"]:
         return  # there is a warning already that its type is unknown
-    if node.boolean("hide_emitters", default=False):
-        warn(f"{node.where}: hide_emitters is not supported; light sources and the sky are visible to the camera")
     if node.type == "direct":
         warn(
             f"{node.where}: the integrator is not read from scene files; images include indirect light, "

@@ -38,6 +38,8 @@ class Shapes:
     """The number of segments of each round shape. If it is None, all have the default number."""
     moving: frozenset[int] = frozenset()
     """The nodes, by `id`, that move over time. The files of their meshes are read once and kept."""
+    hide_emitters: bool = False
+    """Whether lamps of an extent are hidden from cameras."""
     loaded: dict[int, list[Mesh]] = field(default_factory=dict)
     """The meshes from files of moving nodes, by the `id` of the node, before they are transformed."""
 
@@ -159,7 +161,7 @@ class Shapes:
                     f"{node.where}: an emitter with a null BSDF is not supported; the surface becomes opaque and black"
                 )
                 material = replace(material, opacity=grey(1.0), two_sided=False)
-            self.lit[key] = replace(material, emission=radiance), original
+            self.lit[key] = replace(material, emission=radiance, hidden_from_camera=self.hide_emitters), original
         return self.lit[key][0]
 
 

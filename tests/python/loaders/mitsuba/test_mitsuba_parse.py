@@ -267,8 +267,11 @@ def test_unknown_properties_cause_warnings_and_known_unused_ones_do_not(tmp_path
 @pytest.mark.parametrize(
     ("settings", "message"),
     [
-        ('<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>', "hide_emitters"),
-        ('<integrator type="path"><boolean name="hideEmitters" value="true"/></integrator>', "hide_emitters"),
+        (
+            '<integrator type="path"><boolean name="hideEmitters" value="true"/></integrator>'
+            '<emitter type="constant"/>',
+            "but not the sky",
+        ),
         ('<integrator type="volpath"><integer name="max_depth" value="8"/></integrator>', "max_depth to 8"),
         (
             '<integrator type="irrcache"><integrator type="path"><integer name="maxDepth" value="3"/></integrator>'
@@ -292,6 +295,7 @@ def test_settings_that_change_the_picture_are_named(tmp_path: Path, settings: st
     [
         '<integrator type="path"><integer name="max_depth" value="-1"/><integer name="rr_depth" value="3"/></integrator>',
         '<integrator type="path"><boolean name="hide_emitters" value="false"/></integrator>',
+        '<integrator type="path"><boolean name="hide_emitters" value="true"/></integrator>',
         '<sensor type="perspective"><film type="hdrfilm"><rfilter type="box"/></film></sensor>',
     ],
 )
