@@ -17,7 +17,7 @@ from eclat.scene import Camera, Material, Mesh, Scene, grey, look_at, rgb
 
 HALF, HEIGHT, RADIANCE, REFLECTANCE = 0.25, 1.0, 3.0, 0.5
 
-OPTIONS = {"photon-map": {"photons": 5_000, "caustic_photons": 1_000}, "radiosity": {"patches": 500, "gather": 0}}
+OPTIONS = {"photon-map": {"photons": 5_000, "caustic_photons": 1_000}, "radiosity": {"patches": 500}}
 
 
 def square(y: float, half: float, up: bool, material: Material, name: str) -> Mesh:
