@@ -355,11 +355,14 @@ void bind_error_types(nb::module_& m) {
 }
 
 void bind_error_estimates(nb::module_& m) {
+    nb::class_<FocusedLight>(m, "FocusedLight")
+        .def_ro("by_chance", &FocusedLight::by_chance)
+        .def_ro("unseen", &FocusedLight::unseen)
+        .def_ro("spread", &FocusedLight::spread);
     m.def(
         "focused_light",
         [](const CoreScene& scene, int max_depth, uint32_t seed, int threads, Progress& progress) {
-            const FocusedLight found = focused_light(scene.world(), max_depth, seed, threads, progress);
-            return std::pair(found.by_chance, found.unseen);
+            return focused_light(scene.world(), max_depth, seed, threads, progress);
         },
         "scene"_a, "max_depth"_a, "seed"_a, "threads"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def(

@@ -6,6 +6,7 @@
 #include "estimate/focused_light.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct State {
 
 struct Sums {
     double all = 0, by_chance = 0, unseen = 0;
+    double squares = 0;  // of the errors of a gather in light found by chance, times its power
 };
 
 class Tracer {
@@ -99,7 +101,11 @@ class Tracer {
         sums_.all += power;
         if (!s.by_lobes) return;
         const float seen = std::max(s.solid_angle, s.lamp_area / std::max(sqr(s.length), 1e-12f));
-        if (seen < met_once) sums_.by_chance += power;
+        if (seen < met_once) {
+            sums_.by_chance += power;
+            // One of met_once / seen gathers meets the light, and finds it as many times too bright.
+            sums_.squares += power * (seen > 0 ? met_once / seen : 1);
+        }
         if (seen == 0) sums_.unseen += power;
     }
 
@@ -167,9 +173,11 @@ FocusedLight focused_light(const World& world, int max_depth, uint32_t seed, int
         sum.all += part.all;
         sum.by_chance += part.by_chance;
         sum.unseen += part.unseen;
+        sum.squares += part.squares;
     }
     if (!(sum.all > 0)) return {};
-    return {sum.by_chance / sum.all, sum.unseen / sum.all};
+    const double spread = sum.by_chance > 0 ? std::sqrt(sum.squares / sum.by_chance) : 0;
+    return {sum.by_chance / sum.all, sum.unseen / sum.all, spread};
 }
 
 }  // namespace eclat

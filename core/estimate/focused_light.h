@@ -18,6 +18,9 @@ namespace eclat {
 struct FocusedLight {
     double by_chance = 0;  // share from objects so small, by narrow lobes, that few or no rays of a gather hit them
     double unseen = 0;  // the part of it that no camera path finds: from point lights and the like by perfect mirrors
+    /// Root of the mean square error of records in what they find of the first share, relative to it: they miss most of
+    /// it, an error of 1, or find it with a few rays and take it for more than it is.
+    double spread = 0;
 };
 
 /// Measures the shares from some ten thousand photons, which give a share of 1 % with an error of a tenth of it.

@@ -3,6 +3,10 @@
 
 #include "lights/area.h"
 
+#include <algorithm>
+
+#include "base/precision.h"
+
 namespace eclat {
 
 AreaLight::AreaLight(const EmitterTriangle& triangle, uint32_t emission_index)
@@ -26,11 +30,14 @@ AreaLight::AreaLight(const EmitterTriangle& triangle, uint32_t emission_index)
     } else {
         normal_ = {static_cast<float>(x / twice), static_cast<float>(y / twice), static_cast<float>(z / twice)};
     }
+    const auto largest = [](Vec3 p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); };
+    clearance_ = coordinate_resolution * std::max({largest(triangle.p0), largest(triangle.p1), largest(triangle.p2)});
     center_ = p0_ + (e1_ + e2_) * (1.0f / 3);
-    // Ω ≤ area / (distance to the nearest point)²: beyond this distance from the centre it is too small.
+    // Ω ≤ area / (distance to the nearest point)²: beyond this distance from the centre it is too small. Over a sliver,
+    // which is small in solid angle already at its ends, distances vary at least threefold nearer than twice its reach.
     const Vec3 c = center_ - p0_;
     const float reach = std::max(length(c), std::max(length(e1_ - c), length(e2_ - c)));
-    near_squared_ = sqr(reach + std::sqrt(area_ / least_solid_angle));
+    near_squared_ = sqr(reach + std::max(reach, std::sqrt(area_ / far_solid_angle)));
     if (!textured_) radiance_ = max(triangle.emission.color(Vec2()), Color(0.0f));
 }
 
@@ -47,11 +54,15 @@ LightSample AreaLight::sample(std::span<const Value> emissions, Vec3 from, Vec2 
     if (is_near(from)) {
         const SphericalTriangle seen = seen_from(from);
         if (seen.solid_angle > least_solid_angle) {
-            const Vec3 wi = seen.sample(u);
-            const float distance = height / -dot(normal_, wi);
-            if (!(distance > 0)) return {};  // rounding at the horizon
+            const Vec3d w = seen.sample(u);
+            // The distance is in double, too: near the horizon both heights are small.
+            const Vec3d normal = cross(Vec3d(e1_), Vec3d(e2_));
+            const auto distance = static_cast<float>(dot(normal, Vec3d(p0_) - Vec3d(from)) / dot(normal, w));
+            if (!(distance > 0) || !std::isfinite(distance)) return {};  // rounding at the horizon
+            const Vec3 wi(w);
             const Vec2 bary = textured_ ? barycentric(from + wi * distance) : Vec2();
-            return {wi, distance, emitted(emissions, bary, -wi), 1 / seen.solid_angle, false, triangle_id_};
+            const auto pdf = static_cast<float>(1 / seen.solid_angle);
+            return {wi, distance, radiance(emissions, bary), pdf, false, triangle_id_, clearance(height)};
         }
     }
     const Vec2 bary = square_to_triangle(u);
@@ -60,7 +71,7 @@ LightSample AreaLight::sample(std::span<const Value> emissions, Vec3 from, Vec2 
     if (!(pdf > 0)) return {};
     const float distance = length(to);
     const Vec3 wi = to * (1 / distance);
-    return {wi, distance, emitted(emissions, bary, -wi), pdf, false, triangle_id_};
+    return {wi, distance, emitted(emissions, bary, -wi), pdf, false, triangle_id_, clearance(height)};
 }
 
 PhotonSample AreaLight::emit(std::span<const Value> emissions, Vec2 u_position, Vec2 u_direction) const {
@@ -72,8 +83,8 @@ PhotonSample AreaLight::emit(std::span<const Value> emissions, Vec2 u_position, 
     const Vec2 bary = square_to_triangle(u_position);
     const Vec3 normal = normal_ * side;
     const Vec3 w = Frame::around(normal).to_world(square_to_cosine_hemisphere(u_direction));
-    const Color radiance = textured_ ? max(emissions[emission_].color(uv_at(bary)), Color(0.0f)) : radiance_;
-    return {p0_ + e1_ * bary.x + e2_ * bary.y, w, radiance * (pi * area_ * (two_sided_ ? 2 : 1)), triangle_id_};
+    const float etendue = pi * area_ * (two_sided_ ? 2 : 1);
+    return {p0_ + e1_ * bary.x + e2_ * bary.y, w, radiance(emissions, bary) * etendue, triangle_id_};
 }
 
 }  // namespace eclat

@@ -32,9 +32,7 @@ class AreaLight {
 
     /// Radiance towards `wo` (away from the surface); `bary` are the weights of the second and third vertex.
     Color emitted(std::span<const Value> emissions, Vec2 bary, Vec3 wo) const {
-        if (!shines_towards(wo)) return {};
-        if (!textured_) return radiance_;
-        return max(emissions[emission_].color(uv_at(bary)), Color(0.0f));
+        return shines_towards(wo) ? radiance(emissions, bary) : Color();
     }
 
     /// Samples a point of the triangle as seen from `from`; the density is 0 if only a dark back is visible.
@@ -44,7 +42,7 @@ class AreaLight {
     float pdf_solid_angle(Vec3 from, Vec3 on) const {
         if (is_near(from)) {
             const SphericalTriangle seen = seen_from(from);
-            if (seen.solid_angle > least_solid_angle) return 1 / seen.solid_angle;
+            if (seen.solid_angle > least_solid_angle) return static_cast<float>(1 / seen.solid_angle);
         }
         return pdf_of_area(on - from);
     }
@@ -56,15 +54,23 @@ class AreaLight {
     uint32_t triangle_id() const { return triangle_id_; }
 
   private:
-    /// Below this many steradians cosine and distance hardly vary over the triangle: sampling its area is as good and
-    /// twice as fast.
-    static constexpr float least_solid_angle = 0.05f;
+    /// Beyond the distance from which a triangle fills at most this many steradians, cosine and distance hardly vary
+    /// over it: sampling its area is as good and twice as fast. Nearer, they vary even where the solid angle is small,
+    /// because the point lies near the triangle's plane or the triangle is a sliver.
+    static constexpr float far_solid_angle = 0.05f;
+    /// What fills fewer steradians is less than the rounding errors of doubles near the horizon.
+    static constexpr double least_solid_angle = 1e-12;
 
+    /// The radiance of the side that shines.
+    Color radiance(std::span<const Value> emissions, Vec2 bary) const {
+        return textured_ ? max(emissions[emission_].color(uv_at(bary)), Color(0.0f)) : radiance_;
+    }
+    /// Rays to the triangle end this far from it on the side of an observer at `height` over it, and not behind that.
+    Vec3 clearance(float height) const { return normal_ * clamp(0.5f * height, -clearance_, clearance_); }
     bool shines_towards(Vec3 w) const { return two_sided_ ? area_ > 0 : dot(w, normal_) > 0; }
     bool is_near(Vec3 from) const { return length_squared(center_ - from) < near_squared_; }
     SphericalTriangle seen_from(Vec3 from) const {
-        const Vec3 a = p0_ - from;
-        return SphericalTriangle::around(normalize(a), normalize(a + e1_), normalize(a + e2_));
+        return SphericalTriangle::seen(Vec3d(p0_) - Vec3d(from), Vec3d(e1_), Vec3d(e2_));
     }
     /// 1 / area in solid angle, for the vector from the observer to the point.
     float pdf_of_area(Vec3 to) const {
@@ -75,7 +81,7 @@ class AreaLight {
     Vec2 barycentric(Vec3 on) const;
 
     Vec3 p0_, e1_, e2_, normal_, center_;
-    float area_, near_squared_;
+    float area_, near_squared_, clearance_;
     Vec2 uv0_, uv1_, uv2_;  // at the first vertex, and the edges'
     Color radiance_;        // radiance of an untextured triangle
     uint32_t emission_, triangle_id_;

@@ -20,6 +20,7 @@ struct LightSample {
     float pdf_solid_angle = 0;  // with the choice of the light; 0 = nothing here; delta: the choice's probability
     bool delta = false;         // no BSDF sample can find this light
     uint32_t triangle = no_triangle;  // of the scene, that emits
+    Vec3 clearance{};  // from the point of the light to where rays towards it end, so that they do not hit the light
 };
 
 /// A photon that leaves a light.

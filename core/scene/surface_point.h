@@ -6,6 +6,7 @@
 #include <cstdint>
 
 #include "base/frame.h"
+#include "base/precision.h"
 #include "bsdf/bsdf.h"
 #include "scene/ray.h"
 
@@ -50,6 +51,22 @@ struct SurfacePoint {
     Ray ray(Vec3 direction, float t_max = infinity) const {
         const float side = dot(direction, normal) >= 0 ? offset : -offset;
         return {position + normal * side, 0, direction, t_max};
+    }
+
+    /// A shadow ray to the point of a light that lies in `direction` at `distance`. It starts off this surface and ends
+    /// at `clearance` from the light's, and its direction is that between these two: close to a light, the offsets are no
+    /// small part of the distance, so that a ray of the given direction and length would hit the light itself.
+    Ray ray_to_light(Vec3 direction, float distance, Vec3 clearance) const {
+        if (distance == infinity) return ray(direction);
+        const float side = dot(direction, normal) >= 0 ? offset : -offset;
+        return ray_between(position, normal * side, direction * distance + clearance);
+    }
+
+    /// The shadow ray that starts at `start` from `position` and ends at `end` from it.
+    static Ray ray_between(Vec3 position, Vec3 start, Vec3 end) {
+        const Vec3 to = end - start;
+        const float distance = length(to);
+        return {position + start, 0, distance > 0 ? to / distance : Vec3{0, 0, 1}, distance * shadow_shortening};
     }
 };
 

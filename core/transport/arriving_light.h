@@ -19,7 +19,6 @@
 #include <span>
 #include <vector>
 
-#include "base/precision.h"
 #include "base/progress.h"
 #include "sampling/mis.h"
 #include "sampling/sampler.h"
@@ -33,7 +32,8 @@ struct HemisphereReceiver {
     const SurfacePoint& point;
 
     Vec3 position() const { return point.position; }
-    Ray ray(Vec3 w, float t_max = infinity) const { return point.ray(w, t_max); }
+    Ray ray(Vec3 w) const { return point.ray(w); }
+    Ray ray_to_light(const LightSample& s) const { return point.ray_to_light(s.wi, s.distance, s.clearance); }
     Vec3 direction(Vec2 u) const { return point.frame.to_world(square_to_cosine_hemisphere(u)); }
     /// The density of `direction`, which is 0 where no light is received.
     float pdf_solid_angle(Vec3 w) const { return std::max(0.0f, dot(w, point.normal)) * inv_pi; }
@@ -54,7 +54,11 @@ struct SphereReceiver {
     Vec3 at;
 
     Vec3 position() const { return at; }
-    Ray ray(Vec3 w, float t_max = infinity) const { return {at, 0, w, t_max}; }
+    Ray ray(Vec3 w) const { return {at, 0, w, infinity}; }
+    Ray ray_to_light(const LightSample& s) const {
+        if (s.distance == infinity) return ray(s.wi);
+        return SurfacePoint::ray_between(at, {}, s.wi * s.distance + s.clearance);
+    }
     Vec3 direction(Vec2 u) const { return square_to_uniform_sphere(u); }
     float pdf_solid_angle(Vec3) const { return uniform_sphere_pdf_solid_angle(); }
 };
@@ -77,18 +81,20 @@ class ArrivingLight {
         lights_.resize(queries_.size());
         world_.lights.sample(queries_, set_, lights_);
         rays_.clear();
+        towards_.clear();
         contributions_.clear();
         for (const LightSample& light : lights_) {
             const float other = receiver_.pdf_solid_angle(light.wi);
             if (!(light.pdf_solid_angle > 0) || !(other > 0)) continue;
             const float weight = light.delta ? 1 : power_heuristic(light.pdf_solid_angle, directions_ * other);
-            rays_.push_back(receiver_.ray(light.wi, light.distance * shadow_shortening));
+            rays_.push_back(receiver_.ray_to_light(light));
             contributions_.push_back(light.radiance * (weight / light.pdf_solid_angle));
+            towards_.push_back(light.wi);
         }
         passed_.resize(rays_.size());
         world_.geometry.rays().transmitted(rays_, passed_);
         progress.count_rays(rays_.size());
-        for (size_t i = 0; i < rays_.size(); ++i) add(rays_[i].direction, contributions_[i] * passed_[i]);
+        for (size_t i = 0; i < rays_.size(); ++i) add(towards_[i], contributions_[i] * passed_[i]);
     }
 
     /// Takes the light that arrives along `directions`, which the receiver sampled.
@@ -149,6 +155,8 @@ class ArrivingLight {
     std::vector<LightQuery> queries_;
     std::vector<LightSample> lights_;
     std::vector<Ray> rays_;
+    std::vector<Vec3>
+        towards_;  // directions of the light samples, from which those of their rays differ by the offsets
     std::vector<Hit> hits_;
     std::vector<Color> contributions_, passed_;
 };

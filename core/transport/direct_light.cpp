@@ -7,7 +7,6 @@
 #include <array>
 #include <cmath>
 
-#include "base/precision.h"
 #include "sampling/mis.h"
 
 namespace eclat {
@@ -80,7 +79,7 @@ void DirectLight::reflect(const WantedLight& wanted, const LightSample& light, S
         f += e.f * (light.delta ? 1 : power_heuristic(density, others));
     }
     if (is_black(f)) return;
-    shadows.push(point.ray(light.wi, light.distance * shadow_shortening),
+    shadows.push(point.ray_to_light(light.wi, light.distance, light.clearance),
                  path.throughput * f * light.radiance * (std::fabs(wi.z) / density), path.index, wanted.direct);
 }
 
@@ -91,7 +90,7 @@ std::optional<ShadowRay> sample_irradiance(const World& world, const SurfacePoin
     const LightSample light = world.lights.sample(point.position, u, uv, set);
     const float cosine = dot(light.wi, n);
     if (!(light.pdf_solid_angle > 0) || cosine <= 0) return std::nullopt;
-    return ShadowRay{point.ray(light.wi, light.distance * shadow_shortening),
+    return ShadowRay{point.ray_to_light(light.wi, light.distance, light.clearance),
                      light.radiance * (cosine / light.pdf_solid_angle)};
 }
 

@@ -26,6 +26,15 @@ from eclat.scene import (
     look_at,
 )
 
+HALF_OPEN: dict[str, Method] = {
+    "path": eclat.Path(),
+    "irradiance-cache": eclat.IrradianceCache(max_error=0.03),
+    "radiance-cache": eclat.RadianceCache(max_error=0.03),
+    "photon-map": eclat.PhotonMap(photons=10_000, caustic_photons=1000),
+    "photons alone": eclat.PhotonMap(photons=10_000, caustic_photons=1000, gather=0),
+    "radiosity": eclat.Radiosity(patches=200),
+    "patches": eclat.Radiosity(patches=200, gather=0),
+}
 METHODS: dict[str, Method] = {
     "path": eclat.Path(),
     "irradiance-cache": eclat.IrradianceCache(max_error=0.03),
@@ -121,3 +130,13 @@ def test_a_closed_shade_shines_with_the_sum_of_all_bounces(light: str, method: s
 @pytest.mark.parametrize("method", METHODS)
 def test_a_blend_of_transmitting_and_opaque_materials(method: str) -> None:
     assert seen(SHADES["blend"], LAMPS["point"], METHODS[method]) == pytest.approx(around(WITHIN), rel=0.04)
+
+
+@pytest.mark.parametrize("method", HALF_OPEN)
+def test_a_mask_that_is_half_open_around_a_shade(method: str) -> None:
+    """Half of what arrives within leaves at once: E = Φ / (A (1 − ρ/2)). A ray from outside meets the outer side of the shade,
+    or passes and meets the inner side of its far wall."""
+    within = WITHIN / (AREA * (1 - 0.5 * REFLECTED))
+    expected = (0.5 * PASSED + 0.5 * 0.5 * REFLECTED) * within / math.pi
+    half_open = replace(SHADE, opacity=grey(0.5))
+    assert seen(half_open, LAMPS["point"], HALF_OPEN[method]) == pytest.approx(expected, rel=0.035)

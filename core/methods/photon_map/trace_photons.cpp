@@ -97,9 +97,10 @@ class Tracer {
             const Vertex& v = vertices[i];
             // The surface that was passed is not hit again from behind, but the front of another surface that lies on
             // it may be hit.
-            const float reach =
-                states[i].passing ? v.hit.t / shadow_shortening + 2 * v.point.offset : v.hit.t * shadow_shortening;
-            looks_.push_back(v.missed() ? Ray{{}, 0, {0, 0, 1}, 0} : v.point.ray(v.wo, reach));
+            const float beyond = v.hit.t / shadow_shortening + 2 * v.point.offset;
+            looks_.push_back(v.missed()          ? Ray{{}, 0, {0, 0, 1}, 0}
+                             : states[i].passing ? v.point.ray(v.wo, beyond)
+                                                 : v.point.ray_to_light(v.wo, v.hit.t, {}));
         }
         rays.occluded(looks_, ended_);
         progress_.count_rays(looks_.size());

@@ -7,7 +7,6 @@
 #include <numeric>
 
 #include "base/parallel.h"
-#include "base/precision.h"
 #include "sampling/sampler.h"
 #include "sampling/warp.h"
 
@@ -110,7 +109,7 @@ class PatchMeter {
             const float cosine = dot(light.wi, patch.normal);
             // Surfaces that emit are patches: their light comes over links.
             if (light.triangle != no_triangle || !(light.pdf_solid_angle > 0 && cosine > 0)) continue;
-            rays_.push_back(point.ray(light.wi, light.distance * shadow_shortening));
+            rays_.push_back(point.ray_to_light(light.wi, light.distance, light.clearance));
             contributions_.push_back(light.radiance * (cosine / light.pdf_solid_angle));
         }
         passed_.resize(rays_.size());

@@ -37,7 +37,7 @@ from eclat.cli.scene_options import (
 )
 from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable
-from eclat.measure.error_estimate import error_text
+from eclat.measure.error_estimate import chance_text, error_text
 
 MAP = "Map"
 
@@ -277,6 +277,7 @@ def _errors(statistics: dict[str, float]) -> str:
     if "noise_left" in statistics:
         return f", {error_text(statistics)}{', denoised' if statistics['denoised'] > 0 else ''}"
     names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
-    return "".join(
-        f", {what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0
-    )
+    stated = [f"{what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0]
+    if chance := chance_text(statistics):
+        stated[-1] = f"error of light of records {100 * statistics['estimated_error']:.2g} % or more ({chance})"
+    return "".join(f", {text}" for text in stated)

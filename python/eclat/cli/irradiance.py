@@ -29,6 +29,7 @@ from eclat.cli.reporting import Reporter, reporting_options
 from eclat.cli.scene_options import light_options, load_scene, material_option, scene_argument, work_options
 from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable, write_file
+from eclat.measure.error_estimate import chance_text
 from eclat.measure.photometry import LUMENS_PER_WATT, illuminance
 
 EXAMPLES = {
@@ -126,7 +127,8 @@ def _how(statistics: dict[str, float], photometric: bool) -> str:
     if statistics.get("direct_error", 0) > 0:
         parts.append(f"light straight from lamps within {100 * statistics['direct_error']:.2g} %")
     if "estimated_error" in statistics:
-        parts.append(f"all light within {100 * statistics['estimated_error']:.2g} %")
+        error, chance = f"{100 * statistics['estimated_error']:.2g} %", chance_text(statistics)
+        parts.append(f"error of all light {error} or more ({chance})" if chance else f"all light within {error}")
     parts.append("RGB in lux" if photometric else f"RGB in W/m², lux by {LUMENS_PER_WATT:g} lm/W")
     return ", ".join(parts)
 

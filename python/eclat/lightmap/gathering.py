@@ -17,6 +17,7 @@ from eclat.lightmap.probes import inside_or_behind
 from eclat.lightmap.solids import Mask
 from eclat.lightmap.stages import stage
 from eclat.lightmap.texels import Corners, Texels, at_texel_points
+from eclat.measure.error_estimate import CHANCE_ENTRIES
 from eclat.methods import Direct, Path, Source
 from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
@@ -154,7 +155,8 @@ def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settin
         counts: dict[str, float] = {}
         found = irradiance(scene, points.positions[which], points.normals[which], by, statistics=counts, **keywords)
         rays += counts["rays"]
-        errors.update({name: counts[name] for name in ("direct_error", "estimated_error") if name in counts})
+        stated = ("direct_error", "estimated_error", *CHANCE_ENTRIES)
+        errors.update({name: counts[name] for name in stated if name in counts})
         return found.astype(np.float64)
 
     def mean_of(by: Source, component: Component) -> FloatArray:

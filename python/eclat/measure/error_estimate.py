@@ -87,27 +87,50 @@ LIGHT_BY_CHANCE = "light_by_chance"
 """Name, in statistics, of the share of the light of the lamps that gather rays and error probes find only by chance:
 light from small lamps that arrives by way of mirrors, metals or glass."""
 
+LIGHT_BY_CHANCE_ERROR = "light_by_chance_error"
+"""Name, in statistics, of the largest error that such light makes likely, relative to all light: where a record finds it
+with a few lucky rays, it takes it for many times what it is."""
+
+CHANCE_ENTRIES = (LIGHT_BY_CHANCE, LIGHT_BY_CHANCE_ERROR)
+
 LEAST_BY_CHANCE = 0.005
 """Share of the light of the lamps up to which such light is neglected and not reported."""
 
 
-def with_light_by_chance(statistics: Mapping[str, float], share: float) -> dict[str, float]:
-    """Return the entries of the statistics that account for light that is found only by chance. `share` is the fraction
-    of the lamps' light that is found only by chance. Error probes do not measure this light, so the estimated error and
-    the upper end of its interval are increased by `share`. There are no entries if it is negligible.
+def light_by_chance(share: float, spread: float) -> dict[str, float]:
+    """Return the entries of the statistics for light that is found only by chance; none if it is negligible.
+
+    Parameters
+    ----------
+    share : fraction of the lamps' light that is found only by chance.
+    spread : root of the mean square error of records in that light, relative to it: 1 if they always miss it, more if a
+        few find it. Twice this is the largest likely error, as for other errors that are stated with 95 %.
     """
     if not share > LEAST_BY_CHANCE:
         return {}
-    raised = {name: math.hypot(statistics[name], share) for name in ("estimated_error", "estimated_error_high")}
-    return raised | {LIGHT_BY_CHANCE: share}
+    return {LIGHT_BY_CHANCE: share, LIGHT_BY_CHANCE_ERROR: 2 * share * max(1.0, spread)}
+
+
+def with_light_by_chance(statistics: Mapping[str, float], entries: Mapping[str, float]) -> dict[str, float]:
+    """Return the entries of the statistics that account for light that is found only by chance. `entries` are any
+    statistics that may have those of `light_by_chance`. Error probes do not measure this light, so the estimated error
+    is increased by what it is if all of this light is missed, and the upper end of its interval by what it is where this
+    light is found by luck. There are no entries if it is negligible.
+    """
+    if LIGHT_BY_CHANCE not in entries:
+        return {}
+    kept = {name: entries[name] for name in CHANCE_ENTRIES}
+    return kept | {name: math.hypot(statistics[name], kept[part]) for name, part in _RAISED.items()}
 
 
 def without_light_by_chance(statistics: Mapping[str, float]) -> dict[str, float]:
     """Return the statistics with the error that the probes measured, which is the only part that finer settings
     reduce."""
-    share = statistics.get(LIGHT_BY_CHANCE, 0.0)
-    names = ("estimated_error", "estimated_error_high")
-    return dict(statistics) | {name: math.sqrt(max(0.0, statistics[name] ** 2 - share**2)) for name in names}
+    parts = {name: statistics.get(part, 0.0) for name, part in _RAISED.items()}
+    return dict(statistics) | {name: math.sqrt(max(0.0, statistics[name] ** 2 - x**2)) for name, x in parts.items()}
+
+
+_RAISED = {"estimated_error": LIGHT_BY_CHANCE, "estimated_error_high": LIGHT_BY_CHANCE_ERROR}
 
 
 def error_text(statistics: Mapping[str, float]) -> str:
@@ -118,13 +141,13 @@ def error_text(statistics: Mapping[str, float]) -> str:
     """
     if "estimated_error" not in statistics:
         return _interval_text("noise", *_percents(statistics, "noise_left")) if "noise_left" in statistics else ""
-    if share := statistics.get(LIGHT_BY_CHANCE, 0.0):
+    if LIGHT_BY_CHANCE in statistics:
         rest = without_light_by_chance(statistics)
         del rest[LIGHT_BY_CHANCE]
-        least, percent = 100 * statistics["estimated_error"], 100 * share
-        by_chance = f"{percent:.2g} % of the light comes from small lamps by way of mirrors, metals or glass"
-        found = "and records and error probes find it only by chance"
-        return f"estimated error {least:.2g} % or more: {by_chance}, {found}; for all other light: {error_text(rest)}"
+        least = 100 * statistics["estimated_error"]
+        return (
+            f"estimated error {least:.2g} % or more: {chance_text(statistics)}; for all other light: {error_text(rest)}"
+        )
     if statistics.get("gloss_estimated") == 0 and statistics.get("radiance_records"):
         return error_text({**statistics, "gloss_estimated": 1.0}) + " of irradiance, gloss not included"
     quoted, low, high = _percents(statistics, "estimated_error")
@@ -133,6 +156,19 @@ def error_text(statistics: Mapping[str, float]) -> str:
         likely = f"about {quoted:.2g} %" if quoted < high else f"perhaps {high:.2g} %"
         return f"estimated error at least {low:.2g} % (95 %), {likely}: {100 * share:.0f} % of its square lies in one place"
     return _interval_text("estimated error", quoted, low, high)
+
+
+def chance_text(statistics: Mapping[str, float]) -> str:
+    """Tell how much light is found only by chance, and how wrong records may be because of it. The text is empty if the
+    statistics have no such light."""
+    if LIGHT_BY_CHANCE not in statistics:
+        return ""
+    share, most = 100 * statistics[LIGHT_BY_CHANCE], 100 * statistics[LIGHT_BY_CHANCE_ERROR]
+    by_chance = f"{share:.2g} % of the light comes from small lamps by way of mirrors, metals or glass"
+    wrong = f"{most:.0f}" if most >= 100 else f"{most:.2g}"
+    return (
+        f"{by_chance}, and records and error probes find it only by chance: they miss it, or are up to {wrong} % wrong"
+    )
 
 
 def _percents(statistics: Mapping[str, float], name: str) -> list[float]:

@@ -48,7 +48,8 @@ def missing_caustics(scene: Scene, work: Work) -> str:
     """
     if not scene.lights:
         return ""
-    _, unseen = _core.focused_light(compiled(scene).core, work.max_depth, work.seed, work.threads, _core.Progress())
+    core, progress = compiled(scene).core, _core.Progress()
+    unseen = _core.focused_light(core, work.max_depth, work.seed, work.threads, progress).unseen
     if not unseen > LEAST_BY_CHANCE:
         return ""
     share = f"{100 * unseen:.2g} % of the light of the lamps"

@@ -22,6 +22,7 @@ from eclat.bridge.arguments import (
 )
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean
+from eclat.measure.error_estimate import CHANCE_ENTRIES
 from eclat.measure.metrics import RELATIVE_C
 from eclat.measure.photometry import luminance
 from eclat.methods import Direct, IrradianceCache, Method, Path, Source, as_method
@@ -156,7 +157,8 @@ def stated_errors(
 
     `direct_error` is the error of light straight from lights, from the standard errors `direct_errors` (N,) of its
     luminance at each point. If `solved`, the statistics of the solution, hold the error of the records,
-    `estimated_error` is the error of all light.
+    `estimated_error` is the error of all light; light that records find only by chance makes it that or more, and is
+    told by the entries of `light_by_chance`.
     """
     light = luminance(found).astype(np.float64)
     scale = light**2 + RELATIVE_C * float(np.mean(light**2)) if len(light) else light
@@ -164,6 +166,7 @@ def stated_errors(
     errors = {"direct_error": float(np.sqrt(relative.mean())) if len(light) else 0.0}
     if "estimated_error" in solved:
         errors["estimated_error"] = float(np.hypot(errors["direct_error"], solved["estimated_error"]))
+        errors |= {name: solved[name] for name in CHANCE_ENTRIES if name in solved}
     return errors
 
 

@@ -21,7 +21,7 @@ from eclat.bridge.running import ProgressReport, run
 from eclat.errors import warn
 from eclat.images.image import Image
 from eclat.images.record_overlay import record_density, visible_places
-from eclat.measure.error_estimate import LIGHT_BY_CHANCE, ErrorEstimate, error_text, with_light_by_chance
+from eclat.measure.error_estimate import ErrorEstimate, error_text, with_light_by_chance
 from eclat.methods import Prepared
 from eclat.methods.work import View, Work
 from eclat.sampling.adaptive_sampling import Counts
@@ -269,7 +269,7 @@ class Picture:
             whole = joined(probed, whole)
         if whole is not None:
             statistics |= whole.statistics()
-            statistics |= with_light_by_chance(statistics, self.prepared.statistics.get(LIGHT_BY_CHANCE, 0.0))
+            statistics |= with_light_by_chance(statistics, self.prepared.statistics)
         return statistics
 
     def _count_bad_samples(self, image: Image, film: _core.Film) -> None:

@@ -7,6 +7,7 @@
 #include <doctest/doctest.h>
 
 #include <initializer_list>
+#include <vector>
 
 #include "lights/area.h"
 #include "lights/mean_emission.h"
@@ -38,6 +39,27 @@ double lambert(const EmitterTriangle& t, Vec3 at, Vec3 normal) {
     for (int i = 0; i < 3; ++i) {
         const Dvec a = corner[i], b = corner[(i + 1) % 3], c = cross(a, b);
         sum += std::atan2(length(c), dot(a, b)) * dot(n, c) / length(c);
+    }
+    return std::abs(sum) / 2;
+}
+
+/// The same where the triangle crosses the horizon of `normal`: it is cut off there.
+double clipped_lambert(const EmitterTriangle& t, Vec3 at, Vec3 normal) {
+    const Dvec n = minus(normal, {});
+    std::vector<Dvec> corners;
+    const Dvec given[3] = {minus(t.p0, at), minus(t.p1, at), minus(t.p2, at)};
+    for (int i = 0; i < 3; ++i) {
+        const Dvec a = given[i], b = given[(i + 1) % 3];
+        const double over_a = dot(n, a), over_b = dot(n, b);
+        if (over_a >= 0) corners.push_back(a);
+        if ((over_a >= 0) == (over_b >= 0)) continue;
+        const double s = over_a / (over_a - over_b);
+        corners.push_back({a.x + s * (b.x - a.x), a.y + s * (b.y - a.y), a.z + s * (b.z - a.z)});
+    }
+    double sum = 0;
+    for (size_t i = 0; i < corners.size(); ++i) {
+        const Dvec a = corners[i], b = corners[(i + 1) % corners.size()], c = cross(a, b);
+        if (length(c) > 0) sum += std::atan2(length(c), dot(a, b)) * dot(n, c) / length(c);
     }
     return std::abs(sum) / 2;
 }
@@ -95,6 +117,67 @@ TEST_CASE("the density of a hit is the one it was sampled with") {
             const Vec3 hit = sight.at + s.wi * s.distance;
             CHECK(hit.z == doctest::Approx(1).epsilon(1e-5));
             CHECK(light.pdf_solid_angle(sight.at, hit) == doctest::Approx(s.pdf_solid_angle).epsilon(1e-3));
+        }
+    }
+}
+
+TEST_CASE("irradiance is Lambert's at all distances, near the triangle's plane and under slivers, with little noise") {
+    const EmitterTriangle square_half = emitter({-1, -1, 0}, {-1, 1, 0}, {2, -1, 0});
+    const EmitterTriangle sliver = emitter({-1, 0, 0}, {0, 1e-4f, 0}, {1, 0, 0});
+    for (const EmitterTriangle& triangle : {square_half, sliver}) {
+        const AreaLight light(triangle, 0);
+        // Under the middle, under an edge's neighbourhood, beside the triangle, and beyond a corner.
+        for (const Vec2 foot : {Vec2{0, 5e-5f}, Vec2{-1.001f, 0}, Vec2{-1.3f, 0.2f}, Vec2{3, -1.5f}}) {
+            for (float height = 1e-4f; height < 2e3f; height *= 10) {
+                const Vec3 at{foot.x, foot.y, -height}, up{0, 0, 1};
+                const Vec3 aslant = normalize(normalize(Vec3{0, 0.1f, height}) + normalize(Vec3{0, 0, 0} - at));
+                for (const Vec3 normal : {up, aslant}) {
+                    CAPTURE(triangle.p1.y);
+                    CAPTURE(foot.x);
+                    CAPTURE(height);
+                    CAPTURE(normal.z);
+                    const double truth = clipped_lambert(triangle, at, normal);
+                    RunningMean irradiance;
+                    Rng rng(17, 1);
+                    for (int i = 0; i < 2000; ++i) {
+                        const LightSample s = light.sample(untextured, at, {rng.next(), rng.next()});
+                        const double cosine = std::max(0.0f, dot(s.wi, normal));
+                        irradiance.add(s.pdf_solid_angle > 0 ? cosine / s.pdf_solid_angle : 0);
+                    }
+                    CHECK(std::abs(irradiance.mean() - truth) <= 5 * irradiance.standard_error() + 1e-4 * truth);
+                    CHECK(irradiance.standard_error() < 0.05 * truth);
+                }
+            }
+        }
+    }
+}
+
+TEST_CASE("the density over a triangle integrates to one, from all distances and near its plane") {
+    const AreaLight light(ceiling, 0);
+    for (const float height : {1e-4f, 1e-2f, 1.0f, 1e2f}) {
+        for (const float x : {-0.3f, -1.001f, -1.2f}) {
+            CAPTURE(height);
+            CAPTURE(x);
+            // The plane in polar coordinates about the foot, with radii in geometric steps, which resolve what is near.
+            const Vec3 at{x, 0.1f, 1 - height};
+            double sum = 0;
+            constexpr int around = 1440, steps = 4000;
+            const double first = 1e-3 * height, ratio = std::pow(10 / first, 1.0 / steps);
+            for (int i = 0; i < around; ++i) {
+                const double phi = 2 * M_PI * (i + 0.5) / around;
+                for (int k = 0; k < steps; k += 4) {
+                    const double inner = k == 0 ? 0 : first * std::pow(ratio, k),
+                                 outer = first * std::pow(ratio, k + 4);
+                    const double r = k == 0 ? outer * 0.7 : std::sqrt(inner * outer);
+                    const Vec3 on{static_cast<float>(x + r * std::cos(phi)),
+                                  static_cast<float>(0.1 + r * std::sin(phi)), 1};
+                    if (on.x < -1 || on.y < -1 || 2 * on.x + 3 * on.y > 1) continue;
+                    const auto cosine = [&](double radius) { return height / std::hypot(radius, double(height)); };
+                    const double angle = (cosine(inner) - cosine(outer)) * 2 * M_PI / around;
+                    sum += light.pdf_solid_angle(at, on) * angle;
+                }
+            }
+            CHECK(sum == doctest::Approx(1).epsilon(0.01));
         }
     }
 }

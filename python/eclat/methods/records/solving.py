@@ -14,7 +14,7 @@ from eclat.bridge.compiled import compiled
 from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
 from eclat.farm.farm import current_farm
-from eclat.measure.error_estimate import CHECK_SHARE, ErrorEstimate, with_light_by_chance
+from eclat.measure.error_estimate import CHECK_SHARE, ErrorEstimate, light_by_chance, with_light_by_chance
 from eclat.methods.photon_map import PhotonMap, trace
 from eclat.methods.records import laws
 from eclat.methods.records.cache_functions import CacheFunctions, functions_for
@@ -163,10 +163,10 @@ class Job:
         statistics = (
             solution.statistics | ErrorEstimate.of_squared(found.squared, found.deviation, found.missed).statistics()
         )
-        by_chance, _ = _core.focused_light(
+        focused = _core.focused_light(
             compiled(self.scene).core, self.work.max_depth, self.work.seed, self.work.threads, counted
         )
-        statistics |= with_light_by_chance(statistics, by_chance)
+        statistics |= with_light_by_chance(statistics, light_by_chance(focused.by_chance, focused.spread))
         if tables is not None:
             statistics["gloss_estimated"] = float(self.functions.estimates_gloss)
         statistics["check_rays"] = float(counted.rays)
