@@ -44,7 +44,8 @@ struct HalfSpaceReceiver {
     SurfacePoint point;
 
     Vec3 position() const { return point.position; }
-    Ray ray(Vec3 w, float t_max = infinity) const { return point.ray(w, t_max); }
+    Ray ray(Vec3 w) const { return point.ray(w); }
+    Ray ray_to_light(const LightSample& s) const { return point.ray_to_light(s.wi, s.distance, s.clearance); }
     Vec3 direction(Vec2 u) const { return point.frame.to_world(square_to_uniform_hemisphere(u)); }
     float pdf_solid_angle(Vec3 w) const { return dot(w, point.normal) > 0 ? 0.5f * inv_pi : 0; }
 };
