@@ -25,6 +25,7 @@
 #include "methods/irradiance_cache/solve_points.h"
 #include "methods/radiance_cache/record_lobes.h"
 #include "records/gather_exchange.h"
+#include "records/renewal.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -106,6 +107,7 @@ std::vector<std::tuple<const char*, size_t, size_t>> record_layout() {
             field("elongations", offsetof(R, elongation), sizeof(R::elongation)),
             field("axes", offsetof(R, axis), sizeof(R::axis)),
             field("curvatures", offsetof(R, curvature), sizeof(R::curvature)),
+            field("least_radii", offsetof(R, least_radius), sizeof(R::least_radius)),
             field("noises", offsetof(R, own_noise), sizeof(R::own_noise)),
             field("clearances", offsetof(R, clearance), sizeof(R::clearance)),
             field("enclosed", offsetof(R, enclosed), sizeof(R::enclosed))};
@@ -328,6 +330,51 @@ void bind_record_solves(nb::module_& m) {
         "scene"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
 }
 
+/// Returns the renewed records (records, floats), the number of cells of each grid (records,), and the luminance of each
+/// cell, one record after the other.
+auto renew_records(const CoreScene& scene, const SolvedCaches& caches, const RenewalSettings& settings,
+                   const IrradianceCacheOptions& options, const Array<float, -1, -1>& records,
+                   const Points& shading_normals, const Array<uint32_t, -1>& keys, Progress& progress) {
+    const auto old = records_of(records);
+    const auto shading = vec3s(shading_normals);
+    if (old.size() != shading.size() || old.size() != keys.shape(0))
+        throw std::invalid_argument("expected as many shading normals and keys as records");
+    std::vector<Renewal> renewals;
+    for (size_t i = 0; i < old.size(); ++i) renewals.push_back({old[i], shading[i], keys(i)});
+    std::vector<Renewed> renewed;
+    {
+        const nb::gil_scoped_release unlocked;
+        const FarEnd far = far_end(scene.world(), caches, options, progress);
+        renewed = renew({scene.world(), far, settings, options}, renewals, progress);
+    }
+    std::vector<IrradianceRecord> out;
+    std::vector<float> counts, seen;
+    for (const Renewed& r : renewed) {
+        out.push_back(r.record);
+        counts.push_back(static_cast<float>(r.seen.size()));
+        seen.insert(seen.end(), r.seen.begin(), r.seen.end());
+    }
+    const auto floats = [](const std::vector<float>& values) {
+        return float_array({values.size()}, [&](float* data) { std::ranges::copy(values, data); });
+    };
+    return std::make_tuple(to_array(out), floats(counts), floats(seen));
+}
+
+void bind_renewal(nb::module_& m) {
+    nb::enum_<RecordKind>(m, "RecordKind").value("near", RecordKind::near).value("far", RecordKind::far);
+    nb::class_<BrightPlaces>(m, "BrightPlaces").def(nb::init<>());
+    nb::class_<RenewalSettings>(m, "RenewalSettings")
+        .def(
+            "__init__",
+            [](RenewalSettings* self, const BrightPlaces& bright, RecordKind kind, float mean) {
+                new (self) RenewalSettings{bright, kind, mean};
+            },
+            "bright"_a, "kind"_a, "mean"_a);
+    m.def("renew_records", &renew_records, "scene"_a, "caches"_a, "settings"_a, "options"_a, "records"_a,
+          "shading_normals"_a, "keys"_a, "progress"_a,
+          "Gathers records anew: their rows, the number of cells of each grid, and the luminance that each cell saw.");
+}
+
 void bind_error_types(nb::module_& m) {
     nb::class_<ErrorCheck>(m, "ErrorCheck")
         .def(nb::init<>())
@@ -400,6 +447,7 @@ void bind_cache(nb::module_& m) {
     bind_radiance_tables(m);
     bind_solved_caches(m);
     bind_record_solves(m);
+    bind_renewal(m);
     bind_error_types(m);
     bind_error_estimates(m);
 }

@@ -21,5 +21,6 @@ void bind_growing_cache(nb::module_& m) {
         .def("look", &GrowingCache::look, "camera"_a)
         .def_prop_ro("passes_left", &GrowingCache::passes_left)
         .def("step", &GrowingCache::step, "progress"_a, nb::call_guard<nb::gil_scoped_release>())
-        .def_prop_ro("caches", &GrowingCache::caches, nb::rv_policy::reference_internal);
+        .def_prop_ro("caches", &GrowingCache::caches, nb::rv_policy::reference_internal)
+        .def_prop_ro("bright", &GrowingCache::bright, nb::rv_policy::copy);
 }

@@ -196,6 +196,12 @@ float noise_when_read(const HemisphereSamples& samples, float excess_noise, floa
 
 }  // namespace
 
+// This inverts the exponent by which `gather` sets the noise of a gather of the usual number of rows.
+int rows_of(const IrradianceRecord& record, int unknown) {
+    if (!(record.own_noise > 0) || !(record.noise > 0)) return unknown;
+    return static_cast<int>(std::lround(usual_rows * std::pow(record.noise / record.own_noise, 2 / 3.0f)));
+}
+
 Gathered gather(const GatherTask& task, const Candidate& candidate, int rows, Rows kind,
                 const std::function<void(const HemisphereSamples&)>& keep) {
     const World& world = task.world;

@@ -27,6 +27,9 @@ struct Gathered {
 /// thousand pixels wide that the room fills.
 constexpr float pixel_share = 0.0016f;
 
+/// Returns the number of rows of the gather that made the record, or `unknown` if its noise does not tell.
+int rows_of(const IrradianceRecord& record, int unknown);
+
 /// The data that all gathers of a pass share.
 struct GatherTask {
     const World& world;

@@ -36,10 +36,6 @@ constexpr float least_share = 0.008f, largest_share = 0.16f;
 constexpr uint32_t far_round = 1024;     // number of rays in one round of far candidates
 constexpr uint32_t rays_for_record = 4;  // number of rays per far candidate, since most rays hit points that are served
 
-SpacingRule spacing_rule(const IrradianceCacheOptions& options) {
-    return {options.metric, options.spacing, options.gradient_limit, options.balanced};
-}
-
 /// Sets the lengths and radii of the records of a pass. `mean` is the mean luminance of the irradiance in the scene, or
 /// 0 while it is unknown.
 /// Without a camera, points whose rays hit nothing have no length of their own. They take the typical length of the
@@ -137,6 +133,26 @@ int rows_for(const Candidate& candidate, const RecordCache& cache, const Irradia
 
 }  // namespace
 
+SpacingRule spacing_rule(const IrradianceCacheOptions& options) {
+    return {options.metric, options.spacing, options.gradient_limit, options.balanced};
+}
+
+IrradianceCacheOptions far_gathering(const IrradianceCacheOptions& options) {
+    IrradianceCacheOptions coarse = options;
+    if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // far records have no larger radius anyway
+    return coarse;
+}
+
+// Far records are only used in averages over whole hemispheres, so they may be coarse. Unless a finer spacing is
+// requested, their radii are at least about a hundredth of the distance from which they are seen, which is taken to
+// be the distance that they see.
+void bound_far(IrradianceRecord& record, float reach, const IrradianceCacheOptions& options) {
+    const float unit = options.far_spacing / usual_far_spacing;
+    record.least_radius = least_share * unit * reach;
+    record.largest_radius = largest_share * unit * reach;
+    record.radius = clamp(options.far_spacing * record.distance, record.least_radius, record.largest_radius);
+}
+
 std::vector<Candidate> unserved(const RecordCache& cache, std::span<const Candidate> candidates, int threads) {
     std::vector<uint8_t> served(candidates.size());
     parallel_blocks(candidates.size(), 256, threads, [&](size_t begin, size_t end) {
@@ -174,8 +190,7 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
 
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
              RecordSolve& solve, Progress& progress) {
-    IrradianceCacheOptions coarse = options;
-    if (curvature_of(coarse.metric)) coarse.metric = Metric::minimum;  // far records have no larger radius anyway
+    const IrradianceCacheOptions coarse = far_gathering(options);
     const auto wanted = unserved(solve.caches.far, candidates, options.threads);
     const FarEnd none;
     float usual = 0;  // not used, because far records whose rays hit nothing are left out
@@ -183,17 +198,11 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
         {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
         [&](const Candidate&) { return options.far_rows; }, 0, usual);
     const auto records = remembered(gathered, solve, options.threads);
-    // Far records are only used in averages over whole hemispheres, so they may be coarse. Unless a finer spacing is
-    // requested, their radii are at least about a hundredth of the distance from which they are seen, which is taken to
-    // be the distance that they see.
-    const float unit = options.far_spacing / usual_far_spacing;
     std::vector<IrradianceRecord> seen;
     for (size_t i = 0; i < records.size(); ++i) {
         IrradianceRecord r = records[i];
         if (!(gathered[i].reach < infinity)) continue;  // a record that no surface sees
-        r.least_radius = least_share * unit * gathered[i].reach;
-        r.largest_radius = largest_share * unit * gathered[i].reach;
-        r.radius = clamp(options.far_spacing * r.distance, r.least_radius, r.largest_radius);
+        bound_far(r, gathered[i].reach, options);
         seen.push_back(r);
     }
     solve.caches.far.insert(thinned(seen), options.far_spacing, options.threads);

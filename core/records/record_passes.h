@@ -39,6 +39,13 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
                                              const FarEnd& far, const IrradianceCacheOptions& options,
                                              const GatherPlan& plan, Progress& progress);
 
+/// Returns the rule for the radii of near records.
+SpacingRule spacing_rule(const IrradianceCacheOptions& options);
+/// Returns the options with which far records are gathered.
+IrradianceCacheOptions far_gathering(const IrradianceCacheOptions& options);
+/// Sets the radius of a far record that sees as far as `reach`, and its bounds.
+void bound_far(IrradianceRecord& record, float reach, const IrradianceCacheOptions& options);
+
 /// Performs a pass of the far cache, which adds coarse records at the candidates that are not served. Because rays find
 /// the candidates at random, some lie close to each other; they are thinned in their order.
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,

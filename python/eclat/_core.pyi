@@ -819,6 +819,31 @@ def solve_radiance_everywhere(
     scene: Scene, tables: RadianceTables, options: RadianceCacheOptions, caches: SolvedCaches, progress: Progress
 ) -> None: ...
 
+class RecordKind(enum.Enum):
+    near = 0
+
+    far = 1
+
+class BrightPlaces:
+    def __init__(self) -> None: ...
+
+class RenewalSettings:
+    def __init__(self, bright: BrightPlaces, kind: RecordKind, mean: float) -> None: ...
+
+def renew_records(
+    scene: Scene,
+    caches: SolvedCaches,
+    settings: RenewalSettings,
+    options: IrradianceCacheOptions,
+    records: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    shading_normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    keys: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order="C", device="cpu", writable=False)],
+    progress: Progress,
+) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32], NDArray[numpy.float32]]:
+    """
+    Gathers records anew: their rows, the number of cells of each grid, and the luminance that each cell saw.
+    """
+
 class ErrorCheck:
     def __init__(self) -> None: ...
     @property
@@ -891,6 +916,8 @@ class GrowingCache:
     def step(self, progress: Progress) -> None: ...
     @property
     def caches(self) -> SolvedCaches: ...
+    @property
+    def bright(self) -> BrightPlaces: ...
 
 class Kernel(enum.Enum):
     uniform = 0

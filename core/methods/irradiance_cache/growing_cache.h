@@ -35,6 +35,8 @@ class GrowingCache {
     void step(Progress& progress);
 
     const SolvedCaches& caches() const { return caches_; }
+    /// Returns the places at which gathers aim rays so far.
+    const BrightPlaces& bright() const { return solve_.bright; }
 
   private:
     const World world_;

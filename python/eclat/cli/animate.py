@@ -149,9 +149,8 @@ _output_options = together(
 
     Finished frames are kept when the command is started again, and frames do not depend on the order, the number of
     threads or on which machine makes them. If only the camera moves, the records that all frames want are solved once, and
-    all frames read them. If anything else moves, each frame is solved anew, with the same random numbers: records are
-    not yet carried over from frame to frame, so that what noise they have may flicker; a smaller --max-error, or more
-    rows with --set, makes it less.""",
+    all frames read them. If anything else moves, records of irradiance-cache stay on their surfaces, are
+    gathered again when the light there has changed, and are interpolated between; other methods solve each frame anew.""",
 )
 @moving_scene_argument
 @_frame_options

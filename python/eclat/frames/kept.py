@@ -17,7 +17,7 @@ from eclat.images.image_files import read_png_metadata
 
 KEY = "frame"
 """The key of the metadata of a frame."""
-FORMAT = 1
+FORMAT = 2
 """Version of what a frame is made of, which is incremented whenever the same settings give another picture or file."""
 
 

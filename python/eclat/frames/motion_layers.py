@@ -17,11 +17,10 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from eclat.bridge.compiled import compiled
+from eclat.bridge.anchors import Numbers, barycentric, corners_of, first_triangles, meshes_of
 from eclat.scene import Camera, Scene
 
 Layer = NDArray[np.float32]
-Numbers = NDArray[np.float64]
 
 
 @dataclass(frozen=True, eq=False)
@@ -46,16 +45,16 @@ def motion_layers(
     """
     width, height = size
     origins, directions = pixel_rays(now.camera, size)
-    hit = _first_triangles(now.scene, origins, directions, threads)
-    meshes, triangles = _meshes_of(now.scene, hit)
-    corners = _corners(now.scene, now.scene, meshes, triangles)
-    shares = _barycentric(corners, origins, directions)
+    hit = first_triangles(now.scene, origins, directions, threads, from_camera=True)
+    meshes, triangles = meshes_of(now.scene, hit)
+    corners = corners_of(now.scene, now.scene, meshes, triangles)
+    shares = barycentric(corners, origins, directions)
     places = _places(corners, shares, meshes, directions)
     # These are the centres of the pixels. Computed like those of the other frame, what rests has a motion of exactly 0.
     start = _projected(now.camera, places, meshes, size)
     layers: dict[str, Layer] = {"object_id": (meshes + 1).reshape(height, width).astype(np.float32)}
     for name, other in (("motion_next", following), ("motion_previous", previous)):
-        there = _places(_corners(now.scene, other.scene, meshes, triangles), shares, meshes, directions)
+        there = _places(corners_of(now.scene, other.scene, meshes, triangles), shares, meshes, directions)
         moved = _projected(other.camera, there, meshes, size) - start
         moved[meshes < 0, 2] = 0
         moved[~np.isfinite(moved).all(axis=1)] = 0
@@ -98,45 +97,6 @@ def _projected(camera: Camera, places: Numbers, meshes: NDArray[np.int64], size:
         y = (1 - seen[:, 1] / scale / half_height) / 2 - camera.shift[1]
     distance = far if camera.projection == "orthographic" else np.linalg.norm(seen, axis=1)
     return np.column_stack([x * width, y * height, distance])
-
-
-def _first_triangles(scene: Scene, origins: Numbers, directions: Numbers, threads: int) -> NDArray[np.int64]:
-    prepared = compiled(scene)
-    local, along = prepared.to_core(origins), np.ascontiguousarray(directions, np.float32)
-    return np.asarray(prepared.core.first_hits(local, along, threads, from_camera=True), np.int64)
-
-
-def _meshes_of(scene: Scene, hit: NDArray[np.int64]) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
-    """Return the mesh of each triangle, counted over all meshes, and its number in that mesh; −1 for no triangle."""
-    ends = np.cumsum([len(mesh.triangles) for mesh in scene.meshes]) if scene.meshes else np.zeros(1, np.int64)
-    starts = np.concatenate([[0], ends[:-1]])
-    mesh = np.where(hit >= 0, np.searchsorted(ends, hit, side="right"), -1)
-    return mesh, np.where(hit >= 0, hit - starts[np.maximum(mesh, 0)], -1)
-
-
-def _corners(now: Scene, other: Scene, meshes: NDArray[np.int64], triangles: NDArray[np.int64]) -> Numbers:
-    """Return where the corners (N, 3, 3) of triangles of the scene `now` are in `other`; NaN without a triangle."""
-    corners = np.full((len(meshes), 3, 3), np.nan)
-    for number in np.unique(meshes[meshes >= 0]):
-        which = meshes == number
-        vertices = np.asarray(now.meshes[number].triangles)[triangles[which]]
-        positions = np.asarray(other.meshes[number].positions, np.float64)
-        if len(positions) == len(now.meshes[number].positions):
-            corners[which] = positions[vertices]
-    return corners
-
-
-def _barycentric(corners: Numbers, origins: Numbers, directions: Numbers) -> Numbers:
-    """Return the shares (N, 3) of the corners in the point in which a ray meets the plane of its triangle."""
-    a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    with np.errstate(all="ignore"):
-        normal = np.cross(u, v)
-        distance = np.einsum("ni,ni->n", a - origins, normal) / np.einsum("ni,ni->n", directions, normal)
-        inside = origins + distance[:, None] * directions - a
-        area = np.einsum("ni,ni->n", normal, normal)
-        second = np.einsum("ni,ni->n", np.cross(inside, v), normal) / area
-        third = np.einsum("ni,ni->n", np.cross(u, inside), normal) / area
-    return np.column_stack([1 - second - third, second, third])
 
 
 def _places(corners: Numbers, shares: Numbers, meshes: NDArray[np.int64], directions: Numbers) -> Numbers:

@@ -8,13 +8,14 @@ from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
 from eclat.bridge.compiled import compiled
-from eclat.methods.method import Prepared, Solved
+from eclat.methods.method import OverTime, Prepared, Solved
 from eclat.methods.path import Path
+from eclat.methods.records.moving import solve_over_time
 from eclat.methods.records.options import RecordOptions
 from eclat.methods.records.solution import Solution
 from eclat.methods.records.solving import refine_records, solve_records
 from eclat.methods.records.time_budget import solve_within
-from eclat.methods.work import Care, Purpose, Work
+from eclat.methods.work import Care, Purpose, Times, Work
 from eclat.scene import Scene
 
 
@@ -49,6 +50,13 @@ class IrradianceCache(RecordOptions):
         if care is not None and care.deadline is not None and not solution.statistics["records"]:
             return Path().prepare(scene, purpose, work)
         return solution
+
+    @property
+    def shares_over_time(self) -> bool:
+        return not self.far_photons  # Photons at the ends of gather rays belong to one state of the scene.
+
+    def solve_over_time(self, times: Times, work: Work) -> OverTime:
+        return solve_over_time(self, times, work)
 
     def refine(
         self, solved: Solved, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None

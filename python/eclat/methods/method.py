@@ -16,7 +16,7 @@ import os
 from abc import ABC, abstractmethod
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
-from typing import Any, ClassVar, Self, TypeVar
+from typing import Any, ClassVar, Protocol, Self, TypeVar
 
 import numpy as np
 
@@ -27,7 +27,7 @@ from eclat.files.archive import write_archive
 from eclat.html import facts_table
 from eclat.measure.error_estimate import ErrorEstimate, error_text
 from eclat.methods.saved import Common, read_saved
-from eclat.methods.work import Care, Purpose, Work
+from eclat.methods.work import Care, Purpose, Times, Work
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
 from eclat.typed import refuse_unknown, typed
@@ -234,6 +234,17 @@ class Solved(Prepared):
         return facts_table(type(self).__name__, rows)
 
 
+class OverTime(Protocol):
+    """What a method solved for all times of an animation at once."""
+
+    @property
+    def statistics(self) -> dict[str, float]: ...
+
+    def at(self, time: int) -> Prepared:
+        """Return what it prepared for a time, by its index."""
+        ...
+
+
 @dataclass(frozen=True)
 class Method(ABC):
     """A way to compute light, with its options. Every field has a default that suits most scenes."""
@@ -269,6 +280,17 @@ class Method(ABC):
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
         """Prepare the scene for a purpose, so that pictures or the light at points can be computed."""
         return self.solve(scene, purpose, work, care)
+
+    @property
+    def shares_over_time(self) -> bool:
+        """Whether `solve_over_time` computes what the pictures of an animation share in which more than the camera moves.
+        Otherwise each is prepared anew.
+        """
+        return False
+
+    def solve_over_time(self, times: Times, work: Work) -> OverTime:
+        """Solve for all times of an animation at once. Raises EclatError if the method does not."""
+        raise EclatError(f"expected a method that is solved over time, got {self.name}")
 
     def refine(
         self, solved: Solved, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None

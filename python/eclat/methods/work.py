@@ -4,10 +4,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
+import numpy as np
+
 from eclat.bridge.running import ProgressReport
-from eclat.scene import Camera, FloatArray
+from eclat.scene import Camera, FloatArray, Scene
 
 
 @dataclass(frozen=True)
@@ -64,6 +67,48 @@ class AtPoints:
 @dataclass(frozen=True)
 class Everywhere:
     """The purpose of all surfaces, for all views."""
+
+
+@dataclass(frozen=True, eq=False)
+class Times:
+    """The purpose of the pictures of an animation in which more than the camera moves: the scene and the camera at each of
+    its S times.
+
+    `seconds` (S,) are the times, which increase; `states` (S,) number the states that the scene is in, from 0, so that
+    neighbouring times with the same number look the same; `scene_in` gives the scene in a state. `moving_meshes` are the
+    numbers of the meshes whose places or shapes change. `course` (S, K) are numbers that follow what moves and shines, such
+    as coordinates and intensities. `steps_per_frame` is the number of times per frame.
+    """
+
+    seconds: FloatArray
+    states: np.ndarray
+    scene_in: Callable[[int], Scene]
+    cameras: tuple[Camera, ...]
+    size: tuple[int, int]
+    moving_meshes: tuple[int, ...]
+    course: FloatArray
+    steps_per_frame: float = 1.0
+
+    def __len__(self) -> int:
+        return len(self.states)
+
+    def scene(self, time: int) -> Scene:
+        """Return the scene at a time, by its index."""
+        return self.scene_in(int(self.states[time]))
+
+    def first_time(self, state: int) -> int:
+        """Return the index of the first time at which the scene is in a state."""
+        return int(np.argmax(self.states == state))
+
+    def from_the_middle(self) -> list[int]:
+        """Return the indices of all times, those in the middle first. Of times with the same view only one is returned."""
+        middle, views, found = (len(self) - 1) / 2, set(), []
+        for time in sorted(range(len(self)), key=lambda i: (abs(i - middle), i)):
+            view = (int(self.states[time]), self.cameras[time])
+            if view not in views:
+                views.add(view)
+                found.append(time)
+        return found
 
 
 Purpose = View | Views | AtPoints | Everywhere

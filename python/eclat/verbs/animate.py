@@ -28,12 +28,14 @@ from eclat.frames.motion_layers import Moment, motion_layers
 from eclat.frames.on_farm import written_by
 from eclat.frames.plan import Frame, Plan, coarse_to_fine, make_plan
 from eclat.frames.shutter import mean_of, moments, samples_each, seed_of_moment
+from eclat.frames.timeline import Timeline
 from eclat.frames.video import require_ffmpeg, write_video
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.images.tone import check_display, exposure_stops
 from eclat.methods import IrradianceCache, Method, Source, as_method, load_solved
 from eclat.methods import Path as PathTracing
+from eclat.methods.method import OverTime
 from eclat.methods.work import Care, Everywhere, View, Views, Work
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
@@ -85,7 +87,9 @@ def animate(
 
     If nothing but the camera moves, what the method solves is solved once for all frames: the records that all
     pictures want are found first, coarse to fine, and every frame reads the same cache, so that none has a seam against
-    the next. If anything else moves or changes, each frame is solved anew, with the same random numbers.
+    the next. If anything else moves or changes, irradiance caching solves its records over time: a record stays at its place on
+    its surface, is gathered again when the light there has changed, and is interpolated between. Other methods prepare each
+    frame anew, with the same random numbers.
 
     Parameters
     ----------
@@ -204,10 +208,15 @@ class Show:
         self._size = picture_size(scene.cameras[camera], settings.size)
         self._recent: dict[float, Moment] = {}
         self._reports = Report(progress, 0, 1)
-        self._resting = ""
+        self._resting, self._path = "", ""
+        self._over_time: OverTime | None = None
         self._share: Share | None = None
-        if _only_the_camera_moves(scene, [time for frame in plan.frames for time in self._times(frame)]):
-            self._share = Share([self._at(time).camera for frame in plan.frames for time in self._times(frame)])
+        self._timeline: Timeline | None = None
+        times = [time for frame in plan.frames for time in self._times(frame)]
+        if _only_the_camera_moves(scene, times):
+            self._share = Share([self._at(time).camera for time in times])
+        elif method.shares_over_time and len(set(times)) > 1:
+            self._timeline = Timeline(self._at, times, self._size, fingerprint, len(plan.frames))
 
     def exposure(self, exposure: float | Literal["auto"]) -> float:
         """Return the exposure in stops of all frames. "auto" takes that of a small picture of the frame in the middle."""
@@ -230,7 +239,7 @@ class Show:
             "number": frame.number,
             "scenes": list(dict.fromkeys(self._fingerprint_of_scene(instant.scene) for instant in instants)),
             "cameras": [fingerprint_of_camera(instant.camera) for instant in instants],
-            "path": self._share.fingerprint if self._share is not None and self._method.solved is not None else "",
+            "path": self._fingerprint_of_all(),
             "settings": asdict(self._settings) | {"size": self._size},
             "method": self._method.name,
             "options": asdict(self._method),
@@ -245,6 +254,8 @@ class Show:
         source: Source = self._method
         if self._share is not None and self._method.solved is not None:
             source = self._solved(frames[0].path.parent if keep_cache else None)
+        if self._timeline is not None:
+            self._over_time = self._method.solve_over_time(self._timeline.times, self._work())
         farm = current_farm()
         made = self._made_here(frames, source)
         if farm is not None:
@@ -277,6 +288,9 @@ class Show:
         pictures = []
         for k, time in enumerate(times):
             now = self._at(time)
+            if self._timeline is not None and self._over_time is not None:
+                now = Moment(self._timeline.scene(time), now.camera)
+                source = self._over_time.at(self._timeline.index(time))
             pictures.append(
                 render(
                     now.scene, source, camera=now.camera, size=self._size, max_depth=settings.max_depth,
@@ -307,7 +321,7 @@ class Show:
         kept = None if folder is None else folder / f"path-{fingerprint_of(parts)}.npz"
         if kept is not None and kept.exists():
             return load_solved(kept, self._scene)
-        work = Work(settings.max_depth, settings.seed, thread_count(self._threads), self._progress)
+        work = self._work()
         purpose: Views | Everywhere = Everywhere()
         if not self._method.for_whole_scene:
             cameras = self._share.cameras
@@ -316,6 +330,17 @@ class Show:
         if kept is not None:
             solved.save(kept)
         return solved
+
+    def _work(self) -> Work:
+        return Work(self._settings.max_depth, self._settings.seed, thread_count(self._threads), self._progress)
+
+    def _fingerprint_of_all(self) -> str:
+        """Compute a hash of what the pictures share, if they share anything."""
+        if self._timeline is not None:
+            if not self._path:
+                self._path = self._timeline.fingerprint(fingerprint_of_camera)
+            return self._path
+        return self._share.fingerprint if self._share is not None and self._method.solved is not None else ""
 
     def _times(self, frame: Frame) -> list[float]:
         return moments(frame.time, self._settings.shutter / self._plan.fps, self._settings.moments)
