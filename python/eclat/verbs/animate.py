@@ -27,6 +27,7 @@ from eclat.frames.kept import KEY, fingerprint_of, is_finished
 from eclat.frames.motion_layers import Moment, motion_layers
 from eclat.frames.on_farm import written_by
 from eclat.frames.plan import Frame, Plan, coarse_to_fine, make_plan
+from eclat.frames.reports import Report
 from eclat.frames.shutter import mean_of, moments, samples_each, seed_of_moment
 from eclat.frames.timeline import Timeline
 from eclat.frames.video import require_ffmpeg, write_video
@@ -375,31 +376,6 @@ class Share:
     def __init__(self, cameras: list[Camera]) -> None:
         self.cameras = cameras
         self.fingerprint = fingerprint_of({"cameras": [fingerprint_of_camera(camera) for camera in cameras]})
-
-
-class Report:
-    """Turns reports about the picture of one frame into reports about all frames.
-
-    The share of a frame that is finished counts only while samples are taken, because it starts again in each phase, and
-    the time that is left is computed from it.
-    """
-
-    def __init__(self, progress: ProgressReport | None, done: int, count: int) -> None:
-        self._progress, self._done, self._count = progress, done, count
-        self._last = 0.0
-
-    def of_picture(self, k: int, pictures: int) -> ProgressReport | None:
-        """Make the function that takes the reports about picture `k` of the pictures of the frame."""
-        if self._progress is None:
-            return None
-        progress = self._progress
-
-        def report(phase: str, fraction: float, statistics: dict[str, float]) -> None:
-            if phase == "render":
-                self._last = max(self._last, (k + min(fraction, 1.0)) / pictures)
-            progress("frames", (self._done + self._last) / self._count, {"rays": statistics.get("rays", 0.0)})
-
-        return report
 
 
 def _only_the_camera_moves(scene: Scene, times: list[float]) -> bool:

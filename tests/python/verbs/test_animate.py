@@ -150,7 +150,9 @@ def test_where_things_move_each_frame_is_the_picture_of_its_scene(tmp_path: Path
     assert Image.load(paths[0]).metadata["objects"] == ["card"]
 
 
-def test_a_moving_scene_is_solved_for_each_frame(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_moving_scene_is_solved_for_each_frame_where_records_do_not_live_over_time(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     box = eclat.load("cornell-box")
     corners = box.meshes[0].positions
 
@@ -159,7 +161,8 @@ def test_a_moving_scene_is_solved_for_each_frame(tmp_path: Path, monkeypatch: py
 
     scene = replace(box, animation=Motion(Pose({0: box.meshes[0]}), pose, 0.0, 1.0, ("wall",)))
     solves = counted_solves(monkeypatch)
-    eclat.animate(scene, frames=range(2), output=tmp_path / "%d.png", **COMMON)
+    method = eclat.IrradianceCache(far_photons=2000, max_error=0.1)
+    eclat.animate(scene, method, frames=range(2), output=tmp_path / "%d.png", **COMMON)
     assert solves == [1, 1]
 
 
