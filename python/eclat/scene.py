@@ -189,14 +189,12 @@ class Material:
     `bounded`, with a warning."""
     thin_walled: bool = True
     children: tuple[Material, ...] = ()
-    measured: MeasuredBrdf | None = None
-    """What was measured, for the kind "measured" (`eclat.load_brdf`)."""
+    measured: MeasuredBrdf | None = None  # for the kind "measured" (`eclat.load_brdf`)
     opacity: Value = field(default_factory=lambda: grey(1.0))
     """Probability that a ray hits the surface instead of passing straight through it (masks, blended alpha, the `d` of
     MTL files)."""
     alpha_cutoff: float | None = None
-    """Threshold below which the opacity is 0, and from which on it is 1 (glTF's alphaMode MASK); None uses the opacity
-    itself."""
+    """Threshold below which the opacity is 0, and from which on it is 1 (glTF's alphaMode MASK); None uses the opacity."""
     vertex_colors: bool = False
     """Whether the base colour or reflectance is multiplied by the vertex colours of the mesh, and the opacity by their
     alpha."""

@@ -219,6 +219,17 @@ class Image:
         """List what `image[name]` accepts: "pixels" and the names of the layers."""
         return ["pixels", *self.layers]
 
+    def values(self) -> list[NDArray[np.float32]]:
+        """List the arrays in the order of `keys`."""
+        return [self.pixels, *self.layers.values()]
+
+    def items(self) -> list[tuple[str, NDArray[np.float32]]]:
+        """List pairs of a name and its array."""
+        return list(zip(self.keys(), self.values(), strict=True))
+
+    def __len__(self) -> int:
+        return 1 + len(self.layers)
+
     @staticmethod
     @typed
     def from_array(pixels: ArrayLike, layers: Mapping[str, ArrayLike] | None = None) -> Image:

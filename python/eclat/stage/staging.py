@@ -11,6 +11,7 @@ from eclat.errors import EclatError
 from eclat.loaders import load
 from eclat.scene import Scene
 from eclat.stage.defaults import complete, has_light
+from eclat.stage.scene_checks import check_scene
 
 _staged: weakref.WeakKeyDictionary[Scene, Scene] = weakref.WeakKeyDictionary()
 """Completed scenes, which are kept so that the same scene always gives the same object, which is compiled and warned
@@ -26,7 +27,7 @@ def staged(scene: Scene | str | os.PathLike[str]) -> Scene:
 
     Raises
     ------
-    EclatError : `load` raises it for the file or name, or `scene` is neither a scene nor a name.
+    EclatError : `load` raises it for the file or name, `check_scene` for the scene, or `scene` is neither a scene nor a name.
     """
     if isinstance(scene, str | os.PathLike):
         scene = load(scene)
@@ -34,6 +35,7 @@ def staged(scene: Scene | str | os.PathLike[str]) -> Scene:
         raise EclatError(
             f"scene: expected a scene, the path of a scene file or the name of a built-in scene, got {type(scene).__name__}"
         )
+    check_scene(scene)
     if scene.cameras and has_light(scene):
         return scene
     found = _staged.get(scene)

@@ -215,3 +215,11 @@ def test_images_to_pillow_and_back(tmp_path: Path) -> None:
         Image.from_pil(bytes_)  # type: ignore[arg-type]
     with pytest.raises(EclatError, match="tone_mapping: expected one of none, filmic"):
         image.to_pil(tone_mapping="film")
+
+
+def test_an_image_is_a_dict_of_its_layers() -> None:
+    image = Image(np.ones((2, 3, 3), np.float32), {"depth": np.full((2, 3), 2, np.float32)})
+    assert len(image) == 2 and list(image) == image.keys() == ["pixels", "depth"]
+    assert [(name, array.shape) for name, array in image.items()] == [("pixels", (2, 3, 3)), ("depth", (2, 3))]
+    assert [array.max() for array in image.values()] == [1, 2]
+    assert dict(image)["depth"] is image["depth"] and np.asarray(image).shape == (2, 3, 3)
