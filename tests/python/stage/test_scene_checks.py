@@ -18,10 +18,10 @@ from eclat.stage.scene_checks import check_scene
 CORNERS = np.array([[-1.0, 0, -1], [-1, 0, 1], [1, 0, 1]])
 ONE = np.array([[0, 1, 2]])
 
+LAMP = PointLight((0, 1, 0), (1, 1, 1))
 
-def scene(
-    material: Any = None, positions: Any = CORNERS, triangles: Any = ONE, light: Any = PointLight((0, 1, 0), (1, 1, 1))
-) -> Scene:
+
+def scene(material: Any = None, positions: Any = CORNERS, triangles: Any = ONE, light: Any = LAMP) -> Scene:
     mesh = Mesh(positions, triangles, material or Material(), name="floor")
     return Scene((mesh,), (light,), cameras=(Camera(look_at((0, 1, 2), (0, 0, 0))),))
 
