@@ -4,6 +4,7 @@
 #include "lights/area.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "base/precision.h"
 
@@ -31,7 +32,9 @@ AreaLight::AreaLight(const EmitterTriangle& triangle, uint32_t emission_index)
         normal_ = {static_cast<float>(x / twice), static_cast<float>(y / twice), static_cast<float>(z / twice)};
     }
     const auto largest = [](Vec3 p) { return std::max({std::abs(p.x), std::abs(p.y), std::abs(p.z)}); };
-    clearance_ = coordinate_resolution * std::max({largest(triangle.p0), largest(triangle.p1), largest(triangle.p2)});
+    const float extent = std::max({largest(triangle.p0), largest(triangle.p1), largest(triangle.p2)});
+    clearance_ = coordinate_resolution * extent;
+    rounding_ = 2 * std::numeric_limits<float>::epsilon() * extent;
     center_ = p0_ + (e1_ + e2_) * (1.0f / 3);
     // Ω ≤ area / (distance to the nearest point)²: beyond this distance from the centre it is too small. Over a sliver,
     // which is small in solid angle already at its ends, distances vary at least threefold nearer than twice its reach.
@@ -49,15 +52,17 @@ Vec2 AreaLight::barycentric(Vec3 on) const {
 }
 
 LightSample AreaLight::sample(std::span<const Value> emissions, Vec3 from, Vec2 u) const {
-    const float height = dot(normal_, from - p0_);
-    if (!two_sided_ && !(height > 0)) return {};
+    // Heights are in double, too: near the horizon they are small. The side must be that from which the solid angle is
+    // seen, or a point of the lamp itself, which rounding puts behind it, would see the lamp above its own horizon.
+    const Vec3d normal = cross(Vec3d(e1_), Vec3d(e2_));
+    const double above = dot(normal, Vec3d(from) - Vec3d(p0_));  // times twice the area
+    const auto height = static_cast<float>(above / length(normal));
+    if (!(two_sided_ ? std::abs(height) > rounding_ : height > 0)) return {};
     if (is_near(from)) {
         const SphericalTriangle seen = seen_from(from);
         if (seen.solid_angle > least_solid_angle) {
             const Vec3d w = seen.sample(u);
-            // The distance is in double, too: near the horizon both heights are small.
-            const Vec3d normal = cross(Vec3d(e1_), Vec3d(e2_));
-            const auto distance = static_cast<float>(dot(normal, Vec3d(p0_) - Vec3d(from)) / dot(normal, w));
+            const auto distance = static_cast<float>(-above / dot(normal, w));
             if (!(distance > 0) || !std::isfinite(distance)) return {};  // rounding at the horizon
             const Vec3 wi(w);
             const Vec2 bary = textured_ ? barycentric(from + wi * distance) : Vec2();
