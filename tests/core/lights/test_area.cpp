@@ -277,3 +277,20 @@ TEST_CASE("the mean emission over a footprint is near the texture's mean, and 0 
         if (wrap == Wrap::mirror) CHECK(mean.over({-0.2f, 0.2f}, {-0.21f, 0.2f}, {-0.2f, 0.21f}).weight == 0);
     }
 }
+
+TEST_CASE("no light comes to a lamp from itself, though rounding puts its points before or behind it") {
+    Rng rng(5, 0);
+    for (int i = 0; i < 2000; ++i) {
+        const auto corner = [&] { return Vec3{rng.next(), rng.next(), rng.next()} * 2 - Vec3{1, 1, 1}; };
+        EmitterTriangle t = emitter(corner(), corner(), corner());
+        const Vec3 e1 = t.p1 - t.p0, e2 = t.p2 - t.p0, normal = normalize(cross(e1, e2));
+        const Vec2 b = square_to_triangle({rng.next(), rng.next()});
+        const Vec3 on = t.p0 + e1 * b.x + e2 * b.y;
+        const Vec2 u{rng.next(), rng.next()};
+        const LightSample one = AreaLight(t, 0).sample(untextured, on, u);
+        CHECK((!(one.pdf_solid_angle > 0) || eclat::dot(one.wi, normal) < 1e-6));
+        t.two_sided = true;
+        const LightSample two = AreaLight(t, 0).sample(untextured, on, u);
+        CHECK(!(two.pdf_solid_angle > 0));
+    }
+}
