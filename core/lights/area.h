@@ -82,7 +82,7 @@ class AreaLight {
 
     Vec3 p0_, e1_, e2_, normal_, center_;
     float area_, near_squared_, clearance_;
-    float rounding_;  // bound of the height of points that were computed to lie in the plane
+    float rounding_;        // bound of the height of points that were computed to lie in the plane
     Vec2 uv0_, uv1_, uv2_;  // at the first vertex, and the edges'
     Color radiance_;        // radiance of an untextured triangle
     uint32_t emission_, triangle_id_;

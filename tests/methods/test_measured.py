@@ -101,5 +101,7 @@ def test_more_light_than_arrives_is_told() -> None:
 
 
 def test_a_material_without_a_measurement_is_refused() -> None:
-    with pytest.raises(EclatError, match="material 'bare': expected `measured` as eclat.load_brdf returns it, got None"):
+    with pytest.raises(
+        EclatError, match=r"material 'bare': expected `measured` as eclat\.load_brdf returns it, got None"
+    ):
         furnace(Material("measured", name="bare"))
