@@ -9,11 +9,12 @@ import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from fnmatch import fnmatchcase
+from numbers import Real
 
 import numpy as np
 
 from eclat.bridge.running import ProgressReport
-from eclat.errors import EclatError, did_you_mean, warn
+from eclat.errors import EclatError, did_you_mean, shown, warn
 from eclat.gltf_export import Part
 from eclat.gltf_export.geometry import select_vertices
 from eclat.lightmap.atlas import (
@@ -195,7 +196,11 @@ def _texel_sizes(scene: Scene, sides: list[Side], wishes: Wishes, lit_areas: Flo
     own."""
     names = [mesh.name for mesh in scene.meshes]
     for pattern, size in wishes.texel_sizes.items():
-        if not (np.isfinite(size) and size > 0):
+        if not isinstance(pattern, str):
+            raise EclatError(
+                f"texel_sizes: expected names of meshes with sizes in metres, got the name {shown(pattern)}"
+            )
+        if not (isinstance(size, Real) and np.isfinite(size) and size > 0):
             raise EclatError(f"texel_sizes: expected a finite number of metres above 0 for {pattern!r}, got {size}")
         if not any(fnmatchcase(name, pattern) for name in names):
             raise EclatError(

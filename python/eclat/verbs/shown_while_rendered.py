@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from eclat.errors import EclatError, shown
 from eclat.images.image import Image
 from eclat.methods import IrradianceCache, as_method
 from eclat.stage.staging import staged
@@ -34,7 +35,12 @@ def shown_while_rendered(render: Callable[..., Image], arguments: dict[str, Any]
 
 
 def with_display(preview: Preview | None, display: Display | None) -> Preview | None:
-    """Make the function that passes unfinished pictures to both, of which each may be None."""
+    """Make the function that passes unfinished pictures to both, of which each may be None.
+
+    Raises EclatError if `display` is of another type.
+    """
+    if not isinstance(display, Display | None):
+        raise EclatError(f'display_server: expected "host:port", an eclat.Display or None, got {shown(display)}')
     if display is None or preview is None:
         return preview if display is None else display.show
 

@@ -200,5 +200,6 @@ def test_every_command_that_loads_a_scene(command: str, root: Path, capsys: pyte
     written(root, "obj", "../outside/a.obj")
     beside = {"irradiance": ["--points", "points.csv"]}.get(command, [])
     assert main([command, "s.xml", "--root", ".", *beside]) == 2
-    (line,) = capsys.readouterr().err.splitlines()
+    *begun, line = capsys.readouterr().err.splitlines()
     assert "lies outside" in line
+    assert begun == (["eclat: load 0 %"] if command == "bake" else []), "a bake tells at once what it does"

@@ -33,10 +33,6 @@ def load_usd(path: str | Path) -> Scene:
     Raises
     ------
     EclatError : the file cannot be read, or nothing in it is valid; or `usd-core` is not installed.
-
-    Examples
-    --------
-    >>> scene = load_usd("kitchen.usdz")  # doctest: +SKIP
     """
     with guarded(Path(path).name), opened(Path(path)) as stage:
         builder = Builder(stage)
