@@ -14,6 +14,7 @@ void bind_scene(nb::module_& m);
 void bind_render(nb::module_& m);
 void bind_space_probes(nb::module_& m);
 void bind_cache(nb::module_& m);
+void bind_error_estimates(nb::module_& m);
 void bind_growing_cache(nb::module_& m);
 void bind_harmonics(nb::module_& m);
 void bind_brdf_table(nb::module_& m);
@@ -29,6 +30,7 @@ NB_MODULE(_core, m) {
     bind_harmonics(m);
     bind_brdf_table(m);
     bind_cache(m);
+    bind_error_estimates(m);
     bind_growing_cache(m);
     bind_photons(m);
     bind_radiosity(m);

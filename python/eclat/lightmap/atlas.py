@@ -27,6 +27,10 @@ from eclat.scene import FloatArray, Mesh, triangle_areas
 XATLAS_PROGRAM = Path(__file__).with_name("xatlas_process.py")
 """The program that computes charts with xatlas in a separate process."""
 
+ATTEMPTS = 3
+"""How often xatlas is run as long as a signal ends it. It has crashed on a mesh that it unwraps in other runs, and the charts
+must not depend on that."""
+
 TYPICAL_TEXELS = 1 << 18
 """Number of texels on surfaces if the caller gives no texel size; the map then has about 700 × 700 texels."""
 
@@ -262,10 +266,27 @@ def _with_left_out(meshes: Sequence[Mesh], atlas: Atlas, texel_size: float, pack
     )
 
 
+class _CrashError(Exception):
+    """A signal ended the child process; the text describes the failure."""
+
+
 def _run_child(
     arrays: dict[str, np.ndarray], timeout: float, progress: ProgressReport | None
 ) -> tuple[dict[str, np.ndarray] | None, str]:
     """Run xatlas in a child process; return its arrays, or None and a text that describes the failure."""
+    for attempt in range(ATTEMPTS):
+        try:
+            return _run_once(arrays, timeout, progress)
+        except _CrashError as crash:
+            if attempt == ATTEMPTS - 1:
+                return None, str(crash)
+    raise AssertionError("ATTEMPTS is at least 1")
+
+
+def _run_once(
+    arrays: dict[str, np.ndarray], timeout: float, progress: ProgressReport | None
+) -> tuple[dict[str, np.ndarray] | None, str]:
+    """Do so once; raise _CrashError if a signal ends the child."""
     command = [sys.executable, str(XATLAS_PROGRAM)]
     started = time.monotonic()
     with tempfile.TemporaryFile() as data:
@@ -292,7 +313,10 @@ def _run_child(
             raise
     if child.returncode:
         last = errors.decode(errors="replace").strip().rpartition("\n")[2]
-        return None, f"failed ({last or f'exit code {child.returncode}'})"
+        problem = f"failed ({last or f'exit code {child.returncode}'})"
+        if child.returncode < 0:
+            raise _CrashError(problem)
+        return None, problem
     try:
         with np.load(io.BytesIO(out), allow_pickle=False) as found:
             return dict(found), ""

@@ -33,7 +33,8 @@ PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8
 """Bytes of a texel without compression in the embedded PNG, in the EXR and in the KTX2 file."""
 
 FIT_SECONDS = 3e-5
-"""Processor seconds per texel for the fit and the files, which trials are too small to show (Sibenik)."""
+"""Seconds per texel for the fit and the files, which trials are too small to show: the fit of the 279,929 texels of Sibenik took
+8 s."""
 
 
 @dataclass(frozen=True)

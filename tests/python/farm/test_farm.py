@@ -17,24 +17,19 @@ from collections.abc import Iterator
 from contextlib import ExitStack
 from typing import Any
 
+import distributed
 import pytest
 
 import eclat
 from eclat.errors import EclatError, EclatWarning, warn
 from eclat.farm.farm import Farm, current_farm
-
-distributed = pytest.importorskip("distributed")
+from support.clusters import local_client
 
 
 @pytest.fixture(scope="module")
 def client() -> Iterator[Any]:
     """Three workers, each a process of its own that is started again when it dies."""
-    with (
-        distributed.LocalCluster(
-            n_workers=3, threads_per_worker=1, dashboard_address="127.0.0.1:0", memory_limit=0
-        ) as cluster,
-        distributed.Client(cluster, set_as_default=False) as client,
-    ):
+    with local_client(3) as client:
         yield client
 
 

@@ -141,6 +141,28 @@ def test_too_slow_or_broken_unwrapping_is_replaced(monkeypatch: pytest.MonkeyPat
         check(meshes, atlas, 0.05)
 
 
+@pytest.mark.parametrize("crashes", [1, atlas_module.ATTEMPTS])
+def test_charts_do_not_depend_on_a_crash(crashes: int, monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    """A child that a signal ends is started again, a few times."""
+    meshes = meshes_of("cornell-box")
+    whole = unwrap(meshes, 0.05)
+    real, runs = atlas_module.XATLAS_PROGRAM, tmp_path / "runs"
+    (tmp_path / "child.py").write_text(
+        f"import os, signal, sys\nsys.path.insert(0, {str(real.parent)!r})\nimport xatlas_process\n"
+        f"open({str(runs)!r}, 'a').write('.')\n"
+        f"if os.path.getsize({str(runs)!r}) <= {crashes}: os.kill(os.getpid(), signal.SIGSEGV)\n"
+        "xatlas_process.main()\n"
+    )
+    monkeypatch.setattr(atlas_module, "XATLAS_PROGRAM", tmp_path / "child.py")
+    if crashes == atlas_module.ATTEMPTS:
+        with pytest.warns(EclatWarning, match="failed .exit code -11."):
+            assert unwrap(meshes, 0.05).method == "planar"
+    else:
+        for again, first in zip(unwrap(meshes, 0.05).meshes, whole.meshes, strict=True):
+            np.testing.assert_array_equal(again.uvs, first.uvs)
+    assert runs.stat().st_size == min(crashes + 1, atlas_module.ATTEMPTS)
+
+
 def test_an_atlas_that_is_too_large_is_refused() -> None:
     long = Mesh(np.array([[0.0, 0, 0], [100, 0, 0], [0, 0.1, 0]]), np.array([[0, 1, 2]]), Material())
     with pytest.raises(EclatError, match=r"more than a page of 256 x 256; a texel size of .* m fits"):

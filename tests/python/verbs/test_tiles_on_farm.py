@@ -16,18 +16,12 @@ import eclat
 from eclat import _core
 from eclat.farm.farm import Farm
 from eclat.images.image import Image
-
-distributed = pytest.importorskip("distributed")
+from support.clusters import local_client
 
 
 @pytest.fixture(scope="module")
 def client() -> Iterator[Any]:
-    with (
-        distributed.LocalCluster(
-            n_workers=2, threads_per_worker=1, dashboard_address="127.0.0.1:0", memory_limit=0
-        ) as cluster,
-        distributed.Client(cluster, set_as_default=False) as client,
-    ):
+    with local_client(2) as client:
         yield client
 
 

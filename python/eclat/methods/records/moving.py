@@ -38,8 +38,7 @@ LARGEST_CHANGE = 2.0
 """The largest change during a life, in units of `max_error`."""
 FAR_SHARE = 0.125
 """The share with which changes in single cells of far records count that cancel in their sum. The rays of far records are whole
-paths, whose single values are mostly noise, and only averages over many far records are read. Where a ball rolls through the
-Cornell box, the frames flicker by 0.23 % with 0.25 and with 0.125, which takes a tenth fewer rays."""
+paths, whose single values are mostly noise, and only averages over many far records are read. It is chosen by judgement."""
 FAR_STEP = 8
 """After the first time, far records are placed at each eighth time, with an eighth of the candidates. Most of these are served,
 and the others were left out at first because they lie too near to others: with all candidates at all times, a furnace of
