@@ -193,8 +193,23 @@ class Farm:
         """Return futures of parcels, which are scattered to the workers once, under their names."""
         missing = {name: content for name, content in parcels.items() if not _is_there(self._sent.get(name))}
         if missing:
-            self._sent.update(self.client.scatter(missing, broadcast=True))
+            self._sent.update(self._scattered(missing))
         return {name: self._sent[name] for name in parcels}
+
+    def _scattered(self, parcels: Parcels) -> dict[str, Any]:
+        """Scatter parcels, and again if a worker dies meanwhile, which ends the transfer to all of them."""
+        end = time.monotonic() + self.patience
+        while True:
+            try:
+                found: dict[str, Any] = self.client.scatter(parcels, broadcast=True)
+                return found
+            except (OSError, TimeoutError) as error:
+                if time.monotonic() > end:
+                    raise EclatError(
+                        f"workers could not be sent what they need within {self.patience:g} s: {error}"
+                    ) from None
+                time.sleep(POLL)
+                self._wait_for_workers()
 
     def submit(
         self, call: tuple[RangeFunction, Any], shared: str, parcels: Parcels, tag: tuple[str, int], again: int

@@ -244,3 +244,24 @@ def test_ranges_that_nobody_waits_for_stop(client: Any) -> None:
             farm.ordered(endless, None, range(3), interrupted)
         # Every worker computes one range at a time, so that this would never end if one went on.
         assert farm.ordered(quick, None, range(30)) == list(range(30))
+
+
+def test_a_transfer_that_a_dying_worker_ends_is_repeated(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    scatter, calls = client.scatter, []
+
+    def broken(*arguments: Any, **keywords: Any) -> Any:
+        calls.append(arguments)
+        if len(calls) < 3:
+            raise distributed.comm.CommClosedError("the worker is gone")
+        return scatter(*arguments, **keywords)
+
+    monkeypatch.setattr(client, "scatter", broken)
+    with Farm(client) as farm:
+        assert farm.ordered(lambda shared, item, bench: shared + item, 10, [1, 2]) == [11, 12]
+        assert len(calls) == 3
+    calls.clear()
+    with (
+        Farm(client, patience=0.0) as farm,
+        pytest.raises(EclatError, match=r"workers could not be sent .* within 0 s"),
+    ):
+        farm.ordered(lambda shared, item, bench: shared + item, 20, [1, 2])
