@@ -21,7 +21,7 @@ from eclat.bridge.compiled import core_brdf
 from eclat.cli.point_files import read_points
 from eclat.cli.replay import replayed_flags
 from eclat.loaders.files import read_texture
-from eclat.methods.method import make_options
+from eclat.methods.choosing import make_options
 from eclat.scene import Scene
 from eclat.scenes import build
 from eclat.stage.defaults import complete

@@ -15,15 +15,16 @@ from typing import Any, Self
 
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, shown, warn
-from eclat.farm.identity import Identity, identity, refusal
+from eclat.farm.identity import Identity, identity
 from eclat.farm.parcels import Parcels
 from eclat.farm.worker import REPORT, Bench, Refused, run_range
+from eclat.farm.workers import POLL, Workers
 from eclat.typed import typed
 
 PATIENCE = 60.0
 """Seconds to wait for a worker, or for a scheduler that is started again, before giving up."""
-POLL, LOOK_AT_WORKERS = 0.05, 1.0
-"""Seconds between two looks at the ranges, and at which workers there are."""
+LOOK_AT_WORKERS = 1.0
+"""Seconds between two looks at which workers there are."""
 MOST_RETRIES = 5
 """How often a range is sent again after Dask gave it up, each time because several workers died over it."""
 
@@ -65,13 +66,12 @@ class Farm:
         from eclat.farm.packing import Packed, pickled
 
         self.client = client
-        self.patience = patience
+        self.workers = Workers(client, patience)
         self.ranges_sent = 0
         """The number of ranges that were sent so far, each counted as often as it was sent."""
         self._expected: Identity = {}
         self._packed, self._pickled = Packed(), pickled
         self._sent: dict[str, Any] = {}
-        self._refused: dict[str, str] = {}
         self._tokens: list[Token[Farm | None]] = []
         self._fractions: dict[int, float] = {}
         self._request = ""
@@ -115,8 +115,8 @@ class Farm:
 
     def __enter__(self) -> Self:
         self._expected = identity()
-        self._wait_for_workers()
-        self._meet_workers()
+        self.workers.wait()
+        self.workers.meet(self._expected)
         self.client.subscribe_topic(REPORT, self._heard)
         self._tokens.append(_current.set(self))
         return self
@@ -170,25 +170,6 @@ class Farm:
             request.cancel()
             self._request, self._fractions = outer
 
-    def threads(self) -> int:
-        """The number of threads of all workers that may compute, at least 1."""
-        try:
-            return max(1, sum(int(n) for worker, n in self.client.nthreads().items() if worker not in self._refused))
-        except (OSError, TimeoutError, ValueError):
-            return 1
-
-    def accepted_workers(self) -> list[str] | None:
-        """The addresses of workers that may compute, or None if all may."""
-        if not self._refused:
-            return None
-        return [address for address in self._addresses() if address not in self._refused]
-
-    def refuse(self, address: str, reason: str) -> None:
-        """Send nothing to a worker any more, and say why."""
-        if address not in self._refused:
-            self._refused[address] = reason
-            warn(f"the worker {address} is left out, because its bits could differ: {reason}")
-
     def send(self, parcels: Parcels) -> dict[str, Any]:
         """Return futures of parcels, which are scattered to the workers once, under their names."""
         missing = {name: content for name, content in parcels.items() if not _is_there(self._sent.get(name))}
@@ -198,7 +179,7 @@ class Farm:
 
     def _scattered(self, parcels: Parcels) -> dict[str, Any]:
         """Scatter parcels, and again if a worker dies meanwhile, which ends the transfer to all of them."""
-        end = time.monotonic() + self.patience
+        end = time.monotonic() + self.workers.patience
         while True:
             try:
                 found: dict[str, Any] = self.client.scatter(parcels, broadcast=True)
@@ -206,10 +187,10 @@ class Farm:
             except (OSError, TimeoutError) as error:
                 if time.monotonic() > end:
                     raise EclatError(
-                        f"workers could not be sent what they need within {self.patience:g} s: {error}"
+                        f"workers could not be sent what they need within {self.workers.patience:g} s: {error}"
                     ) from None
                 time.sleep(POLL)
-                self._wait_for_workers()
+                self.workers.wait()
 
     def submit(
         self, call: tuple[RangeFunction, Any], shared: str, parcels: Parcels, tag: tuple[str, int], again: int
@@ -219,13 +200,13 @@ class Farm:
         key = f"eclat-{tag[0]}-{tag[1]}-{again}"
         return self.client.submit(
             run_range, self._expected, self._pickled(call), shared, self.send(parcels), tag, key=key,
-            workers=self.accepted_workers(), priority=-tag[1], pure=False,
+            workers=self.workers.accepted(), priority=-tag[1], pure=False,
         )  # fmt: skip
 
     def recover(self) -> None:
         """Wait until the scheduler and a worker are there again. Raises EclatError if they do not come."""
         self._sent.clear()
-        self._wait_for_workers()
+        self.workers.wait()
 
     def shares(self) -> dict[int, float]:
         """The finished shares of ranges that workers have told, by index."""
@@ -235,45 +216,6 @@ class Farm:
         _, told = event
         if told.get("request") == self._request:
             self._fractions[told["index"]] = told["fraction"]
-
-    def _addresses(self) -> list[str]:
-        """The workers that the scheduler knows; none while it cannot be reached."""
-        if self.client.status != "running":
-            return []
-        try:
-            return list(self.client.nthreads())
-        except (OSError, TimeoutError, ValueError):
-            return []
-
-    def _wait_for_workers(self) -> None:
-        end = time.monotonic() + self.patience
-        while not (found := [a for a in self._addresses() if a not in self._refused]):
-            if self.client.status == "closed" or time.monotonic() > end:
-                raise EclatError(self._why_nobody_computes())
-            time.sleep(POLL)
-        assert found
-
-    def _why_nobody_computes(self) -> str:
-        if self.client.status != "running":
-            return (
-                f"the scheduler was lost and did not come back within {self.patience:g} s; start it again, and then this "
-                "command: finished frames are kept"
-            )
-        if self._refused:
-            worker, reason = next(iter(self._refused.items()))
-            return f"no worker may compute: all are left out, for example {worker}: {reason}"
-        return f"no worker has come within {self.patience:g} s; start one by `dask worker tcp://…`"
-
-    def _meet_workers(self) -> None:
-        """Ask all workers whether they may compute, and leave out those that may not. Raises EclatError if none may."""
-        answers = self.client.run(refusal, self._expected, on_error="return")
-        for address, answer in answers.items():
-            if isinstance(answer, BaseException):
-                self.refuse(address, f"Éclat cannot be used there ({type(answer).__name__}: {answer})")
-            elif answer:
-                self.refuse(address, answer)
-        if answers and self.accepted_workers() == []:
-            raise EclatError(self._why_nobody_computes())
 
 
 @dataclass(eq=False)
@@ -320,7 +262,7 @@ class _Request:
             again = self.sent[index] = self.sent.get(index, -1) + 1
             call = (self.function, self.items[index])
             self.open[index] = self.farm.submit(call, name, parcels, (self.name, index), again)
-            accepted = self.farm.accepted_workers() if again or self.limits else None
+            accepted = self.farm.workers.accepted() if again or self.limits else None
             if accepted is not None:
                 self.limits[index] = accepted
 
@@ -341,8 +283,8 @@ class _Request:
                 self._after_loss()
             return
         if isinstance(answer, Refused):
-            self.farm.refuse(answer.worker, answer.reason)
-            self.farm._wait_for_workers()
+            self.farm.workers.refuse(answer.worker, answer.reason)
+            self.farm.workers.wait()
             self._send([index])
             return
         del self.open[index]
@@ -376,11 +318,11 @@ class _Request:
             self.farm.recover()
         if not self.limits:
             return
-        there = set(self.farm._addresses())
+        there = set(self.farm.workers.addresses())
         stuck = [i for i in self.open if i in self.limits and there and not there & set(self.limits[i])]
         if stuck:
             self.farm.client.cancel([self.open[i] for i in stuck], force=True)
-            self.farm._wait_for_workers()
+            self.farm.workers.wait()
             self._send(stuck)
 
     def _tell(self) -> None:

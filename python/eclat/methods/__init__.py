@@ -5,6 +5,7 @@ of them."""
 
 from __future__ import annotations
 
+from eclat.methods.choosing import as_method, make_options
 from eclat.methods.direct import Direct
 from eclat.methods.irradiance_cache import IrradianceCache
 from eclat.methods.method import (
@@ -13,9 +14,7 @@ from eclat.methods.method import (
     Prepared,
     Solved,
     Source,
-    as_method,
     load_solved,
-    make_options,
     merge,
     register,
 )

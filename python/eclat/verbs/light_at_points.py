@@ -63,7 +63,7 @@ def light_at(light: PointLight, places: AtPoints, progress: ProgressReport | Non
     farm, count = current_farm(), len(places.positions)
     if farm is None or count < 2 * FEWEST_POINTS:
         return _of_range(light, PointRange(0, places), light.work.threads, progress)
-    parts = min(count // FEWEST_POINTS, RANGES_OF_THREAD * farm.threads())
+    parts = min(count // FEWEST_POINTS, RANGES_OF_THREAD * farm.workers.threads())
     cuts = [count * k // parts for k in range(parts + 1)]
     ranges = [
         PointRange(first, AtPoints(places.positions[first:end], places.normals[first:end]))

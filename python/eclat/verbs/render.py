@@ -5,7 +5,6 @@
 from __future__ import annotations
 
 import inspect
-import math
 import os
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
@@ -26,42 +25,30 @@ from eclat.bridge.arguments import (
 )
 from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean, shown, warn
-from eclat.farm.farm import current_farm
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
-from eclat.methods import IrradianceCache, Method, Path, Source, as_method
+from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.methods.work import Care, View, Work
-from eclat.sampling.adaptive_sampling import AdaptiveSamples
 from eclat.sampling.convergence import Goal, Sampling
-from eclat.sampling.halves import Halves, seed_of_half
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
 from eclat.tev.display import Display
-from eclat.tev.growing import GrowingPicture
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
-from eclat.verbs.first_look import first_look, is_reduced
-from eclat.verbs.picture import Picture, SampleTaker, warn_of_error
+from eclat.verbs.picture import Picture, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
+from eclat.verbs.picture_samples import sampling_of
+from eclat.verbs.previews import previewing, show_looks
 from eclat.verbs.shown_while_rendered import shown_while_rendered, with_display
 from eclat.verbs.solve import require_check
-from eclat.verbs.tiles_on_farm import TILE, TakerOnFarm, Tiles
+from eclat.verbs.tiles_on_farm import TILE
 
 FILTERS = ("box", "tent")
 
 SHARE_OF_PROBES = 0.15
 """The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
 as 0.15 of the samples, or fewer if the time is over before.
-"""
-
-SECOND_LOOK_SAMPLES = 2
-"""Paths per pixel of the second picture that is shown, one for each half. With the denoiser they take some 12 s of two
-processors at 1280 × 720 in a furnished room, where the records take a minute or more."""
-
-PREVIEW_SECONDS = 4.0
-"""The least number of seconds between two previews. The picture is then updated often enough for a viewer, and rarely
-enough that writing it takes little time.
 """
 
 
@@ -161,7 +148,7 @@ def render(
     preview : a function that is called with unfinished pictures, or None. It is first called with a rough picture of
         fewer pixels, before anything is solved, then, if the picture is large and denoised and its method has
         something to solve, with one of all pixels from few paths, and then between passes, at most once in
-        `PREVIEW_SECONDS`. The
+        `previews.PREVIEW_SECONDS`. The
         metadata of all these pictures hold `unfinished`, and all except the first also hold `samples_done`.
     display_server : where the picture is shown while it grows: "host:port" of tev (https://github.com/Tom94/tev), such as
         "localhost:14158", or a Display, or None. What `preview` gets is shown there, and between such pictures each tile of
@@ -216,14 +203,14 @@ def render(
     if begun is not None:
         begun.require_match(scene, chosen, source.options.name, samples)
     elif preview is not None:
-        _show_looks(scene, source, view, work, denoise, preview)
+        show_looks(scene, source, view, work, denoise, preview)
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
     # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
     estimate = None if prepared is source else prepared.estimate
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
     picture = Picture(scene, prepared, view, region, work, adaptive, denoise, pixel_filter, estimate, started)
-    sampling = _sampling(picture, 1 + halves, order, keep_partial, preview, display, begun)
-    image = _rendered(picture, sampling, goal, halves, check, display)
+    sampling = sampling_of(picture, 1 + halves, order, keep_partial, display, begun)
+    image = _rendered(picture, sampling, goal, halves, check, preview, display)
     if continuable or begun is not None:
         make_continuable(image, begun, sampling, scene, chosen, (view.size, *settings[1:5], adaptive, halves))
     return image
@@ -246,11 +233,19 @@ def _source(what: Source | type[Method] | str | None, max_error: float, refine: 
 
 
 def _rendered(
-    picture: Picture, sampling: Sampling, wanted: Goal, halves: bool, check: bool, display: Display | None
+    picture: Picture,
+    sampling: Sampling,
+    wanted: Goal,
+    halves: bool,
+    check: bool,
+    preview: Callable[[Image], None] | None,
+    display: Display | None,
 ) -> Image:
     """Take all samples, measure the error until the deadline if there is one, make the Image and show it on the display, if
     there is one. Warn of noise and errors that are left above those wanted, and of bad samples.
     """
+    if preview is not None:
+        sampling.after_pass = previewing(picture, sampling, preview, display)
     goal = _goal_of_samples(wanted, picture.estimate, halves and check)
     with picture.kept(sampling):
         sampling.run(goal)
@@ -316,96 +311,6 @@ def _checked_order(order: list[int] | None, region: tuple[int, int, int, int]) -
             f"tile_order: expected a permutation of the {count} indices 0 to {count - 1}, got {shown(order)}"
         )
     return [int(index) for index in order]
-
-
-def _sampling(
-    picture: Picture,
-    count: int,
-    tile_order: list[int],
-    keep_partial: bool,
-    preview: Callable[[Image], None] | None,
-    display: Display | None,
-    begun: Begun | None,
-) -> Sampling:
-    """Make the object that takes the samples of the picture, in one film or in two halves with different seeds. It goes on from
-    those that were `begun`, if any.
-    """
-    view, region, work = picture.view, picture.region, picture.work
-    growing = None if display is None else GrowingPicture(display, view.size, picture.denoise)
-    pixels = [
-        _core.RenderRange(
-            crop=region,
-            seed=seed_of_half(work.seed, half),
-            threads=work.threads,
-            filter=picture.filter,
-            tile_order=tile_order,
-            finished=None if growing is None else growing.finished,
-        )
-        for half in range(count)
-    ]
-    films = [_core.Film(*view.size) for _ in pixels]
-    farm = current_farm()
-    take: SampleTaker | TakerOnFarm = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels, growing)
-    if farm is not None:
-        seeds = tuple(seed_of_half(work.seed, half) for half in range(count))
-        tiles = Tiles(picture.scene, picture.prepared, view, work, region, picture.filter.name, seeds)
-        take = TakerOnFarm(farm, tiles, films)
-    film = films[0] if len(films) == 1 else Halves(films[0], films[1], region)
-    adaptive = AdaptiveSamples(view.size, region) if picture.adaptive else None
-    sampling = Sampling(film, take.samples, keep_partial, work.progress, adaptive)
-    if preview is not None:
-        sampling.after_pass = _previewing(picture, sampling, preview, display)
-    if begun is not None:
-        begun.restore(sampling)
-    return sampling
-
-
-def _show_looks(
-    scene: Scene, source: Source, view: View, work: Work, denoise: bool, preview: Callable[[Image], None]
-) -> None:
-    """Show what there is before anything is solved."""
-    started = clock.perf_counter()
-    preview(first_look(scene, source, view, work))
-    if denoise and isinstance(source, Method) and source.solved is not None and is_reduced(view):
-        preview(_second_look(scene, view, work, started))
-
-
-def _second_look(scene: Scene, view: View, work: Work, started: float) -> Image:
-    """Render a picture of all pixels from few paths, denoised and with its measured error, to show while records are
-    solved, which takes a minute or more for the pictures that need it.
-    """
-    region = (0, 0, *view.size)
-    prepared = Path().prepare(scene, view, work)
-    picture = Picture(scene, prepared, view, region, work, False, True, _core.Filter.box, None, started)
-    sampling = _sampling(picture, Halves.each, [], False, None, None, None)
-    sampling.run(Goal(SECOND_LOOK_SAMPLES, 1.0, None, denoised=True))
-    image = picture.finished(sampling)
-    image.metadata.update(unfinished=True, samples_done=sampling.taken)
-    return image
-
-
-def _previewing(
-    picture: Picture, sampling: Sampling, preview: Callable[[Image], None], display: Display | None
-) -> Callable[[], None]:
-    """Make the function that is called between passes. It shows the unfinished picture, unless another was shown
-    shortly before.
-    """
-    last = -math.inf
-
-    def show() -> None:
-        nonlocal last
-        if clock.perf_counter() - last < PREVIEW_SECONDS:
-            return
-        shown = sampling.denoised or not picture.denoise
-        film, taken = sampling.film, sampling.taken
-        image = picture.finished(sampling) if shown else picture.unfinished(film, sampling, taken)
-        image.metadata.update(unfinished=True, samples_done=sampling.taken)
-        preview(image)
-        if display is not None:
-            picture.mark_records(display, image)
-        last = clock.perf_counter()
-
-    return show
 
 
 def _warn_of_noise(sampling: Sampling, goal: Goal) -> None:

@@ -93,7 +93,7 @@ class TakerOnFarm:
 
     def samples(self, first: Counts, end: Counts, report: ProgressReport | None) -> float:
         """Take samples [first, end) of each pixel of each film, which may differ between pixels; return the number of rays."""
-        rectangles = _rectangles(self._tiles, RANGES_OF_THREAD * self._farm.threads() // len(self._films))
+        rectangles = _rectangles(self._tiles, RANGES_OF_THREAD * self._farm.workers.threads() // len(self._films))
         empty = not first.any()
         items = []
         for number, film in enumerate(self._films):

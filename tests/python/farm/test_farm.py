@@ -139,12 +139,12 @@ def test_a_worker_with_another_version_is_left_out_with_the_reason(client: Any) 
             assert older not in set(farm.ordered(where, None, range(9)))
         # One that comes later refuses its ranges itself.
         with pytest.warns(EclatWarning, match="left out"), Farm(client) as farm:
-            farm._refused.clear()
+            farm.workers._refused.clear()
             assert older not in set(farm.ordered(where, None, range(9)))
     finally:
         client.unregister_worker_plugin("older")
     with Farm(client) as farm:
-        assert farm.accepted_workers() is None
+        assert farm.workers.accepted() is None
 
 
 def test_workers_that_all_differ_are_an_error(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -212,7 +212,7 @@ def test_a_scheduler_that_is_lost_and_started_again(comes_back: bool) -> None:
     with ExitStack() as stack:
         cluster = Cluster(stack)
         with Farm.connect(cluster.address, patience=30) as farm:
-            farm.patience = 30 if comes_back else 1
+            farm.workers.patience = 30 if comes_back else 1
             ranges = farm.each(slow, "", range(8))
             found = [next(ranges)]
             cluster.scheduler.kill()

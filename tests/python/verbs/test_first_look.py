@@ -17,6 +17,7 @@ from eclat.scenes import build
 SIZE = (64, 48)
 looking = importlib.import_module("eclat.verbs.first_look")
 rendering = importlib.import_module("eclat.verbs.render")
+previews = importlib.import_module("eclat.verbs.previews")
 
 
 @pytest.fixture(scope="module")
@@ -42,7 +43,7 @@ def test_a_second_look_of_all_pixels_is_denoised_and_states_its_error(
 ) -> None:
     pytest.importorskip("pyoidn")
     monkeypatch.setattr(looking, "PIXELS", 600)
-    monkeypatch.setattr(rendering, "PREVIEW_SECONDS", 1e9)
+    monkeypatch.setattr(previews, "PREVIEW_SECONDS", 1e9)
     seen: list[eclat.Image] = []
     method, size = eclat.IrradianceCache(max_error=0.3), (64, 48)
     image = eclat.render(cornell, method, max_error=0.3, size=size, preview=seen.append)
@@ -60,7 +61,7 @@ def test_a_second_look_of_all_pixels_is_denoised_and_states_its_error(
 
 
 def test_previews_get_better_and_change_nothing(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rendering, "PREVIEW_SECONDS", 0.0)
+    monkeypatch.setattr(previews, "PREVIEW_SECONDS", 0.0)
     seen: list[eclat.Image] = []
     shown = eclat.render(cornell, eclat.Path(), max_error=0.1, size=SIZE, preview=seen.append)
     plain = eclat.render(cornell, eclat.Path(), max_error=0.1, size=SIZE)
@@ -72,7 +73,7 @@ def test_previews_get_better_and_change_nothing(cornell: eclat.Scene, monkeypatc
 
 
 def test_previews_keep_their_distance(cornell: eclat.Scene, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(rendering, "PREVIEW_SECONDS", 1e9)
+    monkeypatch.setattr(previews, "PREVIEW_SECONDS", 1e9)
     seen: list[eclat.Image] = []
     eclat.render(cornell, eclat.Path(), max_error=0.1, size=SIZE, preview=seen.append)
     assert len(seen) == 2  # the first look, and one between passes
@@ -87,7 +88,7 @@ def test_the_output_file_holds_a_picture_before_the_last(
         assert Path("box.exr").exists()
         raise KeyboardInterrupt
 
-    monkeypatch.setattr(rendering, "_sampling", interrupted)
+    monkeypatch.setattr(rendering, "sampling_of", interrupted)
     command = ["render", "cornell-box", "--method", "path", "--size", "16x16", "-o", "box.exr"]
     assert main(command) == 130
     assert "box.exr: holds an unfinished picture" in capsys.readouterr().err
@@ -95,6 +96,6 @@ def test_the_output_file_holds_a_picture_before_the_last(
     assert [path.name for path in tmp_path.iterdir()] == ["box.exr"]
     # Where it is known what the picture takes, nothing is written before it is done.
     Path("box.exr").unlink()
-    monkeypatch.setattr(rendering, "_sampling", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
+    monkeypatch.setattr(rendering, "sampling_of", lambda *_: (_ for _ in ()).throw(KeyboardInterrupt))
     assert main([*command, "--samples", "2"]) == 130
     assert not Path("box.exr").exists()

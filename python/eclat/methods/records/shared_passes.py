@@ -105,7 +105,7 @@ def share_passes(farm: Farm, solve: SharedSolve, settings: _core.IrradianceCache
     def exchange(count: int, compute: Compute) -> Pass:
         nonlocal number
         number += 1
-        parts = min(count // FEWEST_GATHERS, RANGES_OF_THREAD * farm.threads())
+        parts = min(count // FEWEST_GATHERS, RANGES_OF_THREAD * farm.workers.threads())
         if parts < 2:
             found = [compute(0, count)]
         else:
