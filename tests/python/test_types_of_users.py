@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Types as a user's editor sees them: a script that uses what a beginner uses has no error in Pyright's strict mode."""
+"""Types as a user's editor sees them: a script that uses what a beginner uses, and the examples in the README and in the
+guides, have no error in Pyright's strict mode."""
 
 from __future__ import annotations
 
@@ -12,6 +13,7 @@ from pathlib import Path
 import pytest
 
 import eclat
+from support.page_blocks import ROOT, blocks_of
 
 SCRIPT = """\
 import numpy as np
@@ -35,22 +37,42 @@ picture = mixed.to_pil(exposure="auto")
 size: tuple[int, int] = picture.size
 solved = eclat.solve(scene, eclat.Radiosity(patches=100))
 irradiance = eclat.irradiance(scene, np.zeros((1, 3)), np.array([[0.0, 1.0, 0.0]]), solved)
+listed = eclat.irradiance(scene, [[0, 0.1, 0]], [[0, 1, 0]])
+probes = eclat.probes(scene, grid=(2, 2, 2))
+moving = probes.irradiance([[0, 0.5, 0]], [[0, 1, 0]])
+means: dict[str, float] = {name: float(layer.mean()) for name, layer in image.items()}
 methods: list[str] = sorted(eclat.METHODS)
-print(brightest, names, size, irradiance.shape, methods, eclat.load("cornell-box").name)
+print(brightest, names, size, irradiance.shape, listed.shape, moving.shape, means, methods, eclat.load("cornell-box").name)
 """
 
 
+UNTYPED = ("pxr",)
+"""Packages on pages whose authors give no types."""
+
+
+def python_of(page: Path) -> str:
+    """Return the Python of a page that the tests run, but for blocks that import packages without types."""
+    blocks = [block.code for block in blocks_of(page) if block.language == "python" and not block.reason]
+    return "\n".join(code for code in blocks if not any(f"from {name} " in code for name in UNTYPED))
+
+
 @pytest.mark.full
-def test_a_script_is_clean_in_strict_mode(tmp_path: Path) -> None:
+def test_scripts_are_clean_in_strict_mode(tmp_path: Path) -> None:
     pytest.importorskip("basedpyright")
-    (tmp_path / "script.py").write_text(SCRIPT)
+    pages = [ROOT / "README.md", *(ROOT / "docs/get_started").glob("*.md"), *(ROOT / "docs/guides").glob("*.md")]
+    scripts = {"script": SCRIPT} | {page.stem: code for page in pages if (code := python_of(page))}
+    assert len(scripts) > 5
+    for name, code in scripts.items():
+        (tmp_path / f"{name}_example.py").write_text(code, encoding="utf-8")
     settings = {"typeCheckingMode": "strict", "extraPaths": [str(Path(eclat.__file__).parents[1])]}
     (tmp_path / "pyrightconfig.json").write_text(json.dumps(settings))
-    command = [sys.executable, "-m", "basedpyright", "--outputjson", "--pythonpath", sys.executable, "script.py"]
+    command = [sys.executable, "-m", "basedpyright", "--outputjson", "--pythonpath", sys.executable, "."]
     done = subprocess.run(command, cwd=tmp_path, capture_output=True, text=True, timeout=600)
     found = json.loads(done.stdout)
-    messages = [f"{d['range']['start']['line'] + 1}: {d['message']}" for d in found["generalDiagnostics"]]
-    assert found["summary"]["filesAnalyzed"] == 1 and not messages, messages
+    messages = [
+        f"{Path(d['file']).name}:{d['range']['start']['line'] + 1}: {d['message']}" for d in found["generalDiagnostics"]
+    ]
+    assert found["summary"]["filesAnalyzed"] == len(scripts) and not messages, "\n".join(messages)
 
 
 def test_the_script_runs(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]) -> None:

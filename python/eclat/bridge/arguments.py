@@ -7,6 +7,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from eclat.errors import EclatError, shown
 from eclat.images.image import check_size
@@ -98,21 +99,21 @@ def checked_time(time: float | None) -> float | None:
     return time
 
 
-def points_with_normals(points: FloatArray, normals: FloatArray) -> tuple[FloatArray, FloatArray]:
+def points_with_normals(points: ArrayLike, normals: ArrayLike) -> tuple[FloatArray, FloatArray]:
     """Return points (N, 3) and unit normals (N, 3), both float64; N may be 0."""
-    points, normals = _rows("points", points), _rows("normals", normals)
-    if points.shape != normals.shape or points.ndim != 2 or (points.size and points.shape[1] != 3):
-        raise EclatError(f"points and normals must both be (N, 3), got {points.shape} and {normals.shape}")
-    points, normals = points.reshape(-1, 3), normals.reshape(-1, 3)
-    lengths = np.linalg.norm(normals, axis=1)
-    bad = ~np.isfinite(points).all(axis=1) | ~np.isfinite(lengths) | (lengths == 0)
+    places, directions = _rows("points", points), _rows("normals", normals)
+    if places.shape != directions.shape or places.ndim != 2 or (places.size and places.shape[1] != 3):
+        raise EclatError(f"points and normals must both be (N, 3), got {places.shape} and {directions.shape}")
+    places, directions = places.reshape(-1, 3), directions.reshape(-1, 3)
+    lengths = np.linalg.norm(directions, axis=1)
+    bad = ~np.isfinite(places).all(axis=1) | ~np.isfinite(lengths) | (lengths == 0)
     if bad.any():
         row = int(np.argmax(bad))
         raise EclatError(
             f"points and normals must be finite, and normals must not be zero; "
-            f"got the point {points[row].tolist()} with the normal {normals[row].tolist()} at index {row}"
+            f"got the point {places[row].tolist()} with the normal {directions[row].tolist()} at index {row}"
         )
-    return points, normals / lengths[:, None]
+    return places, directions / lengths[:, None]
 
 
 def _rows(name: str, values: object) -> FloatArray:

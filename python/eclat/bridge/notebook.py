@@ -18,11 +18,14 @@ SECONDS_BETWEEN = 0.25
 _last: list[Any] = [None, None, 0.0]
 """The cell that has a bar, what displays it, and when it was last updated."""
 
+AFTER_CELL = "post_run_cell"
+"""The event of IPython after which nothing more is computed by a cell."""
+
 
 def notebook_report() -> Callable[[str, float, dict[str, float]], None] | None:
     """Return a function that shows the progress below the cell that is running, or None outside of a notebook.
 
-    All calls of one cell share one bar.
+    All calls of one cell share one bar. When the cell has ended without an error, the bar is full and tells its time.
     """
     # Only a program that runs in IPython has imported it.
     ipython = sys.modules.get("IPython")
@@ -41,9 +44,23 @@ def notebook_report() -> Callable[[str, float, dict[str, float]], None] | None:
             handle.update(bar)
         else:
             handle = display.display(bar, display_id=True)
+            fill_at_end(shell, handle, display.HTML)
         _last[:] = [shell.execution_count, handle, now]
 
     return report
+
+
+def fill_at_end(shell: Any, handle: Any, html: Callable[[str], Any]) -> None:
+    """Fill the bar that `handle` displays when the running cell of `shell` ends; after an error it stays where it is."""
+    started = time.perf_counter()
+
+    def ended(result: Any) -> None:
+        shell.events.unregister(AFTER_CELL, ended)
+        if result.success:
+            seconds = time.perf_counter() - started
+            handle.update(html(f'<progress value="100" max="100"></progress> done in {seconds:.1f} s'))
+
+    shell.events.register(AFTER_CELL, ended)
 
 
 def bar_html(phase: str, fraction: float, statistics: dict[str, float]) -> str:

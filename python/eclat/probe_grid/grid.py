@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import Any, Self
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 import eclat
 from eclat.errors import EclatError, shown
@@ -72,23 +72,23 @@ class ProbeGrid:
         found: FloatArray = self.origin + steps * self.spacing
         return found
 
-    def at(self, points: FloatArray) -> FloatArray:
+    def at(self, points: ArrayLike) -> FloatArray:
         """Interpolate the coefficients (N, 9, 3) at `points` (N, 3), trilinearly between the eight nearest probes. Points
         outside of the grid get those of its border."""
-        points = np.asarray(points, np.float64).reshape(-1, 3)
+        places = np.asarray(points, np.float64).reshape(-1, 3)
         last = np.array(self.counts) - 1
-        steps = np.divide(points - self.origin, self.spacing, out=np.zeros_like(points), where=self.spacing > 0)
+        steps = np.divide(places - self.origin, self.spacing, out=np.zeros_like(places), where=self.spacing > 0)
         steps = np.clip(steps, 0, last)
         low = np.minimum(steps.astype(np.int64), np.maximum(last - 1, 0))
         part = steps - low
-        found = np.zeros((len(points), COUNT, 3))
+        found = np.zeros((len(places), COUNT, 3))
         for corner in np.ndindex(2, 2, 2):
             weight = np.prod(np.where(np.array(corner) == 1, part, 1 - part), axis=1)
             x, y, z = np.minimum(low + corner, last).T
             found += weight[:, None, None] * self.coefficients[x, y, z]
         return found
 
-    def irradiance(self, points: FloatArray, normals: FloatArray) -> FloatArray:
+    def irradiance(self, points: ArrayLike, normals: ArrayLike) -> FloatArray:
         """Compute the irradiance (N, 3) on surfaces at `points` (N, 3) with unit `normals` (N, 3), as engines do from
         interpolated coefficients."""
         return irradiance_of(self.at(points), np.asarray(normals, np.float64).reshape(-1, 3))

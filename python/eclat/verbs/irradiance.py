@@ -10,7 +10,7 @@ import time as clock
 from typing import get_args
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from eclat.bridge.arguments import (
     checked_max_depth,
@@ -28,7 +28,7 @@ from eclat.measure.photometry import luminance
 from eclat.methods import Direct, IrradianceCache, Method, Path, Source, as_method
 from eclat.methods.records.laws import core_options
 from eclat.methods.work import AtPoints, Work
-from eclat.scene import FloatArray, Scene
+from eclat.scene import Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.verbs.light_at_points import Component, PointLight, light_at
@@ -58,8 +58,8 @@ def paths_for_few(count: int, max_error: float) -> int | None:
 @typed
 def irradiance(
     scene: Scene | str | os.PathLike[str],
-    points: FloatArray,
-    normals: FloatArray,
+    points: ArrayLike,
+    normals: ArrayLike,
     what: Source | type[Method] | str | None = None,
     *,
     component: Component = "total",

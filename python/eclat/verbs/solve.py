@@ -7,6 +7,8 @@ from __future__ import annotations
 import os
 from typing import TYPE_CHECKING, overload
 
+from numpy.typing import ArrayLike
+
 from eclat.bridge.arguments import (
     checked_max_depth,
     checked_max_error,
@@ -20,7 +22,7 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, shown
 from eclat.methods import IrradianceCache, Method, Solved, as_method
 from eclat.methods.work import AtPoints, Care, Everywhere, Purpose, View, Work
-from eclat.scene import Camera, FloatArray, Scene
+from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 
@@ -37,7 +39,7 @@ def solve(
     *,
     camera: int | Camera | None = None,
     size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
+    points: tuple[ArrayLike, ArrayLike] | None = None,
     view_independent: bool = False,
     max_depth: int = -1,
     seed: int = 0,
@@ -80,7 +82,7 @@ def solve(
     *,
     camera: int | Camera | None = None,
     size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
+    points: tuple[ArrayLike, ArrayLike] | None = None,
     view_independent: bool = False,
     max_depth: int = -1,
     seed: int = 0,
@@ -99,7 +101,7 @@ def solve(
     *,
     camera: int | Camera | None = None,
     size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
+    points: tuple[ArrayLike, ArrayLike] | None = None,
     view_independent: bool = False,
     max_depth: int = -1,
     seed: int = 0,
@@ -183,7 +185,7 @@ def refine(
     *,
     camera: int | Camera | None = None,
     size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
+    points: tuple[ArrayLike, ArrayLike] | None = None,
     view_independent: bool = False,
     seed: int = 0,
     threads: int | None = None,
@@ -231,7 +233,7 @@ def purpose_of(
     *,
     camera: int | Camera | None = None,
     size: tuple[int, int] | None = None,
-    points: tuple[FloatArray, FloatArray] | None = None,
+    points: tuple[ArrayLike, ArrayLike] | None = None,
     view_independent: bool = False,
 ) -> Purpose:
     """Return the purpose that the arguments of `solve` describe. Raises EclatError if they contradict each other."""
