@@ -106,6 +106,7 @@ std::vector<std::tuple<const char*, size_t, size_t>> record_layout() {
             field("axes", offsetof(R, axis), sizeof(R::axis)),
             field("curvatures", offsetof(R, curvature), sizeof(R::curvature)),
             field("least_radii", offsetof(R, least_radius), sizeof(R::least_radius)),
+            field("largest_radii", offsetof(R, largest_radius), sizeof(R::largest_radius)),
             field("noises", offsetof(R, own_noise), sizeof(R::own_noise)),
             field("clearances", offsetof(R, clearance), sizeof(R::clearance)),
             field("enclosed", offsetof(R, enclosed), sizeof(R::enclosed))};

@@ -4,14 +4,15 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 import pytest
 
 import eclat
-from eclat import scenes
+from eclat import _core, scenes
 from eclat.measure.metrics import away_from_edges, relative_rmse
+from eclat.methods.records.laws import core_options
 from eclat.methods.records.solution import Solution
 from eclat.scene import (
     Camera,
@@ -29,6 +30,8 @@ from eclat.scene import (
 from eclat.scenes import glossy_box
 from eclat.scenes.geometry import box as solid_box
 from eclat.scenes.geometry import mesh
+from eclat.viewer.contents import GLOSS
+from eclat.viewer.messages import decode_message, encode_message
 from support.browser import ViewedPage, look_at_page, require_browser, require_node, require_page
 
 SIZE = (160, 120)
@@ -37,6 +40,14 @@ SAMPLES = 64
 """Paths a pixel of each of two references, so that their noise cancels from the error."""
 
 POINTS = 10_000
+
+SWITCHED: tuple[dict[str, object], ...] = (
+    {"weight": "ward"},
+    {"weight": "split-sphere"},
+    {"gradients": False},
+    {"clamping": False},
+)
+"""What the page's switches do to weights and values is compared with the core, which has options for them."""
 
 
 @dataclass(frozen=True)
@@ -79,7 +90,7 @@ def cornell_box() -> Shown:
     points, normals = points_near(solution, np.random.default_rng(1))
     picture = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
     with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
-        page = look_at_page(viewer.url, [picture], points, normals)
+        page = look_at_page(viewer.url, [picture], points, normals, looks=[{}, *SWITCHED])
         origin = viewer.url.rsplit("/", 2)[0]
     return Shown(scene, solution, points, normals, page, origin)
 
@@ -92,13 +103,46 @@ def test_the_page_says_nothing_wrong_and_asks_this_server_only(cornell_box: Show
 
 def test_weights_and_values_are_those_of_the_core(cornell_box: Shown) -> None:
     expected, weights = cornell_box.solution.core().read_near(cornell_box.points, cornell_box.normals)
-    sums = cornell_box.page.sums
+    sums = cornell_box.page.sums[:POINTS]
     assert len(sums) == POINTS and 0.5 < (weights > 0).mean() < 1
     # Where a weight vanishes, at its border, rounding decides whether it does.
     clear = weights > 0.02
     np.testing.assert_allclose(sums[clear, 3], weights[clear], rtol=1e-4)
     np.testing.assert_allclose(sums[clear, :3] / sums[clear, 3:], expected[clear], rtol=1e-4)
     assert (sums[weights == 0, 3] < 1e-5).all()
+
+
+def switched_core(solution: Solution, look: dict[str, object]) -> _core.SolvedCaches:
+    """The records of the core, read as a page with that look reads them."""
+    options = core_options(solution.options)
+    near = np.array(solution.near)
+    match look:
+        case {"weight": weight}:
+            options = core_options(replace(solution.options, weight=str(weight)))
+        case {"gradients": _}:
+            options = core_options(replace(solution.options, rotation_gradient=False, translation_gradient=False))
+        case {"clamping": _}:
+            columns = {name: first for name, first, _ in _core.record_layout()}
+            length, least, largest = (near[:, columns[k]] for k in ("distances", "least_radii", "largest_radii"))
+            near[:, columns["radii"]] = np.clip(options.spacing * length, least, largest)
+            options = core_options(replace(solution.options, neighbor_clamping=False))
+    return _core.SolvedCaches(near, np.ascontiguousarray(solution.far), options)
+
+
+@pytest.mark.parametrize("number", range(len(SWITCHED)), ids=[next(iter(look)) for look in SWITCHED])
+def test_switches_do_what_options_of_the_core_do(cornell_box: Shown, number: int) -> None:
+    usual, sums = (cornell_box.page.sums[k * POINTS : (k + 1) * POINTS] for k in (0, number + 1))
+    assert not np.allclose(usual, sums, rtol=1e-3)
+    core = switched_core(cornell_box.solution, SWITCHED[number])
+    expected, weights = core.read_near(cornell_box.points, cornell_box.normals)
+    clear = weights > 0.02
+    assert clear.mean() > 0.5
+    np.testing.assert_allclose(sums[clear, 3], weights[clear], rtol=3e-4)
+    # The excess that records share depends on the weights, and the page keeps that of the core.
+    shared = "weight" in SWITCHED[number] or "clamping" in SWITCHED[number]
+    values, exact = sums[clear, :3] / sums[clear, 3:], expected[clear]
+    off = np.abs(values - exact) / np.maximum(exact, 1e-6 * exact.max())
+    assert np.quantile(off, 0.99) < (3e-2 if shared else 1e-4)
 
 
 def test_the_picture_is_that_of_render(cornell_box: Shown) -> None:
@@ -145,14 +189,27 @@ def test_lamps_and_sky_are_those_of_render() -> None:
     assert error < 0.02, f"{error:.4f}"
 
 
+def keep_orders(files: dict[str, bytes], order: int) -> None:
+    """Take from the records of radiance that a viewer serves what is above an order."""
+    header, arrays = decode_message(files[GLOSS])
+    coefficients = arrays["coefficients"].copy()
+    coefficients[:, :, order**2 :] = 0
+    files[GLOSS] = encode_message(header.pop("kind"), header, arrays | {"coefficients": coefficients})
+
+
 def test_gloss_is_that_of_render() -> None:
     require_node(), require_browser(), require_page()
     scene = glossy_box.build(alpha=0.4)
     solution = eclat.solve(scene, eclat.RadianceCache(max_error=0.02), size=SIZE, check=False)
     asked = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
     with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
-        page = look_at_page(viewer.url, [asked])
+        page = look_at_page(viewer.url, [asked, {**asked, "look": {"order": 3}}])
+        keep_orders(viewer._files, 3)
+        lower = look_at_page(viewer.url, [asked])
     assert page.message == "" and page.messages == []
+    # The switch for the order leaves out what is above it.
+    np.testing.assert_allclose(page.pictures[1], lower.pictures[0], rtol=1e-3, atol=1e-4)
+    assert np.abs(page.pictures[0] - page.pictures[1]).max() > 0.01
     a, b = (eclat.render(scene, solution, size=SIZE, samples=SAMPLES, seed=seed) for seed in (1, 2))
     # What is too sharp for the records is traced by `render` and left out by the page.
     cached = a.layers["gloss_cached"] > 0.99

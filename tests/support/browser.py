@@ -190,7 +190,7 @@ class ViewedPage:
     approximated: list[NDArray[np.bool_]]
     """(H, W) where these show gloss by an approximation."""
     sums: NDArray[np.float32]
-    """(N, 4) sums of (w E, w) over the records at the points that were asked for."""
+    """(looks · N, 4) sums of (w E, w) over the records at the points that were asked for, with each look."""
     shot: NDArray[np.uint8] | None
     """(H, W, 3) the page as it looks."""
     message: str
@@ -211,6 +211,7 @@ def look_at_page(
     points: NDArray[np.floating] | None = None,
     normals: NDArray[np.floating] | None = None,
     shot: dict[str, Any] | None = None,
+    looks: Sequence[dict[str, Any]] = ({},),
 ) -> ViewedPage:
     """Open the page of `eclat view` and ask it for pictures and for sums of records; web/tests/view.mjs says how."""
 
@@ -219,6 +220,7 @@ def look_at_page(
 
     node, chromium = require_node(), require_browser()
     request = {"page": url, "pictures": list(pictures), "points": encoded(points), "normals": encoded(normals)}
+    request["looks"] = list(looks)
     command = [node, str(WEB / "tests/view.mjs"), chromium]
     answer = _node(command, json.dumps(request | ({"shot": shot} if shot else {})))
 
@@ -231,7 +233,7 @@ def look_at_page(
     ]
     png = answer.get("shot")
     page = None if png is None else np.array(Image.open(io.BytesIO(base64.b64decode(png))).convert("RGB"))
-    sums = decoded(answer.get("sums"))
+    sums = np.concatenate([decoded(of_look) for of_look in answer.get("sums") or [None]])
     told = (answer["message"], answer["messages"], answer["requests"])
     colors, marks = [p[..., :3] for p in made], [p[..., 3] > 0.5 for p in made]
     return ViewedPage(colors, marks, sums, page, *told, answer.get("work", []), answer.get("seconds", []))

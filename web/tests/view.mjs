@@ -2,15 +2,15 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Asks the page of `eclat view` for pictures and sums of records: node view.mjs CHROMIUM < request.json > answer.json
-// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, shot } with float32 arrays in
-// base64, or without points. The answer is { pictures, work, seconds, sums, shot, records, precision, message, messages, requests }: linear
-// pictures, for those with `work` its counts and the seconds of a picture, and sums as float32 in base64, a PNG of the page if a shot was asked for, what the page shows instead of a
+// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, looks, shot } with float32 arrays in
+// base64, or without points, and the looks with which sums are asked for. The answer is { pictures, work, seconds, sums, shot, records, precision, message, messages, requests }: linear
+// pictures, for those with `work` its counts and the seconds of a picture, and sums of each look, one after another, as float32 in base64, a PNG of the page if a shot was asked for, what the page shows instead of a
 // picture, what it said on its console, and the addresses that it asked for.
 
 import { text } from 'node:stream/consumers';
 import { inBrowser } from './browser.mjs';
 
-const { page: url, pictures = [], points, normals, shot } = JSON.parse(await text(process.stdin));
+const { page: url, pictures = [], points, normals, looks = [{}], shot } = JSON.parse(await text(process.stdin));
 
 const answer = await inBrowser(process.argv[2], async (page, messages) => {
   const requests = [];
@@ -23,7 +23,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
   const found = message
     ? {}
     : await page.evaluate(
-        ({ pictures, points, normals }) => {
+        ({ pictures, points, normals, looks }) => {
           const encoded = (floats) => {
             const bytes = new Uint8Array(floats.buffer, floats.byteOffset, floats.byteLength);
             let binary = '';
@@ -34,7 +34,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
           const { eclatView } = window;
           return {
             pictures: pictures.map((p) => encoded(eclatView.linear(p.camera, p.width, p.height, p.look))),
-            sums: points && encoded(eclatView.sums(decoded(points), decoded(normals))),
+            sums: points && looks.map((look) => encoded(eclatView.sums(decoded(points), decoded(normals), look))),
             work: pictures.map((p) => p.work && eclatView.work(p.camera, p.width, p.height)),
             seconds: pictures.map((p) => {
               if (!p.work) return undefined;
@@ -46,7 +46,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
             precision: eclatView.precision,
           };
         },
-        { pictures, points, normals },
+        { pictures, points, normals, looks },
       );
   if (shot) {
     if (shot.script) await page.evaluate(shot.script);

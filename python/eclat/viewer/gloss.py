@@ -23,6 +23,7 @@ import numpy as np
 
 from eclat import _core
 from eclat.bridge.compiled import compiled
+from eclat.methods.records.laws import core_radiance_options
 from eclat.methods.records.options import RadianceOptions
 from eclat.methods.records.radiance_tables import radiance_tables
 from eclat.methods.records.solution import Solution
@@ -59,7 +60,10 @@ def gloss_message(scene: Scene, solution: Solution) -> bytes:
     }
     if isinstance(options, RadianceOptions) and solution.radiance is not None and len(solution.radiance):
         arrays = _arrays(scene, solution, options)
-    content = {"first": 0, "count": len(arrays["rows"]), "reading": reading_of(solution)}
+    reading = reading_of(solution)
+    if isinstance(options, RadianceOptions):
+        reading["spacing"] = float(core_radiance_options(options).spacing)
+    content = {"first": 0, "count": len(arrays["rows"]), "reading": reading}
     return encode_message("gloss", content | {"order": order, "grid": GRID}, arrays)
 
 
@@ -68,7 +72,8 @@ def _arrays(scene: Scene, solution: Solution, options: RadianceOptions) -> dict[
     tables = radiance_tables(scene, options)
     found = _core.lobes_at_records(compiled(scene).core, caches, tables, grid_directions())
     lobe_of, factors, widths, albedos = (np.asarray(part) for part in found)
-    rows, read = rows_of(np.asarray(caches.radiance_records), np.asarray(caches.radiance_shared_excess))
+    spacing = core_radiance_options(options).spacing
+    rows, read = rows_of(np.asarray(caches.radiance_records), np.asarray(caches.radiance_shared_excess), spacing)
     kept = lobe_of[read] >= 0
     numbers = np.flatnonzero(read)[kept]
     coefficients = coefficients_of(caches, options.order)[numbers]

@@ -48,7 +48,10 @@ class Growth:
         options = core_options(solution.options, max_depth=solution.max_depth, seed=seed, threads=threads)
         begin = solution.core() if len(solution.near) or len(solution.far) else _core.SolvedCaches()
         self._cache = _core.GrowingCache(compiled(scene).core, options, begin)
-        self._rows = record_rows(self._cache.caches) if len(solution.near) else np.zeros((0, ROW), np.float32)
+        self._rows = (
+            record_rows(self._cache.caches, options.spacing) if len(solution.near) else np.zeros((0, ROW), np.float32)
+        )
+        self._spacing = options.spacing
         self._grown = False
         self._rays = 0.0
         self._lock = threading.Condition()  # guards what follows
@@ -137,7 +140,7 @@ class Growth:
                     self._cache.step(self._progress)
                     self._rays += float(self._progress.rays)
                     self._grown = True
-                    rows, left = record_rows(self._cache.caches), int(self._cache.passes_left)
+                    rows, left = record_rows(self._cache.caches, self._spacing), int(self._cache.passes_left)
                 with self._lock:
                     self._rows = rows
                     self._tell(left > 0, left)

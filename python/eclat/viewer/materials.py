@@ -5,6 +5,7 @@
 A material of the page has the fields
 
     name, two_sided, culled, vertex_colors, emission_two_sided, cutoff (−1 for none)
+    hidden                            whether the eye sees through it, while mirrors show it
     diffuse, emission, opacity        values, see below
     metallic, transmission            values by which the diffuse reflectance is reduced: (1 − metallic) (1 − transmission)
     gloss                             "none", or what it is like: "rough", "mirror" or "glass"
@@ -59,7 +60,7 @@ class PageMaterials:
         return self._numbers[id(material)]
 
     def _material(self, material: Material) -> Json:
-        shown = as_metallic_roughness(material) if material.kind == "blend" else material
+        shown = as_metallic_roughness(material) if material.kind in ("blend", "measured") else material
         parameters = {name: shown.parameters.get(name, default) for name, default in DEFAULTS.items()}
         black = grey(0.0)
         coat, inside = coat_of(shown)
@@ -67,6 +68,7 @@ class PageMaterials:
             "name": material.name,
             "two_sided": material.two_sided,
             "culled": material.back_culled and not material.two_sided,
+            "hidden": material.hidden_from_camera,
             "vertex_colors": material.vertex_colors,
             "emission_two_sided": material.emission_two_sided,
             "cutoff": -1 if material.alpha_cutoff is None else material.alpha_cutoff,

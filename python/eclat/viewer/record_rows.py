@@ -12,7 +12,8 @@ A row has 13 groups of four numbers, which are texels of a texture in the page (
     5, 6, 7  ∇_r E of a channel; x, y or z of the first channel of ∇_t E
     8        the second channel of ∇_t E, x of the third
     9..11    clearance in each of the twelve sectors around n
-    12       length ℓ that the radius follows, relative noise of the value, unused, sign of the z of n (for −0)
+    12       length ℓ that the radius follows, relative noise of the value, radius before neighbours bound it, sign of
+             the z of n (for −0)
 
 Radii and excess are those of the core, which clamps a radius to those of the neighbours, and shares the excess with
 them, whenever it takes records in.
@@ -40,7 +41,7 @@ _FARTHEST = np.float32(1e30)
 
 def records_message(solution: Solution, *, first: int = 0) -> bytes:
     """Encode the records of a solution from the record `first` on, without those inside solids, which are not read."""
-    rows = record_rows(solution.core())
+    rows = record_rows(solution.core(), core_options(solution.options).spacing)
     content = {"first": first, "count": len(rows), "reading": reading_of(solution)}
     return encode_message("records", content, {"rows": rows[first:]})
 
@@ -58,18 +59,19 @@ def reading_of(solution: Solution) -> dict[str, Any]:
     }
 
 
-def record_rows(caches: _core.SolvedCaches) -> np.ndarray:
-    """Return the rows (N, 52) float32 of the near records that are read, in their order."""
-    return rows_of(np.asarray(caches.near), np.asarray(caches.near_shared_excess))[0]
+def record_rows(caches: _core.SolvedCaches, spacing: float) -> np.ndarray:
+    """Return the rows (N, 52) float32 of the near records that are read, in their order; `spacing` is as for `rows_of`."""
+    return rows_of(np.asarray(caches.near), np.asarray(caches.near_shared_excess), spacing)[0]
 
 
-def rows_of(records: np.ndarray, shared_excess: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def rows_of(records: np.ndarray, shared_excess: np.ndarray, spacing: float) -> tuple[np.ndarray, np.ndarray]:
     """Return the rows (M, 52) float32 of the records that are read, and which of all (N,) these are.
 
     Parameters
     ----------
     records : (N, floats) as the core gives them.
     shared_excess : (N, 3) the excess of each, averaged over the records around it.
+    spacing : the radius of a record whose radius follows a length of 1 m.
     """
     read = records[:, _COLUMNS["enclosed"]][:, 0] == 0
     near, shared = records[read], shared_excess[read]
@@ -80,6 +82,7 @@ def rows_of(records: np.ndarray, shared_excess: np.ndarray) -> tuple[np.ndarray,
     moving = field["translation_gradients"].reshape(-1, 3, 3)
     clearance = field["clearances"]
     sign = np.copysign(np.float32(1), normal[:, 2:])
+    alone = np.clip(spacing * field["distances"], field["least_radii"], field["largest_radii"])
     rows = np.concatenate(
         [
             field["positions"], field["radii"],
@@ -92,7 +95,7 @@ def rows_of(records: np.ndarray, shared_excess: np.ndarray) -> tuple[np.ndarray,
             turning[:, 2], moving[:, 0, 2:],
             moving[:, 1], moving[:, 2, :1],
             clearance,
-            field["distances"], field["noises"], np.zeros_like(sign), sign,
+            field["distances"], field["noises"], alone, sign,
         ],
         axis=1,
     ).astype(np.float32)  # fmt: skip

@@ -37,7 +37,8 @@ class Viewer:
         self.contents = contents
         self._live = Live(contents.scene, contents.solution, seed=seed, threads=threads or 0)
         try:
-            self._server = Server(with_live(contents.files()), self._live.routes)
+            self._files = with_live(contents.files())
+            self._server = Server(self._files, self._live.routes)
         except BaseException:
             self._live.close()
             raise

@@ -4,23 +4,30 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
 import eclat
 from eclat import scenes
+from eclat.methods.records.laws import core_options
 from eclat.methods.records.solution import Solution
 from eclat.viewer.messages import decode_message
 from eclat.viewer.record_rows import ROW, reading_of, record_rows, records_message, stretches
 
+METHOD = eclat.IrradianceCache(max_error=0.1)
+
+SPACING = core_options(METHOD).spacing
+
 
 @pytest.fixture(scope="module")
 def solution() -> Solution:
-    return eclat.solve(scenes.build("cornell-box"), eclat.IrradianceCache(max_error=0.1), size=(32, 32), check=False)
+    return eclat.solve(scenes.build("cornell-box"), METHOD, size=(32, 32), check=False)
 
 
 def test_rows_hold_what_the_core_reads(solution: Solution) -> None:
-    rows = record_rows(solution.core())
+    rows = record_rows(solution.core(), SPACING)
     read = ~solution.enclosed
     assert rows.dtype == np.float32 and rows.shape == (read.sum(), ROW)
     np.testing.assert_array_equal(rows[:, :3], (solution.positions - solution.center)[read].astype(np.float32))
@@ -33,8 +40,20 @@ def test_rows_hold_what_the_core_reads(solution: Solution) -> None:
     assert np.isfinite(rows).all()
 
 
+def test_neighbours_only_make_radii_smaller(solution: Solution) -> None:
+    rows = record_rows(solution.core(), SPACING)
+    radii, alone = rows[:, 3], rows[:, 50]
+    assert (alone >= radii * (1 - 1e-6)).all() and (alone > 1.01 * radii).any()
+    # Without clamping, the core has the radii that the rows call those before neighbours bound them.
+    unbound = eclat.solve(
+        scenes.build("cornell-box"), replace(METHOD, neighbor_clamping=False), size=(32, 32), check=False
+    )
+    free = record_rows(unbound.core(), SPACING)
+    np.testing.assert_allclose(free[:, 3], free[:, 50], rtol=1e-6)
+
+
 def test_the_excess_is_shared_with_neighbours(solution: Solution) -> None:
-    shared = record_rows(solution.core())[:, [15, 16, 17]]
+    shared = record_rows(solution.core(), SPACING)[:, [15, 16, 17]]
     own = solution.excess[~solution.enclosed]
     assert own.any() and not np.array_equal(shared, own)
     # Sharing averages: the noise falls, and about the same light stays.
@@ -51,7 +70,7 @@ def test_a_stretch_points_along_the_long_axis() -> None:
 
 def test_a_message_may_begin_at_any_record(solution: Solution) -> None:
     header, arrays = decode_message(records_message(solution, first=5))
-    rows = record_rows(solution.core())
+    rows = record_rows(solution.core(), SPACING)
     assert (header["first"], header["count"], header["reading"]) == (5, len(rows), reading_of(solution))
     np.testing.assert_array_equal(arrays["rows"], rows[5:])
 

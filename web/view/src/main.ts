@@ -24,7 +24,7 @@ export interface EclatView {
   /** The fragments of splats per pixel of such a picture, and those of them that serve their pixel. */
   work(camera: number, width: number, height: number): ReturnType<Renderer['work']>;
   /** The sums (n, 4) of (w E, w) at n points with normals. */
-  sums(points: Float32Array, normals: Float32Array): Float32Array;
+  sums(points: Float32Array, normals: Float32Array, look?: Partial<Look>): Float32Array;
 }
 
 declare global {
@@ -140,11 +140,13 @@ async function start(): Promise<void> {
     panel.showRecord(number < 0 ? [['No record', 'serves this place']] : recordFacts(renderer.records, number, header));
   };
   byId('panel').hidden = false;
-  const tell = () =>
-    (panel.facts.textContent =
+  const tell = () => {
+    panel.showOrder(renderer.gloss.order);
+    panel.facts.textContent =
       `${header.name}: ${renderer.surfaces.triangles.toLocaleString('en')} triangles, ` +
       `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
-      (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : ''));
+      (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : '');
+  };
   tell();
   const wishes = live && new Wishes(() => live.wish(pose, canvas.clientWidth, canvas.clientHeight));
   if (live) byId('panel').append(cacheLink());
@@ -191,10 +193,10 @@ function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, 
     linear: (number, width, height, look = {}) =>
       renderer.readLinear(poseOf(number), { ...USUAL_LOOK, ...look }, width, height),
     work: (number, width, height) => renderer.work(poseOf(number), width, height),
-    sums: (points, normals) => {
+    sums: (points, normals, look = {}) => {
       const width = 64;
       const height = Math.ceil(points.length / 3 / width);
-      return renderer.readRecords(points, normals, width, height).subarray(0, (points.length / 3) * 4);
+      return renderer.readRecords(points, normals, width, height, { ...USUAL_LOOK, ...look }).subarray(0, (points.length / 3) * 4);
     },
   };
 }

@@ -33,6 +33,7 @@ export interface MaterialEntry {
   readonly name: string;
   readonly two_sided: boolean;
   readonly culled: boolean;
+  readonly hidden: boolean;
   readonly vertex_colors: boolean;
   readonly emission_two_sided: boolean;
   readonly cutoff: number;

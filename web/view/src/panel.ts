@@ -4,6 +4,7 @@
 // The settings beside the picture: plain controls with labels, which keys and screen readers reach.
 
 import type { Mode } from './navigation';
+import type { Weighting } from './records';
 import type { Look, Overlay, ToneMapping } from './renderer';
 import type { Way } from './truth';
 
@@ -37,6 +38,25 @@ const OVERLAYS: readonly [Overlay, string][] = [
   ['clearance', 'Distance to the nearest obstacle'],
   ['noise', 'Noise of the records, up to 10 %'],
   ['left-out', 'What is approximated'],
+  ['lobes', 'Lobes from records, and traced'],
+];
+const LEGENDS: Record<Overlay, string> = {
+  none: '',
+  weights: 'From dark blue to yellow: sums of weights from 0 to 4. Red: no record serves the place.',
+  density: 'From dark blue to yellow: 0 to 63 splats that serve a pixel.',
+  records: 'Yellow: the places of records. Blue: the ellipses of their radii.',
+  clearance: 'From dark blue to yellow: a thousandth of the diagonal of the scene to all of it.',
+  noise: 'From dark blue to yellow: standard errors of irradiance from 0 to 10 %.',
+  'left-out': 'Stripes. Red: matte surfaces without records. Orange: rough gloss. Blue: mirrors and glass.',
+  lobes:
+    'Green: matte light from records. Blue: gloss from records. Turquoise: both. Orange, also in stripes: gloss that eclat ' +
+    'render traces and this page approximates. Red: matte light that no record serves.',
+};
+const WEIGHTINGS: readonly [Weighting, string][] = [
+  ['solved', 'As they were solved'],
+  ['tabellion', 'Tabellion and Lamorlette'],
+  ['ward', 'Ward and Heckbert'],
+  ['split-sphere', 'Split sphere'],
 ];
 const MODES: readonly [Mode, string][] = [
   ['orbit', 'Orbit'],
@@ -55,6 +75,8 @@ export interface Panel {
   readonly truth: HTMLElement;
   /** Shows the facts about a record, by their names. */
   showRecord(facts: readonly (readonly [string, string])[]): void;
+  /** Offers orders of harmonics up to the greatest; 0 offers none. */
+  showOrder(greatest: number): void;
 }
 
 /** Fills the panel. */
@@ -89,15 +111,32 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
   );
 
   const light = section('Light and records');
+  const order = choice('Order of harmonics', [], '', (n) => relight('order')(Number(n)));
+  order.hidden = true;
+  const legend = element('p', { role: 'status', class: 'legend' });
   light.append(
-    choice('Overlay', OVERLAYS, look.overlay, set('overlay')),
+    choice('Overlay', OVERLAYS, look.overlay, (overlay) => {
+      legend.textContent = LEGENDS[overlay];
+      set('overlay')(overlay);
+    }),
+    legend,
     checkbox('Direct light', look.direct, relight('direct')),
     checkbox('Light from records', look.indirect, relight('indirect')),
     checkbox('Gradients', look.gradients, relight('gradients')),
     checkbox('Mirrors, approximated', look.mirrors, relight('mirrors')),
     checkbox('Clearance test', look.clearance, relight('clearance')),
+    checkbox('Radii bounded by neighbours', look.clamping, relight('clamping')),
+    choice('Weights', WEIGHTINGS, look.weight, relight('weight')),
+    order,
   );
 
+  const showOrder = (greatest: number) => {
+    order.hidden = greatest === 0;
+    const select = order.querySelector('select');
+    if (!select || select.length === greatest) return;
+    const numbers = Array.from({ length: greatest }, (_, i) => greatest - i);
+    select.replaceChildren(...numbers.map((n) => new Option(n === greatest ? `${n}, all` : String(n), n === greatest ? 'Infinity' : String(n))));
+  };
   const truth = section('Truth');
   const compared = element('p', { role: 'status' });
   const { chooseTruth } = actions;
@@ -135,7 +174,7 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
         Object.assign(element('dd', {}), { textContent: value }),
       ]),
     );
-  return { facts: told, truth: compared, showRecord };
+  return { facts: told, truth: compared, showRecord, showOrder };
 }
 
 function element<K extends keyof HTMLElementTagNameMap>(tag: K, attributes: Record<string, string>): HTMLElementTagNameMap[K] {

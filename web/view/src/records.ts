@@ -18,7 +18,12 @@ const ADDED = ['light', 'count', 'outlines', 'fragments', 'clearance', 'noise'] 
 export interface Switches {
   gradients: boolean;
   clearance: boolean;
+  clamping: boolean;
+  weight: Weighting;
 }
+
+/** By which weight records are read: that with which they were solved, or another. */
+export type Weighting = 'solved' | Reading['weight'];
 
 export type Uniforms = Record<string, three.IUniform>;
 
@@ -32,6 +37,7 @@ export function readingUniforms(rows: Rows): Uniforms {
     rotationGradient: { value: true },
     translationGradient: { value: true },
     clearanceTest: { value: true },
+    neighborClamping: { value: true },
   };
 }
 
@@ -46,12 +52,13 @@ export function setUniforms(uniforms: Uniforms, values: Readonly<Record<string, 
 /** The values of these uniforms. `relaxation` is how much farther than their radii records are read at most. */
 export function readingValues(reading: Reading, switches: Switches, relaxation: number): Record<string, unknown> {
   return {
-    weightKind: WEIGHTS[reading.weight],
+    weightKind: WEIGHTS[switches.weight === 'solved' ? reading.weight : switches.weight],
     relaxation,
     tolerance: reading.spacing,
     rotationGradient: switches.gradients && reading.rotation_gradient,
     translationGradient: switches.gradients && reading.translation_gradient,
     clearanceTest: switches.clearance,
+    neighborClamping: switches.clamping,
   };
 }
 

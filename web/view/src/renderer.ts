@@ -7,7 +7,7 @@ import * as three from 'three';
 import { Lamps, screenPass } from './lamps';
 import { Gloss } from './gloss';
 import type { GlossHeader, LightHeader, Message, RecordsHeader, SceneHeader } from './messages';
-import { Records } from './records';
+import { Records, type Weighting } from './records';
 import { displayFragment } from './shaders/display';
 import { divideFragment } from './shaders/screen';
 import { makeContext, precisionOf, Targets, type Precision } from './targets';
@@ -18,7 +18,7 @@ import type { Pose } from './pose';
 import type { Beside } from './truth';
 
 export type ToneMapping = 'none' | 'filmic' | 'agx';
-export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records' | 'clearance' | 'noise';
+export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records' | 'clearance' | 'noise' | 'lobes';
 
 /** What the picture shows. */
 export interface Look {
@@ -29,6 +29,11 @@ export interface Look {
   indirect: boolean;
   gradients: boolean;
   clearance: boolean;
+  /** Whether radii are bounded by those of neighbours. */
+  clamping: boolean;
+  weight: Weighting;
+  /** The greatest order of harmonics of radiance that is read, at most that of the records. */
+  order: number;
   /** Whether mirrors, and gloss without records, are shown by approximations. */
   mirrors: boolean;
   /** Where the picture of the server begins beside that of the page, as a share of the width from the left. */
@@ -45,13 +50,16 @@ export const USUAL_LOOK: Look = {
   indirect: true,
   gradients: true,
   clearance: true,
+  clamping: true,
+  weight: 'solved',
+  order: Infinity,
   mirrors: true,
   wipe: 0.5,
   difference: false,
 };
 
 const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
-const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4, clearance: 5, noise: 6 };
+const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4, clearance: 5, noise: 6, lobes: 7 };
 
 /** What splats add for the overlays that need a pass of their own. */
 const COUNTED = { density: 'count', records: 'outlines', clearance: 'clearance', noise: 'noise' } as const;
@@ -60,7 +68,7 @@ export class Renderer {
   readonly precision: Precision;
   readonly surfaces: Surfaces;
   readonly records: Records;
-  private readonly gloss: Gloss;
+  readonly gloss: Gloss;
 
   private readonly lamps: Lamps;
   private readonly camera = new three.Camera();
@@ -171,7 +179,7 @@ export class Renderer {
   }
 
   acceptGloss(message: Message<GlossHeader>): void {
-    this.gloss.accept(this.gl, message);
+    this.gloss.accept(message);
   }
 
   /** Draws the picture into the canvas, beside the server's if there is one. */
@@ -225,7 +233,7 @@ export class Renderer {
   }
 
   /** Returns the sums (height, width, 4) of (w E, w) over the records at points with normals, (height · width, 3) each. */
-  readRecords(points: Float32Array, normals: Float32Array, width: number, height: number): Float32Array {
+  readRecords(points: Float32Array, normals: Float32Array, width: number, height: number, look = USUAL_LOOK): Float32Array {
     const targets = new Targets(width, height, this.precision);
     const texture = (values: Float32Array, fill: number) => {
       const data = new Float32Array(width * height * 4).fill(fill);
@@ -237,7 +245,7 @@ export class Renderer {
     this.set(this.inputs, 'positions', texture(points, 1));
     this.set(this.inputs, 'normals', texture(normals, 0));
     this.set(this.inputs, 'albedos', texture(normals, -1));
-    this.records.switch(USUAL_LOOK);
+    this.records.switch(look);
     this.gl.setRenderTarget(targets.sums);
     this.gl.clear(true, false, false);
     this.gl.render(this.records.everywhere, this.camera);
@@ -281,8 +289,9 @@ export class Renderer {
     this.view.eye.value.copy(pose.eye()).applyMatrix4(mirrored);
     // The mirror itself, and what lies in its plane, is not in the way of the mirrored eye.
     this.view.clip.value.copy(plane ? new three.Vector4(...plane.normal.toArray(), plane.offset + 1e-4 * pose.diagonal) : NO_CLIP);
+    this.view.inMirror.value = plane !== undefined;
     this.records.switch(look);
-    this.gloss.switch(look);
+    this.gloss.switch(gl, look);
     for (const splats of [this.records.splats, this.gloss.splats]) turned(splats, plane !== undefined);
     this.bind();
     gl.setRenderTarget(targets.surfaces);

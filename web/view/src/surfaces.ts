@@ -32,13 +32,15 @@ export interface View {
   readonly eye: { value: three.Vector4 };
   /** Nothing is drawn behind this plane: its normal and offset. */
   readonly clip: { value: three.Vector4 };
+  /** Whether a mirrored eye sees, which sees what is hidden from the camera. */
+  readonly inMirror: { value: boolean };
 }
 
 /** The plane of a view that shows everything. */
 export const NO_CLIP = new three.Vector4(0, 0, 0, -1);
 
 export function makeView(): View {
-  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() }, clip: { value: NO_CLIP.clone() } };
+  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() }, clip: { value: NO_CLIP.clone() }, inMirror: { value: false } };
 }
 
 export interface Surfaces {
@@ -151,6 +153,7 @@ function surfaceUniforms(entry: MeshEntry, material: MaterialEntry, textures: re
     frontOnly: { value: entry.front_only },
     twoSided: { value: material.two_sided },
     culled: { value: material.culled },
+    hidden: { value: material.hidden },
     vertexColors: { value: material.vertex_colors && entry.arrays.colors !== undefined },
     emissionTwoSided: { value: material.emission_two_sided },
     cutoff: { value: material.cutoff },

@@ -12,7 +12,7 @@ precision highp int;
 layout(location = 0) out vec4 outColor;
 uniform highp sampler2D picture, positions, normals, albedos, sums, glossSums, counts;
 uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
-uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records, 5: nearest obstacle, 6: noise
+uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records, 5: nearest obstacle, 6: noise, 7: lobes
 uniform float diagonal;   // of the scene, m
 uniform float scale;      // 2 to the power of the exposure
 uniform bool comparing, showDifference;
@@ -76,7 +76,19 @@ void main() {
     vec2 drawn = min(texelFetch(counts, pixel, 0).rg, 1.0);
     color = mix(mix(0.6 * color, vec3(0.3, 0.75, 1.0), 0.8 * drawn.r), vec3(1.0, 0.9, 0.2), drawn.g);
   }
-  if (seen && overlay >= 5) {
+  if (seen && overlay == 7) {
+    // By colour, which lobes come from records: the matte one, the glossy one, both; and what eclat render traces.
+    vec3 albedo = texelFetch(albedos, pixel, 0).rgb;
+    bool matte = max(albedo.r, max(albedo.g, albedo.b)) > 0.0;
+    bool matteCached = matte && weight > 0.0, glossCached = gloss > 0.5 && texelFetch(glossSums, pixel, 0).w > 0.0;
+    vec3 mark = matteCached && glossCached ? vec3(0.1, 0.75, 0.8) : glossCached ? vec3(0.2, 0.35, 0.95)
+        : matteCached ? vec3(0.15, 0.7, 0.25) : vec3(0.9, 0.15, 0.1);
+    bool traced = (matte && !matteCached) || (gloss > 0.5 && !glossCached);
+    if (traced && matteCached || traced && glossCached) mark = (pixel.x + pixel.y) % 12 < 6 ? mark : vec3(0.95, 0.6, 0.1);
+    else if (traced && gloss > 0.5) mark = vec3(0.95, 0.6, 0.1);
+    if (matte || gloss > 0.5) color = mix(vec3(light), mark, 0.75);
+  }
+  if (seen && (overlay == 5 || overlay == 6)) {
     // Distances from a thousandth of the diagonal to all of it, and noise to 10 %.
     vec4 sum = texelFetch(counts, pixel, 0);
     float value = sum.r / max(sum.w, 1e-30);

@@ -9,7 +9,7 @@ import { fetching, reading, unpacking } from './records';
 /** Images of records side by side in the atlas. */
 export const TILES_A_ROW = 64;
 
-/** Multiplies the coefficients of each record with the factors of its lobe. */
+/** Multiplies the coefficients of each of some records with the factors of its lobe, up to an order. */
 export const prefilterFragment = /* glsl */ `#version 300 es
 precision highp float;
 precision highp int;
@@ -17,21 +17,21 @@ layout(location = 0) out vec4 outValue;   // radiance, with the excess; the widt
 layout(location = 1) out vec4 outAlongU;  // derivatives along u and v of the frame around the normal
 layout(location = 2) out vec4 outAlongV;
 uniform highp sampler2D coefficients, lobes;
-uniform int count, order2, grid, recordsARow;
+uniform int first, count, order2, shownOrder2, grid, recordsARow;  // of the records whose coefficients these are
 ${fetching}
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy), tile = pixel / grid, at = pixel % grid;
   int record = tile.y * ${TILES_A_ROW} + tile.x;
-  if (record >= count) discard;
-  vec4 t12 = recordTexel(record, 12);
-  int row = (int(t12.z) * grid + at.y) * grid + at.x;
-  ivec2 first = ivec2((record % recordsARow) * 3 * order2, record / recordsARow);
+  if (record < first || record >= first + count) discard;
+  int row = (int(recordTexel(record, 8).x) * grid + at.y) * grid + at.x;
+  int number = record - first;
+  ivec2 from = ivec2((number % recordsARow) * 3 * order2, number / recordsARow);
   vec3 value = vec3(0.0), alongU = vec3(0.0), alongV = vec3(0.0);
-  for (int i = 0; i < order2; ++i) {
+  for (int i = 0; i < shownOrder2; ++i) {
     vec3 factor = texelFetch(lobes, ivec2(i, row), 0).rgb;
-    value += factor * texelFetch(coefficients, first + ivec2(i, 0), 0).rgb;
-    alongU += factor * texelFetch(coefficients, first + ivec2(order2 + i, 0), 0).rgb;
-    alongV += factor * texelFetch(coefficients, first + ivec2(2 * order2 + i, 0), 0).rgb;
+    value += factor * texelFetch(coefficients, from + ivec2(i, 0), 0).rgb;
+    alongU += factor * texelFetch(coefficients, from + ivec2(order2 + i, 0), 0).rgb;
+    alongV += factor * texelFetch(coefficients, from + ivec2(2 * order2 + i, 0), 0).rgb;
   }
   vec4 lobe = texelFetch(lobes, ivec2(order2, row), 0);
   vec3 excess = vec3(recordTexel(record, 3).w, recordTexel(record, 4).xy);
@@ -61,7 +61,8 @@ void main() {
   vec4 t0 = recordTexel(vRecord, 0), t1 = recordTexel(vRecord, 1);
   vec3 d = at.xyz - t0.xyz, n = normal.xyz, recordNormal = t1.xyz;
   vec3 stretch = recordTexel(vRecord, 2).xyz;
-  if (weightAt(t0.w, d, n, recordNormal, stretch, relaxation) <= 0.0) discard;
+  float radius = radiusOf(vRecord, t0);
+  if (weightAt(radius, d, n, recordNormal, stretch, relaxation) <= 0.0) discard;
   float packed = texelFetch(albedos, pixel, 0).w;
   vec3 s = packed < 0.0 ? n : unpacked(packed);
   if (dot(s, recordNormal) < cosLargestTilt || dot(s, n) < cosLargestTilt) discard;
@@ -79,7 +80,7 @@ void main() {
   vec2 texel = (vec2(tile * grid) + 0.5 + place * float(grid - 1)) / vec2(textureSize(values, 0));
   vec4 value = textureLod(values, texel, 0.0);
   if (value.w <= 0.0) discard;
-  float w = weightAt(t0.w, d, n, recordNormal, stretch, relaxation * clamp(value.w, 0.25, 1.0));
+  float w = weightAt(radius, d, n, recordNormal, stretch, relaxation * clamp(value.w, 0.25, 1.0));
   if (w <= 0.0 || outOfSight(vRecord, recordNormal, t1.w, d)) discard;
   vec3 radiance = value.rgb;
   if (translationGradient) {

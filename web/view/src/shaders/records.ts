@@ -22,11 +22,13 @@ vec4 recordTexel(int record, int texel) {
 export const reading = /* glsl */ `
 uniform int weightKind;  // 0: Tabellion, 1: Ward, 2: split-sphere
 uniform float relaxation, tolerance;
-uniform bool rotationGradient, translationGradient, clearanceTest;
+uniform bool rotationGradient, translationGradient, clearanceTest, neighborClamping;
 
 const float sqrtOneMinusCos10 = 0.12326, largestTurn = 1.146, planeTolerance = 0.015;
 const float pi = 3.14159265358979;
 
+// The radius of a record, with or without the bounds by its neighbours, of its first texel.
+float radiusOf(int record, vec4 t0) { return neighborClamping ? t0.w : recordTexel(record, 12).z; }
 // The core's safe_sqrt.
 float safeSqrt(float x) { return sqrt(max(x, 0.0)); }
 

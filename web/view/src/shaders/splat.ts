@@ -14,6 +14,7 @@ in vec3 position;
 uniform mat4 viewProjection;
 uniform int weightKind;
 uniform float relaxation;
+uniform bool neighborClamping;
 flat out int vRecord;
 ${fetching}
 void main() {
@@ -21,9 +22,11 @@ void main() {
   vec4 t0 = recordTexel(vRecord, 0);
   vec3 n = recordTexel(vRecord, 1).xyz;
   vec4 t2 = recordTexel(vRecord, 2);
-  float reach = t0.w * relaxation, far = reach * t2.w;
+  // As radiusOf of shaders/records.ts.
+  float radius = neighborClamping ? t0.w : recordTexel(vRecord, 12).z;
+  float reach = radius * relaxation, far = reach * t2.w;
   // As height_read of core/records/weight.h says.
-  float height = weightKind == 2 ? far : 0.015 * t0.w + 0.2 * far;
+  float height = weightKind == 2 ? far : 0.015 * radius + 0.2 * far;
   float stretch2 = dot(t2.xyz, t2.xyz);
   vec3 other = abs(n.z) < 0.9 ? vec3(0.0, 0.0, 1.0) : vec3(1.0, 0.0, 0.0);
   vec3 u = stretch2 > 1e-12 ? t2.xyz * inversesqrt(stretch2) : normalize(cross(other, n));
@@ -67,7 +70,8 @@ void main() {
   vec4 t0 = recordTexel(vRecord, 0), t1 = recordTexel(vRecord, 1);
   vec3 d = at.xyz - t0.xyz;
   vec3 n = texelFetch(normals, pixel, 0).xyz;
-  float w = weightAt(t0.w, d, n, t1.xyz, recordTexel(vRecord, 2).xyz, relaxation);
+  float radius = radiusOf(vRecord, t0);
+  float w = weightAt(radius, d, n, t1.xyz, recordTexel(vRecord, 2).xyz, relaxation);
   if (w <= 0.0 || outOfSight(vRecord, t1.xyz, t1.w, d)) discard;
   if (overlay == 1) {
     weighted = vec4(1.0, 0.0, 0.0, w);
@@ -76,7 +80,7 @@ void main() {
   if (overlay == 2) {
     float along = dot(d, recordTexel(vRecord, 2).xyz);
     float pixelWidth = pixelAngle * (eye.w > 0.5 ? distance(eye.xyz, at.xyz) : 1.0);
-    float ring = abs(sqrt(max(0.0, dot(d, d) - along * along)) - t0.w) / pixelWidth;
+    float ring = abs(sqrt(max(0.0, dot(d, d) - along * along)) - radius) / pixelWidth;
     weighted = vec4(1.0 - smoothstep(0.5, 1.5, ring), 1.0 - smoothstep(1.5, 2.5, length(d) / pixelWidth), 0.0, w);
     return;
   }

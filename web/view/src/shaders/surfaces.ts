@@ -72,7 +72,7 @@ layout(location = 1) out vec4 outNormal;
 layout(location = 2) out vec4 outAlbedo;
 layout(location = 3) out vec4 outRadiance;
 uniform float number, gloss, inside;
-uniform bool saturates, emissionTwoSided, hasLight;
+uniform bool saturates, emissionTwoSided, hasLight, hidden, inMirror;
 uniform Value diffuse, metallic, transmission, emission;
 uniform sampler2D diffuseMap, metallicMap, transmissionMap, emissionMap, lightMap;
 uniform float coat[32];
@@ -106,7 +106,7 @@ void main() {
   bool front = dot(vFace, towards) > 0.0;
   if (!front && (frontOnly || culled)) discard;
   if (dot(clip.xyz, vPosition) < clip.w) discard;
-  if (opacityOf() < 0.5) discard;
+  if (opacityOf() < 0.5 || (hidden && !inMirror)) discard;
   vec3 n = front ? vFace : -vFace;
   vec3 s = normalize(vNormal);
   if (dot(s, n) < 0.0) s = -s;

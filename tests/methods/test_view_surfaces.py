@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Surfaces of special kinds in the page of `eclat view`: lamps that the camera does not see, and measured materials."""
+
+from __future__ import annotations
+
+import math
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.measured_brdf import normal_albedo
+from eclat.scene import Camera, DirectionalLight, Material, Mesh, Scene, grey, look_at, rgb
+from support.brdf_files import merl_file, shiny_paint
+from support.browser import look_at_page, require_browser, require_node, require_page
+
+SIZE = (32, 32)
+
+HALF, HEIGHT, RADIANCE, REFLECTANCE = 0.25, 1.0, 3.0, 0.5
+
+
+@pytest.fixture(autouse=True)
+def browser() -> None:
+    require_node(), require_browser(), require_page()
+
+
+def square(y: float, half: float, up: bool, material: Material) -> Mesh:
+    corners = np.array([[-half, y, -half], [-half, y, half], [half, y, half], [half, y, -half]])
+    triangles = np.array([[0, 1, 2], [0, 2, 3]])
+    return Mesh(corners, triangles if up else triangles[:, ::-1], material, name=material.name)
+
+
+def middle(scene: Scene) -> np.ndarray:
+    """What the page shows in the middle of its picture, with few records."""
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.3), size=SIZE, check=False)
+    with eclat.view(scene, solution, texel_size=0.1, samples=64) as viewer:
+        page = look_at_page(viewer.url, [{"camera": 0, "width": SIZE[0], "height": SIZE[1]}])
+    assert page.message == "" and page.messages == []
+    return page.pictures[0][12:20, 12:20].mean(axis=(0, 1))
+
+
+def test_a_hidden_lamp_lights_the_floor_below_it_and_is_not_seen() -> None:
+    x = HALF / HEIGHT
+    root = math.sqrt(1 + x * x)
+    below = REFLECTANCE * RADIANCE * 4 / math.pi * x / root * math.atan(x / root)  # form factor of a square
+    for hidden, expected in ((True, below), (False, RADIANCE)):
+        black = {"reflectance": grey(0)}
+        glow = Material(
+            "diffuse", black, "lamp", emission=rgb(*3 * (RADIANCE,)), emission_two_sided=True, hidden_from_camera=hidden
+        )
+        floor = Material("diffuse", {"reflectance": grey(REFLECTANCE)}, "floor")
+        camera = Camera(look_at((0, 3, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
+        scene = Scene((square(0, 4, True, floor), square(HEIGHT, HALF, False, glow)), (), cameras=(camera,))
+        np.testing.assert_allclose(middle(scene), expected, rtol=0.02)
+
+
+def test_mirrors_show_a_hidden_lamp() -> None:
+    # The camera looks down at a mirror, whose image of the lamp is right above the camera's own place.
+    glow = Material(
+        "diffuse",
+        {"reflectance": grey(0)},
+        "lamp",
+        emission=rgb(3, 2, 1),
+        emission_two_sided=True,
+        hidden_from_camera=True,
+    )
+    mirror = Material("conductor", {"eta": grey(0.0), "k": grey(1.0), "alpha_u": grey(0), "alpha_v": grey(0)}, "mirror")
+    camera = Camera(look_at((0, 3, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
+    scene = Scene((square(0, 1, True, mirror), square(1.0, 0.5, False, glow)), (), cameras=(camera,))
+    np.testing.assert_allclose(middle(scene), (3, 2, 1), rtol=0.01)
+
+
+def test_a_measured_surface_is_shown_with_its_albedo(tmp_path: Path) -> None:
+    path = tmp_path / "paint.binary"
+    path.write_bytes(merl_file(shiny_paint()))
+    brdf = eclat.load_brdf(path)
+    floor = Material("measured", name="paint", measured=brdf)
+    camera = Camera(look_at((0, 3, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
+    sun = DirectionalLight((0, -1, 0), (3.0, 2.0, 1.0))
+    scene = Scene((square(0, 4, True, floor),), (sun,), cameras=(camera,))
+    expected = normal_albedo(brdf) / math.pi * (3, 2, 1)
+    assert (expected > 0.01).all()
+    np.testing.assert_allclose(middle(scene), expected, rtol=0.01)
