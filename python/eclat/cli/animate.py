@@ -33,7 +33,8 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
-from eclat.frames.plan import parse_frames, parse_shard
+from eclat.cli.shards import shard_option
+from eclat.frames.plan import parse_frames
 
 FRAMES = "Frames"
 
@@ -82,11 +83,8 @@ _frame_options = together(
         section=FRAMES,
         help="Add the layers object_id, motion_next and motion_previous for compositors [on for .exr files].",
     ),
-    option(
-        "--shard",
-        type=Parsed("I/N", "a share I/N with 1 ≤ I ≤ N, such as 2/3", parse_shard),
-        section=FRAMES,
-        help="Make only each N-th frame, from the I-th on, so that N machines share the work [all frames].",
+    shard_option(
+        FRAMES, "Make only each N-th frame, from the I-th on, so that N machines share the work [all frames]."
     ),
     option(
         "--overwrite",

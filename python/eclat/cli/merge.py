@@ -18,7 +18,7 @@ from eclat.errors import EclatError
 from eclat.files.atomic_file import check_writable
 
 EXAMPLES = {
-    "eclat merge top.exr bottom.exr -o room.exr": "Join two pictures that were rendered with --crop and --continuable:",
+    "eclat merge top.exr bottom.exr -o room.exr": "Join two parts that were rendered with --shard 1/2 and --shard 2/2:",
     "eclat merge a.npz b.npz c.npz -o all.npz": "Join the records that three jobs solved for three views:",
 }
 
@@ -31,9 +31,9 @@ EXAMPLES = {
     help="""Join FILES that several jobs made of one scene into one file.
 
     .npz files of `eclat solve` must have the same options: the result has the records of all, without duplicates, or the
-    photons of all, which must differ in their --seed. .exr files of `eclat render --crop … --samples … --continuable` must
-    cover each pixel of the picture once: the result has the bits of a picture that was rendered at once, and can be
-    continued.""",
+    photons of all, which must differ in their --seed. .exr files of `eclat render --samples … --shard …`, or of --crop … with
+    --continuable, must cover each pixel of the picture once: the result has the bits of a picture that was rendered at once,
+    and can be continued.""",
 )
 @click.argument("files", metavar="FILES...", nargs=-1, required=True)
 @output_option("File to write, .npz or .exr as the parts are [merged.npz or merged.exr].")

@@ -4,10 +4,7 @@
 
 from __future__ import annotations
 
-import math
 import time as clock
-from collections.abc import Mapping
-from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import click
@@ -18,6 +15,7 @@ from eclat.cli.farm_options import farm_options, on_farm
 from eclat.cli.method_options import method_notes, method_option, options_of, set_option
 from eclat.cli.parameters import CROP, REPLAY, LightGroups, Name, Parsed, groups_given
 from eclat.cli.partial import keep_partial_option, keeping_partial
+from eclat.cli.picture_summary import say_result, why_above
 from eclat.cli.previews import Previews, wants_previews
 from eclat.cli.quality_options import (
     QUALITY,
@@ -54,8 +52,8 @@ from eclat.cli.scene_options import (
     scene_stem,
     work_options,
 )
+from eclat.cli.shards import shard_option
 from eclat.errors import EclatError
-from eclat.measure.error_estimate import error_text
 
 if TYPE_CHECKING:
     from eclat.images.image import Image
@@ -70,6 +68,7 @@ REACHING_RENDER = (
     "halves",
     "continued",
     "continuable",
+    "shard",
     "light_groups",
     "size",
     "crop",
@@ -83,9 +82,6 @@ REACHING_RENDER = (
 )
 """Flags that are passed to `eclat.render` unchanged, as arguments of the same names."""
 
-LARGE_PART_OF_ERROR = 0.5
-"""Part of the stated error from which on that of the records is named as its reason."""
-
 EXAMPLES = {
     "eclat render cornell-box": "Render a built-in scene to cornell-box.png in the current folder:",
     "eclat render room.glb -o room.exr -o room.png": "Render your own scene, for compositing and for the screen:",
@@ -98,6 +94,7 @@ EXAMPLES = {
         "Improve a picture that was rendered with --continuable:"
     ),
     "eclat render room.glb --cache room.npz --camera 1": "Render another view from a file that `eclat solve` wrote:",
+    "eclat render room.glb --samples 64 --shard 2/3 -o part-2.exr": "Render the second third, on one of three machines:",
     "eclat render room.glb --light-groups each -o room.exr": "Render the light of each lamp as a layer, to mix it later:",
 }
 
@@ -173,6 +170,11 @@ _quality_options = together(
         help="Take the samples in two independent halves, from which the error is measured [on with --denoise].",
     ),
     option("--crop", type=CROP, section=CAMERA, help="Render only this rectangle of pixels; the rest stays black."),
+    shard_option(
+        CAMERA,
+        "Render only the I-th of N bands of rows, with --samples, to an .exr file; `eclat merge` joins all N, with the bits of a "
+        "picture that was rendered at once.",
+    ),
     max_depth_option(),
     no_check_option(),
     refine_option("Refine the records until their estimated error is below --max-error."),
@@ -261,7 +263,7 @@ def command(context: click.Context, /, **flags: Any) -> None:
             if flags["replay"]:
                 say_replayed_sample(reporter, image, flags["replay"])
             else:
-                _say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata), chosen)
+                say_result(reporter, image, outputs, chosen_by_clock(flags, image.metadata), chosen)
                 if why := why_above(flags, image.metadata.get("statistics", {})):
                     reporter.note(why)
                 say_replay_of_bad_samples(reporter, image, flags["scene"], outputs)
@@ -293,8 +295,9 @@ def _outputs(flags: dict[str, Any]) -> list[str]:
 
     default = [] if flags["replay"] else [flags["continued"] or f"{scene_stem(flags['scene'])}.png"]
     outputs = list(flags["output"]) or default
-    if flags["continuable"] and not any(output.lower().endswith(".exr") for output in outputs):
-        raise EclatError(f"--continuable: expected an .exr file with --output, got {', '.join(outputs) or 'none'}")
+    needs_sums = "--shard" if flags["shard"] else "--continuable" if flags["continuable"] else None
+    if needs_sums and not any(output.lower().endswith(".exr") for output in outputs):
+        raise EclatError(f"{needs_sums}: expected an .exr file with --output, got {', '.join(outputs) or 'none'}")
     for output in outputs:
         check_output(output)
     return outputs
@@ -342,54 +345,12 @@ def _check_pixels(flags: dict[str, Any], size: tuple[int, int] | None) -> None:
             raise EclatError(f"--{flag}: expected pixels inside the picture of {size[0]}x{size[1]}, got {got}")
 
 
-def why_above(flags: Mapping[str, Any], statistics: Mapping[str, float]) -> str:
-    """Explain why the stated error is above `--max-error` although the noise is small enough. The text is empty if the
-    error is not above it, if the samples or the time were given, or if a warning has explained it.
-    """
-    error, records = statistics.get("estimated_error", 0.0), statistics.get("cache_error", 0.0)
-    steered = flags["samples"] is None and flags["time"] is None
-    if not steered or error <= flags["max_error"] or statistics.get("light_by_chance"):
-        return ""
-    above = f"the error is above --max-error {flags['max_error']:g}"
-    if records > LARGE_PART_OF_ERROR * error:
-        return f"{above}, because the records alone have {100 * records:.2g} %; --refine makes them finer"
-    if statistics.get("noise_left", math.inf) <= flags["max_error"]:
-        return f"{above}: it was measured anew after the last sample, and the estimate that ended sampling was lower"
-    return ""
-
-
 def _finished(image: Image, flags: dict[str, Any], stops: float) -> Image:
     """Add the settings of the run to the metadata and, with `--show-records`, marks of the records to the picture."""
     if not (flags["light_groups"] and flags["time"] is not None):
         # With both, the clock gave each group samples and records of its own, which no flags repeat.
         image.metadata["settings"] = settings_of(flags, image.metadata)
     return image.show_records(stops) if flags["show_records"] else image
-
-
-def _say_result(
-    reporter: Reporter, image: Image, outputs: list[str], chosen: list[str], exposure: float | None
-) -> None:
-    """Print the summary line. `chosen` holds the options that `--time` chose, and `exposure` is the exposure in stops
-    that `auto` chose.
-    """
-    statistics = image.metadata.get("statistics", {})
-    parts = [f"{image.width}x{image.height}", str(image.metadata.get("method", ""))]
-    if "seconds" in statistics:
-        parts.append(f"{statistics['seconds']:.1f} s")
-    for name in ("samples", "rays", "records"):
-        if statistics.get(name):
-            parts.append(f"{statistics[name]:,.0f} {name}")
-    if "samples_done" in image.metadata:
-        parts.append("interrupted")
-    parts.append(error_text(statistics))
-    if image.metadata.get("denoised"):
-        parts.append("denoised")
-    if exposure is not None:
-        parts.append(f"exposure {exposure:+g} stops")
-    if chosen:
-        parts.append("records by --set " + " --set ".join(chosen))
-    text = f"{', '.join(map(str, outputs))}: {', '.join(filter(None, parts))}"
-    reporter.result(text, files=[str(Path(o)) for o in outputs], metadata=image.metadata)
 
 
 assert set(REPEATED) <= {parameter.name for parameter in command.params}

@@ -59,6 +59,8 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
     if flags["time"] is not None and not flags["cache"] and made_by != flags["method"]:
         # There was no time for what the method needs, so another took its place.
         settings["method"], settings["settings"] = made_by, []
+    if flags.get("shard"):
+        settings["crop"] = metadata["continuable"]["crop"]
     taken = metadata.get("statistics", {}).get("samples")
     # Groups of lamps, each of which took its own number of samples, stop again where they did.
     if taken is not None and not flags["light_groups"]:

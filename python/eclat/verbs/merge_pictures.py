@@ -1,6 +1,6 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Partial pictures, which array jobs render by `crop`, become the whole picture."""
+"""Partial pictures, which array jobs render by `shard` or `crop`, become the whole picture."""
 
 from __future__ import annotations
 
@@ -22,7 +22,8 @@ SUMMED = ("rays", "seconds")
 
 @typed
 def merge_pictures(parts: Sequence[Image | str | os.PathLike[str]]) -> Image:
-    """Merge pictures of parts of a view, rendered with `crop` and `continuable`, into the whole picture.
+    """Merge pictures of parts of a view, rendered with `shard`, or with `crop` and `continuable`, into the whole
+    picture.
 
     It has the bits of a picture that was rendered at once, and can be continued like that one.
 
@@ -38,8 +39,7 @@ def merge_pictures(parts: Sequence[Image | str | os.PathLike[str]]) -> Image:
     Examples
     --------
     >>> import eclat
-    >>> common = {"samples": 2, "size": (8, 8), "continuable": True}
-    >>> halves = [eclat.render("furnace", "path", crop=(0, y, 8, y + 4), **common) for y in (0, 4)]
+    >>> halves = [eclat.render("furnace", "path", samples=2, size=(8, 8), shard=(i, 2)) for i in (1, 2)]
     >>> whole = eclat.render("furnace", "path", samples=2, size=(8, 8))
     >>> bool((eclat.merge_pictures(halves).pixels == whole.pixels).all())
     True
@@ -59,6 +59,8 @@ def merge_pictures(parts: Sequence[Image | str | os.PathLike[str]]) -> Image:
         if all(name in part.image.layers for part in begun)
     }
     metadata = first.image.metadata | {"statistics": _statistics(begun)}
+    if isinstance(settings := metadata.get("settings"), dict):
+        metadata["settings"] = settings | {"crop": None}  # those of the command that would have rendered it at once
     metadata |= _bad_samples(begun)
     metadata[KEY] = first.state | {"crop": None, "checksum": checksum_of(layers)}
     return Image(pixels, layers, metadata)

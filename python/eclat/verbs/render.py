@@ -28,7 +28,7 @@ from eclat.errors import EclatError, did_you_mean, shown, warn
 from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
-from eclat.methods import IrradianceCache, Method, Source, as_method
+from eclat.methods import IrradianceCache, Method, Prepared, Source, as_method
 from eclat.methods.work import Care, View, Work
 from eclat.sampling.convergence import Goal, Sampling
 from eclat.scene import Camera, Scene
@@ -36,6 +36,7 @@ from eclat.stage.staging import staged
 from eclat.tev.display import Display
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
+from eclat.verbs.part_of_picture import part_of_picture
 from eclat.verbs.picture import Picture, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
 from eclat.verbs.picture_samples import sampling_of
@@ -72,6 +73,7 @@ def render(
     halves: bool | None = None,
     continued: Image | str | os.PathLike[str] | None = None,
     continuable: bool = False,
+    shard: tuple[int, int] | None = None,
     light_groups: bool | Mapping[str, str | Sequence[str]] = False,
     keep_partial: bool = False,
     check: bool = True,
@@ -127,6 +129,10 @@ def render(
         differ, so that finer records serve the new samples. Rays and seconds in the statistics are those of this call.
     continuable : whether the picture gets layers with the sums of its samples (`sums_*`, `sample_*`), so that it can be
         continued later. An .exr file is then about three times as large. Continued pictures can be continued again.
+    shard : (i, n) renders the i-th of n bands of rows, counted from 1, and `merge_pictures` joins all n to a picture with
+        the bits of one that was rendered at once. Each job of an array of n renders one. It needs `samples`; parts are
+        `continuable` and have neither adaptive sampling nor halves. Records are solved for the whole picture by each job,
+        unless all read one solution.
     light_groups : whether each lamp, or each group of lamps, becomes a layer `light.<name>`, whose strength and colour can be
         changed afterwards (`mix`). True makes a group of each name of a lamp; a dict gives groups by name
         (`eclat.light_groups`). The picture is the sum of the layers, also if it is denoised, because each group is then
@@ -182,8 +188,8 @@ def render(
     >>> image.pixels.shape, image.metadata["statistics"]["samples"]
     ((8, 8, 3), 4.0)
     """
-    if isinstance(display_server, str) or light_groups is not False:
-        return (shown_while_rendered if isinstance(display_server, str) else picture_of_groups)(render, dict(locals()))
+    if isinstance(display_server, str) or shard is not None or light_groups is not False:
+        return _rendered_by_other_calls(dict(locals()))
     display, preview = display_server, with_display(preview, display_server)
     _refuse_contradictions(samples, time, refine, check)
     scene = staged(scene)
@@ -194,26 +200,44 @@ def render(
     deadline = None if checked_time(time) is None else started + float(time or 0)
     denoise, halves = _denoise_and_halves(denoise, halves, samples is None and crop is None)
     goal = Goal(None if samples is None else checked_samples(samples), checked_max_error(max_error), deadline, denoise)
-    chosen = chosen_camera(scene, camera)
-    view = View(chosen, picture_size(chosen, size))
+    view = _view(scene, camera, size)
     region = checked_crop(crop, *view.size)
     order, pixel_filter = _checked_order(tile_order, region), _checked_filter(filter)
     work = Work(checked_max_depth(max_depth), checked_seed(seed), thread_count(threads), progress)
     source = _source(what, max_error, refine)
     if begun is not None:
-        begun.require_match(scene, chosen, source.options.name, samples)
+        begun.require_match(scene, view.camera, source.options.name, samples)
     elif preview is not None:
         show_looks(scene, source, view, work, denoise, preview)
     prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
-    # The error of a solution that the caller gave may have been estimated for another view, so it is not used here.
-    estimate = None if prepared is source else prepared.estimate
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
-    picture = Picture(scene, prepared, view, region, work, adaptive, denoise, pixel_filter, estimate, started)
+    picture = Picture(
+        scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
+    )
     sampling = sampling_of(picture, 1 + halves, order, keep_partial, display, begun)
     image = _rendered(picture, sampling, goal, halves, check, preview, display)
     if continuable or begun is not None:
-        make_continuable(image, begun, sampling, scene, chosen, (view.size, *settings[1:5], adaptive, halves))
+        make_continuable(image, begun, sampling, scene, view.camera, (view.size, *settings[1:5], adaptive, halves))
     return image
+
+
+def _rendered_by_other_calls(arguments: dict[str, Any]) -> Image:
+    """Render a picture that consists of others, is a part of one, or is shown by a display that must be connected first."""
+    if isinstance(arguments["display_server"], str):
+        return shown_while_rendered(render, arguments)
+    return (picture_of_groups if arguments["shard"] is None else part_of_picture)(render, arguments)
+
+
+def _own_estimate(prepared: Prepared, source: Source) -> ErrorEstimate | None:
+    """Return the estimated error of what was prepared for this picture. That of a solution which the caller gave may have been
+    estimated for another view, so it is not used.
+    """
+    return None if prepared is source else prepared.estimate
+
+
+def _view(scene: Scene, camera: int | Camera, size: tuple[int, int] | None) -> View:
+    chosen = chosen_camera(scene, camera)
+    return View(chosen, picture_size(chosen, size))
 
 
 def _settings(begun: Begun | None, given: tuple[Any, ...]) -> tuple[Any, ...]:

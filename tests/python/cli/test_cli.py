@@ -695,7 +695,7 @@ def test_a_closed_standard_output_ends_without_a_traceback() -> None:
 
 
 def test_an_error_above_the_wanted_one_has_a_reason() -> None:
-    from eclat.cli.render import why_above
+    from eclat.cli.picture_summary import why_above
 
     flags = {"samples": None, "time": None, "max_error": 0.03}
     high = {"estimated_error": 0.04, "cache_error": 0.035}

@@ -83,3 +83,61 @@ def test_the_command_merges_pictures_and_caches(
     ):
         assert main(["merge", *wrong]) == 2
         assert words in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("method", "count"),
+    [("path", 3), ("irradiance-cache", 2), ("photon-map", 2), ("radiosity", 2), ("radiance-cache", 2)],
+)
+def test_shards_become_the_picture_that_is_rendered_at_once(method: str, count: int) -> None:
+    common: dict[str, Any] = {"size": (48, 41), "samples": 3, "max_error": 0.3}
+    shards = [eclat.render("cornell-box", method, shard=(i, count), **common) for i in range(count, 0, -1)]
+    whole = eclat.render("cornell-box", method, adaptive=False, denoise=False, **common)
+    merged = eclat.merge_pictures(shards)
+    assert np.array_equal(merged.pixels, whole.pixels)
+    for name, layer in whole.layers.items():
+        assert np.array_equal(merged.layers[name], layer, equal_nan=True), name
+
+
+def test_shards_that_cannot_be_are_refused() -> None:
+    common: dict[str, Any] = {"size": (8, 8), "samples": 1, "shard": (1, 2)}
+    for wrong, words in (
+        ({"shard": (3, 2)}, "expected i/n with 1 ≤ i ≤ n, got 3/2"),
+        ({"shard": (1, 9)}, "at most 8 parts, the number of rows"),
+        ({"samples": None}, "expected samples with shard"),
+        ({"crop": (0, 0, 2, 2)}, "shard or crop"),
+        ({"time": 1.0}, "shard or time"),
+        ({"adaptive": True}, "shard or adaptive"),
+        ({"halves": True}, "shard or halves"),
+        ({"denoise": True}, "shard or denoise"),
+        ({"light_groups": True}, "shard or light_groups"),
+    ):
+        with pytest.raises(EclatError, match=words):
+            eclat.render("furnace", "path", **common | wrong)
+
+
+def test_the_command_renders_shards_and_goes_on_from_the_merged_picture(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    common = ["render", "cornell-box", "--method", "path", "--size", "24x20", "-q"]
+    for number in (1, 2, 3):
+        assert main([*common, "--samples", "2", "--shard", f"{number}/3", "-o", f"part-{number}.exr"]) == 0
+    assert main(["merge", "part-1.exr", "part-2.exr", "part-3.exr", "-o", "merged.exr", "-q"]) == 0
+    assert main([*common, "--samples", "2", "-o", "whole.exr"]) == 0
+    merged, whole = Image.load("merged.exr"), Image.load("whole.exr")
+    assert np.array_equal(merged.pixels, whole.pixels)
+    # The settings of the parts are those of the whole, so that it is continued, and parts are repeated, by their files alone.
+    assert main(["render", "cornell-box", "--continue", "merged.exr", "--samples", "3", "-o", "more.exr", "-q"]) == 0
+    assert main([*common, "--samples", "3", "-o", "at-once.exr"]) == 0
+    assert np.array_equal(Image.load("more.exr").pixels, Image.load("at-once.exr").pixels)
+    assert main(["render", "cornell-box", "--replay-settings", "part-2.exr", "-o", "again.exr", "-q"]) == 0
+    assert np.array_equal(Image.load("again.exr").pixels, Image.load("part-2.exr").pixels)
+    capsys.readouterr()
+    for wrong, words in (
+        (["--samples", "2", "--shard", "1/2", "-o", "x.png"], "--shard: expected an .exr file"),
+        (["--shard", "1/2", "-o", "x.exr"], "expected samples with shard"),
+        (["--samples", "2", "--shard", "0/2", "-o", "x.exr"], "--shard: expected a share I/N with 1 ≤ I ≤ N"),
+    ):
+        assert main([*common, *wrong]) == 2
+        assert words in capsys.readouterr().err
