@@ -10,7 +10,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstring>
 #include <memory>
 #include <tuple>
 #include <type_traits>
@@ -23,33 +22,13 @@
 #include "methods/irradiance_cache/solve_points.h"
 #include "methods/radiance_cache/record_lobes.h"
 #include "records/gather_exchange.h"
-#include "records/renewal.h"
+#include "record_arrays.h"
 #include "world_holder.h"
 
 using namespace eclat;
 using namespace nb::literals;
 
 namespace {
-
-static_assert(sizeof(IrradianceRecord) % sizeof(float) == 0);
-constexpr size_t floats_per_record = sizeof(IrradianceRecord) / sizeof(float);
-
-/// (records, floats): position, normal, E, excess, rotation gradient (RGB × xyz), translation gradient, R, radius and bounds.
-auto to_array(const std::vector<IrradianceRecord>& records) {
-    return float_array({records.size(), floats_per_record}, [&](float* data) {
-        if (!records.empty()) std::memcpy(data, records.data(), records.size() * sizeof(IrradianceRecord));
-    });
-}
-
-std::vector<IrradianceRecord> records_of(const Array<float, -1, -1>& values) {
-    if (values.shape(1) != floats_per_record)
-        throw std::invalid_argument("records: expected rows of " + std::to_string(floats_per_record) + " floats, got " +
-                                    std::to_string(values.shape(1)));
-    std::vector<IrradianceRecord> records(values.shape(0));
-    if (!records.empty())
-        std::memcpy(static_cast<void*>(records.data()), values.data(), records.size() * sizeof(IrradianceRecord));
-    return records;
-}
 
 RecordCache from_array(const Array<float, -1, -1>& values, const CacheOptions& options, float spacing) {
     RecordCache cache(options);
@@ -329,51 +308,6 @@ void bind_record_solves(nb::module_& m) {
         "scene"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
 }
 
-/// Returns the renewed records (records, floats), the number of cells of each grid (records,), and the luminance of each
-/// cell, one record after the other.
-auto renew_records(const CoreScene& scene, const SolvedCaches& caches, const RenewalSettings& settings,
-                   const IrradianceCacheOptions& options, const Array<float, -1, -1>& records,
-                   const Points& shading_normals, const Array<uint32_t, -1>& keys, Progress& progress) {
-    const auto old = records_of(records);
-    const auto shading = vec3s(shading_normals);
-    if (old.size() != shading.size() || old.size() != keys.shape(0))
-        throw std::invalid_argument("expected as many shading normals and keys as records");
-    std::vector<Renewal> renewals;
-    for (size_t i = 0; i < old.size(); ++i) renewals.push_back({old[i], shading[i], keys(i)});
-    std::vector<Renewed> renewed;
-    {
-        const nb::gil_scoped_release unlocked;
-        const FarEnd far = far_end(scene.world(), caches, options, progress);
-        renewed = renew({scene.world(), far, settings, options}, renewals, progress);
-    }
-    std::vector<IrradianceRecord> out;
-    std::vector<float> counts, seen;
-    for (const Renewed& r : renewed) {
-        out.push_back(r.record);
-        counts.push_back(static_cast<float>(r.seen.size()));
-        seen.insert(seen.end(), r.seen.begin(), r.seen.end());
-    }
-    const auto floats = [](const std::vector<float>& values) {
-        return float_array({values.size()}, [&](float* data) { std::ranges::copy(values, data); });
-    };
-    return std::make_tuple(to_array(out), floats(counts), floats(seen));
-}
-
-void bind_renewal(nb::module_& m) {
-    nb::enum_<RecordKind>(m, "RecordKind").value("near", RecordKind::near).value("far", RecordKind::far);
-    nb::class_<BrightPlaces>(m, "BrightPlaces").def(nb::init<>());
-    nb::class_<RenewalSettings>(m, "RenewalSettings")
-        .def(
-            "__init__",
-            [](RenewalSettings* self, const BrightPlaces& bright, RecordKind kind, float mean) {
-                new (self) RenewalSettings{bright, kind, mean};
-            },
-            "bright"_a, "kind"_a, "mean"_a);
-    m.def("renew_records", &renew_records, "scene"_a, "caches"_a, "settings"_a, "options"_a, "records"_a,
-          "shading_normals"_a, "keys"_a, "progress"_a,
-          "Gathers records anew: their rows, the number of cells of each grid, and the luminance that each cell saw.");
-}
-
 }  // namespace
 
 void bind_cache(nb::module_& m) {
@@ -382,5 +316,4 @@ void bind_cache(nb::module_& m) {
     bind_radiance_tables(m);
     bind_solved_caches(m);
     bind_record_solves(m);
-    bind_renewal(m);
 }

@@ -16,6 +16,7 @@ void bind_space_probes(nb::module_& m);
 void bind_cache(nb::module_& m);
 void bind_error_estimates(nb::module_& m);
 void bind_growing_cache(nb::module_& m);
+void bind_renewal(nb::module_& m);
 void bind_harmonics(nb::module_& m);
 void bind_brdf_table(nb::module_& m);
 void bind_photons(nb::module_& m);
@@ -32,6 +33,7 @@ NB_MODULE(_core, m) {
     bind_cache(m);
     bind_error_estimates(m);
     bind_growing_cache(m);
+    bind_renewal(m);
     bind_photons(m);
     bind_radiosity(m);
     m.def(

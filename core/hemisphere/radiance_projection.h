@@ -43,6 +43,8 @@ class RadianceProjection {
     RadianceProjection(int order, Rows kind, int rows);
 
     int order() const { return order_; }
+    int rows() const { return rows_; }
+    Rows kind() const { return kind_; }
     const HemisphereFit& fit() const { return fit_; }
 
     RadianceCoefficients operator()(const HemisphereSamples& samples) const;

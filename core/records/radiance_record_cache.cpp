@@ -46,6 +46,12 @@ Extrapolated extrapolate(const float* values, const uint16_t* along_u, const uin
 
 }  // namespace
 
+void reduce_gradients(const IrradianceRecord& record, float spacing, RadianceCoefficients& coefficients) {
+    const float raised = spacing * record.distance / record.radius;
+    if (raised < 1)
+        for (float& g : coefficients.gradients) g *= raised;
+}
+
 RadianceCache::RadianceCache(const CacheOptions& options, int order)
     : order_(order), stride_(whole_vectors(size_t(coefficient_count(order)))), cache_(options), rotation_(order) {
     require(order >= 1 && order <= max_radiance_order, "order must be in [1, 12], got " + std::to_string(order));

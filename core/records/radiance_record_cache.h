@@ -32,6 +32,10 @@ struct PlacedLobe {
     std::vector<float> factors;  // three channels, each padded as the records' values are, in Frame::around(normal)
 };
 
+/// Reduces the gradients of a record whose radius a lower bound increased, like those of irradiance: they would reach farther
+/// than they are known.
+void reduce_gradients(const IrradianceRecord& record, float spacing, RadianceCoefficients& coefficients);
+
 /// The largest angle between the shading normal and that of a record. Beyond it, the query sees too much that is below
 /// the record's horizon.
 constexpr float largest_radiance_tilt = 0.3f;

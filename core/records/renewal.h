@@ -25,9 +25,10 @@ struct Renewal {
 struct Renewed {
     IrradianceRecord record;
     std::vector<float> seen;
+    RadianceCoefficients coefficients{};  // of a radiance record
 };
 
-enum class RecordKind { near, far };
+enum class RecordKind { near, far, radiance };
 
 /// What renewals of one kind have in common at all times.
 struct RenewalSettings {
@@ -39,9 +40,10 @@ struct RenewalSettings {
 /// The data that all renewals of one time share.
 struct RenewalTask {
     const World& world;
-    const FarEnd& far;  // the light that rays of near records read where they end; far records trace whole paths
+    const FarEnd& far;  // the light that rays read where they end; those of far records trace whole paths
     const RenewalSettings& settings;
     const IrradianceCacheOptions& options;
+    const RadianceProjection* projection;  // of radiance records, whose gathers have its grid
 };
 
 /// Gathers records anew, in parallel. `progress` counts the records.

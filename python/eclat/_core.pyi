@@ -819,31 +819,6 @@ def solve_radiance_everywhere(
     scene: Scene, tables: RadianceTables, options: RadianceCacheOptions, caches: SolvedCaches, progress: Progress
 ) -> None: ...
 
-class RecordKind(enum.Enum):
-    near = 0
-
-    far = 1
-
-class BrightPlaces:
-    def __init__(self) -> None: ...
-
-class RenewalSettings:
-    def __init__(self, bright: BrightPlaces, kind: RecordKind, mean: float) -> None: ...
-
-def renew_records(
-    scene: Scene,
-    caches: SolvedCaches,
-    settings: RenewalSettings,
-    options: IrradianceCacheOptions,
-    records: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
-    shading_normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
-    keys: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order="C", device="cpu", writable=False)],
-    progress: Progress,
-) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32], NDArray[numpy.float32]]:
-    """
-    Gathers records anew: their rows, the number of cells of each grid, and the luminance that each cell saw.
-    """
-
 class ErrorCheck:
     def __init__(self) -> None: ...
     @property
@@ -918,6 +893,64 @@ class GrowingCache:
     def caches(self) -> SolvedCaches: ...
     @property
     def bright(self) -> BrightPlaces: ...
+
+class RecordKind(enum.Enum):
+    near = 0
+
+    far = 1
+
+    radiance = 2
+
+class BrightPlaces:
+    def __init__(self) -> None: ...
+
+class RenewalSettings:
+    def __init__(self, bright: BrightPlaces, kind: RecordKind, mean: float) -> None: ...
+
+def renew_records(
+    scene: Scene,
+    caches: SolvedCaches,
+    settings: RenewalSettings,
+    options: IrradianceCacheOptions,
+    records: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    shading_normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    keys: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order="C", device="cpu", writable=False)],
+    progress: Progress,
+) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32], NDArray[numpy.float32]]:
+    """
+    Gathers records anew: their rows, the number of cells of each grid, and the luminance that each cell saw.
+    """
+
+def renew_radiance(
+    scene: Scene,
+    caches: SolvedCaches,
+    mean: float,
+    options: RadianceCacheOptions,
+    records: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    shading_normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    keys: Annotated[NDArray[numpy.uint32], dict(shape=(None,), order="C", device="cpu", writable=False)],
+    progress: Progress,
+) -> tuple[NDArray[numpy.float32], NDArray[numpy.float32]]:
+    """
+    Gathers records of radiance anew: their rows, and their values and gradients (records, 9 order²).
+    """
+
+def grow_radiance(
+    scene: Scene,
+    camera: Camera,
+    tables: RadianceTables,
+    options: RadianceCacheOptions,
+    caches: SolvedCaches,
+    progress: Progress,
+) -> BrightPlaces:
+    """
+    Adds to caches in place what a camera wants besides; returns the places at which gathers aimed rays.
+    """
+
+def tangents_around(
+    normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+) -> NDArray[numpy.float32]:
+    """The first axis (N, 3) of the frame of records around each normal."""
 
 class Kernel(enum.Enum):
     uniform = 0

@@ -133,18 +133,14 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
         diffuse.push_back(c.diffuse);
     }
     std::vector<RadianceCoefficients> coefficients(places.size());
-    IrradianceCacheOptions spaced = options.irradiance;
-    spaced.spacing = options.spacing;
+    const IrradianceCacheOptions spaced = radiance_gathering(options);
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
                           [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
     const auto records =
         gather_records(world, places, far_end(world, caches, spaced, progress, solve.tables), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
-        // If a lower bound increased the radius, the gradients are reduced like those of irradiance.
-        const float raised = options.spacing * records[i].distance / records[i].radius;
-        if (raised < 1)
-            for (float& g : coefficients[i].gradients) g *= raised;
+        reduce_gradients(records[i], options.spacing, coefficients[i]);
         if (diffuse[i]) near.push_back(records[i]);
     }
     const int threads = options.irradiance.threads;
@@ -158,16 +154,28 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
 
 }  // namespace
 
+IrradianceCacheOptions radiance_gathering(const RadianceCacheOptions& options) {
+    IrradianceCacheOptions spaced = options.irradiance;
+    spaced.spacing = options.spacing;
+    return spaced;
+}
+
 void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
-    const IrradianceCacheOptions& irradiance = options.irradiance;
-    caches = empty_caches(irradiance);
+    caches = empty_caches(options.irradiance);
     RecordSolve solve{caches};
+    grow_radiance_cache(world, cameras, tables, options, solve, progress);
+}
+
+void grow_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
+                         const RadianceCacheOptions& options, RecordSolve& solve, Progress& progress) {
+    const IrradianceCacheOptions& irradiance = options.irradiance;
+    SolvedCaches& caches = solve.caches;
     progress.begin(camera_passes(irradiance, cameras.size(), 2));
     solve_far_for_cameras(world, cameras, irradiance, solve, progress);
 
     const RadianceProjection projection(options.order, Rows::balanced, options.rows);
-    caches.radiance = RadianceCache(irradiance.cache, options.order);
+    if (caches.radiance.records().empty()) caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
     for_each_lattice(cameras, irradiance, [&](size_t index, std::span<const Vec2> pixels, float) {
         auto candidates = glossy_candidates(world, cameras[index], tables, caches.radiance, pixels, options, progress);

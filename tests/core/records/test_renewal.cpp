@@ -53,21 +53,23 @@ std::vector<Renewed> renewed(const Room& room, std::span<const Renewal> renewals
     const FarEnd far;
     const RenewalSettings settings{{}, kind, 0};
     const IrradianceCacheOptions options = coarse();
+    const RadianceProjection projection(4, Rows::balanced, 8);
     Progress progress;
-    auto out = renew({room.world(), far, settings, options}, renewals, progress);
+    auto out = renew({room.world(), far, settings, options, &projection}, renewals, progress);
     CHECK(progress.rays > renewals.size());
     CHECK(progress.done == renewals.size());
     return out;
 }
 
 bool same_bits(const Renewed& a, const Renewed& b) {
-    return std::memcmp(&a.record, &b.record, sizeof a.record) == 0 && a.seen == b.seen;
+    return std::memcmp(&a.record, &b.record, sizeof a.record) == 0 && a.seen == b.seen &&
+           a.coefficients.values == b.coefficients.values && a.coefficients.gradients == b.coefficients.gradients;
 }
 
 }  // namespace
 
 TEST_CASE("renewed records have the closed form of a furnace, and all its cells the same radiance") {
-    for (const RecordKind kind : {RecordKind::near, RecordKind::far}) {
+    for (const RecordKind kind : {RecordKind::near, RecordKind::far, RecordKind::radiance}) {
         const auto before = renewed(furnace(2), on_the_floor(9), kind);
         const auto after = renewed(furnace(4), on_the_floor(9), kind);
         double sum = 0;
@@ -84,7 +86,7 @@ TEST_CASE("renewed records have the closed form of a furnace, and all its cells 
 }
 
 TEST_CASE("what has not changed stays the same in every bit, whichever records are renewed with it") {
-    for (const RecordKind kind : {RecordKind::near, RecordKind::far}) {
+    for (const RecordKind kind : {RecordKind::near, RecordKind::far, RecordKind::radiance}) {
         const auto all = renewed(furnace(2), on_the_floor(9), kind);
         const auto renewals = on_the_floor(9);
         const auto one = renewed(furnace(2), std::span(renewals).subspan(4, 1), kind);
@@ -106,4 +108,19 @@ TEST_CASE("a renewed near record keeps its bounds and takes as many rows as the 
     CHECK(more.record.largest_radius == renewals[0].record.largest_radius);
     CHECK(more.record.radius >= more.record.least_radius);
     CHECK(more.record.radius <= more.record.largest_radius);
+}
+
+TEST_CASE("renewed records of radiance have the same light from all directions of a furnace") {
+    constexpr int order = 4;
+    const size_t count = size_t(coefficient_count(order));
+    double sum = 0;
+    for (const Renewed& r : renewed(furnace(2), on_the_floor(9), RecordKind::radiance)) {
+        REQUIRE(r.coefficients.values.size() == 3 * count);
+        REQUIRE(r.coefficients.gradients.size() == 6 * count);
+        double squares = 0;
+        for (size_t i = 0; i < count; ++i) squares += sqr(double(r.coefficients.values[count + i]));
+        // The basis is orthonormal on the hemisphere: the radiance L has coefficients of the norm √(2π) L.
+        sum += (std::sqrt(squares / (2 * double(pi))) + double(r.record.excess.g) / double(pi)) / 9;
+    }
+    CHECK(sum == doctest::Approx(2 * 0.5 / (1 - 0.5)).epsilon(0.06));
 }

@@ -1,6 +1,7 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Temporal irradiance caching: the records of all frames of an animation in which something moves [Gautron07].
+"""Temporal caching: the records of all frames of an animation in which something moves, of irradiance and of radiance
+[Gautron07].
 
 All frames are planned before the first is made, so that a frame is the same whatever frames are made, in which order and
 where:
@@ -8,8 +9,8 @@ where:
 1. Records are placed for what the cameras see, at one time after the other, from the middle of the animation outwards.
    A place that a record serves, wherever its surface is by then, gets no other.
 2. Each far record is gathered at its keys (`lives`), always at its place on its surface and with the same random numbers.
-3. The same is done for near records, whose rays read the far records of the same time.
-4. Where radii that shrank have left gaps, near records are added, with lives of their own.
+3. The same is done for near records and for those of radiance, whose rays read the far records of the same time.
+4. Where radii that shrank have left gaps, such records are added, with lives of their own.
 
 A frame reads the records as they are at its time, interpolated between keys: the difference of both ends is the gradient
 over time, and since both neighbours of a key share it, nothing jumps when a life ends.
@@ -18,6 +19,7 @@ over time, and since both neighbours of a key share it, nothing jumps when a lif
 from __future__ import annotations
 
 from dataclasses import dataclass, field
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +28,14 @@ from eclat import _core
 from eclat.bridge.anchors import Posed, anchors_of
 from eclat.bridge.compiled import compiled, fingerprint
 from eclat.bridge.running import run
-from eclat.methods.records.laws import core_options
+from eclat.methods.records.changes import NOTHING, IrradianceMeasure, Measure, RadianceMeasure, Seen
+from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.lives import Indices, coming_back, plan_lives
-from eclat.methods.records.options import RecordOptions
-from eclat.methods.records.solution import Solution
-from eclat.methods.records.tracks import COLUMNS, Rows, Tracks, in_core_space, in_surface_space
+from eclat.methods.records.options import RadianceOptions, RecordOptions
+from eclat.methods.records.radiance_rows import RECORD, Rows, luminances, records_of, rows_of
+from eclat.methods.records.radiance_tables import radiance_tables
+from eclat.methods.records.solution import RadianceRecords, Solution
+from eclat.methods.records.tracks import COLUMNS, Tracks, in_core_space, in_surface_space
 from eclat.methods.work import Times, Work
 from eclat.scene import Scene
 
@@ -45,11 +50,12 @@ and the others were left out at first because they lie too near to others: with 
 30 times gets five times as many far records. Rays that find none go on."""
 LONGEST_LIFE = 24
 """The longest life in frames, if anything moves meanwhile."""
-LEAST_SHARE = 0.1
-"""The lower bound of the irradiance that changes are compared to, as a share of the mean: that of the error measure."""
 
-Seen = tuple[NDArray[np.float32], float, float]
-"""What a gather saw: the luminance of each cell, and those of the irradiance without the excess and of the excess."""
+NEAR, FAR, RADIANCE = _core.RecordKind.near, _core.RecordKind.far, _core.RecordKind.radiance
+FIRST_KEYS = {NEAR: 0, RADIANCE: 1 << 30, FAR: 1 << 31}
+"""The numbers of the first record of each kind, from which the keys of its random numbers follow."""
+
+Kinds = dict[_core.RecordKind, Tracks]
 
 
 @dataclass(eq=False)
@@ -61,6 +67,7 @@ class MovingSolution:
     max_depth: int
     near: Tracks
     far: Tracks
+    radiance: Tracks | None = None
     statistics: dict[str, float] = field(default_factory=dict)
 
     def at(self, time: int) -> Solution:
@@ -68,9 +75,14 @@ class MovingSolution:
         scene = self.times.scene(time)
         near, far = (rows_at(tracks, self.times, time) for tracks in (self.near, self.far))
         statistics = {"records": float(len(near)), "far_records": float(len(far))}
+        radiance = None
+        if self.radiance is not None:
+            radiance = records_of(rows_at(self.radiance, self.times, time))
+            statistics["radiance_records"] = float(len(radiance))
         return Solution(
-            self.options, fingerprint(scene), near, far, compiled(scene).center, statistics, self.max_depth, True
-        )
+            self.options, fingerprint(scene), near, far, compiled(scene).center, statistics, self.max_depth, True,
+            radiance,
+        )  # fmt: skip
 
 
 def solve_over_time(options: RecordOptions, times: Times, work: Work) -> MovingSolution:
@@ -102,76 +114,117 @@ def _placed(
 class _Planner:
     def __init__(self, options: RecordOptions, times: Times, work: Work) -> None:
         self._options, self._times, self._work = options, times, work
+        self._kinds = (NEAR, FAR, RADIANCE) if isinstance(options, RadianceOptions) else (NEAR, FAR)
         self._counted = _core.Progress()
-        self._bright = _core.BrightPlaces()
-        self._mean = {_core.RecordKind.near: 0.0, _core.RecordKind.far: 0.0}
+        self._bright: _core.BrightPlaces | None = None
+        self._mean = dict.fromkeys(self._kinds, 0.0)
         self._returns = coming_back(np.asarray(times.course, np.float64))
         self._gathers = 0
 
     def solve(self) -> MovingSolution:
-        near, far = self._place()
-        self._live(far, np.arange(len(far)), _core.RecordKind.far, None)
-        self._live(near, np.arange(len(near)), _core.RecordKind.near, far)
+        tracks = self._place()
+        for kind in (FAR, *(kind for kind in self._kinds if kind != FAR)):
+            self._live(tracks, np.arange(len(tracks[kind])), kind)
         if len(self._times) > 1:
-            near = self._filled(near, far)
-        statistics = {
-            "records": float(len(near)), "far_records": float(len(far)), "gathers": float(self._gathers),
-            "rays": float(self._counted.rays),
-        }  # fmt: skip
-        return MovingSolution(self._options, self._times, self._work.max_depth, near, far, statistics)
-
-    def _core_options(self) -> _core.IrradianceCacheOptions:
-        return core_options(
-            self._options, max_depth=self._work.max_depth, seed=self._work.seed, threads=self._work.threads
+            self._fill(tracks)
+        names = {NEAR: "records", FAR: "far_records", RADIANCE: "radiance_records"}
+        statistics = {names[kind]: float(len(tracks[kind])) for kind in self._kinds}
+        statistics |= {"gathers": float(self._gathers), "rays": float(self._counted.rays)}
+        return MovingSolution(
+            self._options,
+            self._times,
+            self._work.max_depth,
+            tracks[NEAR],
+            tracks[FAR],
+            tracks.get(RADIANCE),
+            statistics,
         )
 
-    def _place(self) -> tuple[Tracks, Tracks]:
+    def _core_options(self) -> _core.IrradianceCacheOptions:
+        return core_options(self._options, **self._settings())
+
+    def _settings(self) -> dict[str, int]:
+        return {"max_depth": self._work.max_depth, "seed": self._work.seed, "threads": self._work.threads}
+
+    def _place(self) -> Kinds:
         """Place records for all times, with the light of the time at which they are placed."""
-        near, far = self._empty(), self._empty()
+        tracks = {kind: self._empty(kind) for kind in self._kinds}
         for number, time in enumerate(self._times.from_the_middle()):
             scene = self._times.scene(time)
             options = self._core_options()
             if number > 0:
                 options.disagreement = np.inf  # Records of different times may well differ.
                 options.far_records = options.far_records // FAR_STEP if number % FAR_STEP == 0 else 0
-            known = [_placed(tracks.born, tracks, np.ones(len(tracks), np.bool_), scene)[0] for tracks in (near, far)]
-            grown = self._grown(time, options, known)
-            near, far = (
-                tracks.joined(self._born(rows[len(old) :], scene, offset + len(tracks)))
-                for tracks, rows, old, offset in zip((near, far), grown, known, (0, 1 << 31), strict=True)
-            )
-        for tracks, kind in ((near, _core.RecordKind.near), (far, _core.RecordKind.far)):
-            light = _luminance(tracks.born[:, COLUMNS["irradiance"]])[tracks.born[:, COLUMNS["enclosed"].start] == 0]
+            self._grow(tracks, time, options, {kind: _born_rows(tracks[kind], scene) for kind in self._kinds})
+        for kind, placed in tracks.items():
+            light = _luminance(placed.born[:, COLUMNS["irradiance"]])[placed.born[:, COLUMNS["enclosed"].start] == 0]
             self._mean[kind] = float(light.mean(dtype=np.float64)) if len(light) else 0.0
-        return near, far
+        return tracks
 
-    def _filled(self, near: Tracks, far: Tracks) -> Tracks:
-        """Add near records where a camera finds none that serves."""
+    def _fill(self, tracks: Kinds) -> None:
+        """Add records where a camera finds none that serves."""
         options = self._core_options()
         options.disagreement, options.far_records = np.inf, 0
-        whole = len(near)
+        whole = {kind: len(tracks[kind]) for kind in self._kinds}
         for time in self._times.from_the_middle():
-            scene = self._times.scene(time)
-            finished, new = near.taken(np.arange(whole)), near.taken(np.arange(whole, len(near)))
-            rows = rows_at(finished, self._times, time)
-            added = _placed(new.born, new, np.ones(len(new), np.bool_), scene)[0]
-            known = np.concatenate([rows, added])
-            grown, _ = self._grown(time, options, [known, rows_at(far, self._times, time)])
-            near = near.joined(self._born(grown[len(known) :], scene, len(near)))
-        self._live(near, np.arange(whole, len(near)), _core.RecordKind.near, far)
-        return near
+            scene, known = self._times.scene(time), {}
+            for kind in self._kinds:
+                numbers = np.arange(len(tracks[kind]))
+                finished, new = tracks[kind].taken(numbers[: whole[kind]]), tracks[kind].taken(numbers[whole[kind] :])
+                known[kind] = np.concatenate([rows_at(finished, self._times, time), _born_rows(new, scene)])
+            self._grow(tracks, time, options, known)
+        for kind in self._kinds:
+            if kind != FAR:
+                self._live(tracks, np.arange(whole[kind], len(tracks[kind])), kind)
 
-    def _grown(self, time: int, options: _core.IrradianceCacheOptions, known: list[Rows]) -> tuple[Rows, Rows]:
-        """Return known near and far records, and those that the camera wants besides."""
-        prepared = compiled(self._times.scene(time))
-        caches = _core.SolvedCaches(np.ascontiguousarray(known[0]), np.ascontiguousarray(known[1]), options)
-        growing = _core.GrowingCache(prepared.core, options, caches)
-        growing.look(prepared.camera(self._times.cameras[time], self._times.size))
-        while growing.passes_left:
-            run("solve", growing.step, self._work.progress, self._counted)
-        if not len(known[0]):
-            self._bright = growing.bright
-        return np.asarray(growing.caches.near), np.asarray(growing.caches.far)
+    def _grow(
+        self, tracks: Kinds, time: int, options: _core.IrradianceCacheOptions, known: dict[_core.RecordKind, Rows]
+    ) -> None:
+        """Add to the tracks what the camera wants at a time besides the known records."""
+        scene = self._times.scene(time)
+        prepared = compiled(scene)
+        camera = prepared.camera(self._times.cameras[time], self._times.size)
+        caches = _core.SolvedCaches(np.ascontiguousarray(known[NEAR]), np.ascontiguousarray(known[FAR]), options)
+        if isinstance(self._options, RadianceOptions):
+            caches, bright = self._grown_with_radiance(scene, camera, options, caches, known[RADIANCE])
+        else:
+            growing = _core.GrowingCache(prepared.core, options, caches)
+            growing.look(camera)
+            while growing.passes_left:
+                run("solve", growing.step, self._work.progress, self._counted)
+            caches, bright = growing.caches, growing.bright
+        if self._bright is None:
+            self._bright = bright
+        grown = {NEAR: np.asarray(caches.near), FAR: np.asarray(caches.far)}
+        if isinstance(self._options, RadianceOptions):
+            grown[RADIANCE] = rows_of(RadianceRecords.of(caches), self._options.order)
+        for kind, rows in grown.items():
+            first = FIRST_KEYS[kind] + len(tracks[kind])
+            tracks[kind] = tracks[kind].joined(self._born(rows[len(known[kind]) :], scene, first))
+
+    def _grown_with_radiance(
+        self,
+        scene: Scene,
+        camera: _core.Camera,
+        options: _core.IrradianceCacheOptions,
+        caches: _core.SolvedCaches,
+        known: Rows,
+    ) -> tuple[_core.SolvedCaches, _core.BrightPlaces]:
+        """Return the caches with all that the camera wants besides, and the places at which gathers aimed rays."""
+        assert isinstance(self._options, RadianceOptions)
+        settings = core_radiance_options(self._options, **self._settings())
+        settings.irradiance = options
+        tables = radiance_tables(scene, self._options, threads=self._work.threads or None, progress=self._work.progress)
+        records = records_of(known)
+        if len(records):
+            caches.set_radiance(records.records, records.values, records.gradients, settings)
+        core = compiled(scene).core
+        bright = run(
+            "solve",
+            lambda p: _core.grow_radiance(core, camera, tables, settings, caches, p),
+            self._work.progress, self._counted,
+        )  # fmt: skip
+        return caches, bright
 
     def _born(self, rows: Rows, scene: Scene, first: int) -> Tracks:
         """Make tracks of records that were placed in a scene."""
@@ -186,15 +239,22 @@ class _Planner:
         born = in_surface_space(rows, anchors.posed(scene), moving)
         return Tracks(anchors, born, moving, np.zeros((len(rows), len(self._times)), np.bool_), keys)
 
-    def _empty(self) -> Tracks:
-        return self._born(np.zeros((0, _core.SolvedCaches().near.shape[1]), np.float32), self._times.scene(0), 0)
+    def _empty(self, kind: _core.RecordKind) -> Tracks:
+        width = RECORD
+        if kind == RADIANCE:
+            assert isinstance(self._options, RadianceOptions)
+            width += 9 * self._options.order**2
+        return self._born(np.zeros((0, width), np.float32), self._times.scene(0), 0)
 
-    def _live(self, tracks: Tracks, records: Indices, kind: _core.RecordKind, far: Tracks | None) -> None:
-        """Choose the keys of records, and gather them there."""
+    def _measure(self, kind: _core.RecordKind) -> Measure:
+        if kind == RADIANCE:
+            return RadianceMeasure(self._mean[kind])
+        return IrradianceMeasure(self._mean[kind], FAR_SHARE if kind == FAR else 1.0)
+
+    def _live(self, all_tracks: Kinds, records: Indices, kind: _core.RecordKind) -> None:
+        """Choose the keys of records of one kind, and gather them there."""
         seen: dict[tuple[int, int], Seen] = {}
-        states = self._times.states
-        unit = LEAST_SHARE * self._mean[kind]
-        share = 1.0 if kind == _core.RecordKind.near else FAR_SHARE
+        states, tracks, measure = self._times.states, all_tracks[kind], self._measure(kind)
 
         def gather(which: Indices, at: Indices) -> None:
             for state in np.unique(states[at]):
@@ -202,13 +262,13 @@ class _Planner:
                 known = tracks.gathers.get(int(state))
                 wanted = wanted[known.lacks(wanted)] if known is not None else wanted
                 if len(wanted):
-                    self._renew(tracks, wanted, int(state), kind, far, seen)
+                    self._renew(all_tracks, kind, wanted, int(state), seen)
 
         def changes(numbers: Indices, first: Indices, last: Indices) -> NDArray[np.float64]:
             which = records[numbers]
             gather(np.concatenate([which, which]), np.concatenate([first, last]))
             ends = zip(which.tolist(), states[first].tolist(), states[last].tolist(), strict=True)
-            return np.array([_change(seen[a, w], seen[b, w], unit, share) for w, a, b in ends])
+            return np.array([measure.change(seen[a, w], seen[b, w]) for w, a, b in ends])
 
         def bends(numbers: Indices, first: Indices, middle: Indices, last: Indices) -> NDArray[np.float64]:
             which = records[numbers]
@@ -217,7 +277,7 @@ class _Planner:
             shares = (seconds[middle] - seconds[first]) / (seconds[last] - seconds[first])
             a, m, b = (states[at].tolist() for at in (first, middle, last))
             lives = zip(which.tolist(), a, m, b, shares.tolist(), strict=True)
-            return np.array([_bend((seen[a, w], seen[m, w], seen[b, w]), share, unit) for w, a, m, b, share in lives])
+            return np.array([measure.bend(seen[a, w], seen[m, w], seen[b, w], share) for w, a, m, b, share in lives])
 
         phases = np.array([_phase(int(key)) for key in tracks.keys[records]], np.float64)
         longest = max(1, round(LONGEST_LIFE * self._times.steps_per_frame))
@@ -229,61 +289,66 @@ class _Planner:
 
     def _renew(
         self,
-        tracks: Tracks,
+        all_tracks: Kinds,
+        kind: _core.RecordKind,
         which: Indices,
         state: int,
-        kind: _core.RecordKind,
-        far: Tracks | None,
         seen: dict[tuple[int, int], Seen],
     ) -> None:
         """Gather records in a state of the scene."""
         time = self._times.first_time(state)
-        scene, options = self._times.scene(time), self._core_options()
+        scene, options, tracks = self._times.scene(time), self._core_options(), all_tracks[kind]
         some = tracks.taken(which)
         rows, posed, valid = _placed(some.born, some, np.ones(len(some), np.bool_), scene)
-        none = np.zeros((0, rows.shape[1]), np.float32)
-        far_rows = none if far is None else rows_at(far, self._times, time)
+        none = np.zeros((0, RECORD), np.float32)
+        far_rows = none if kind == FAR else rows_at(all_tracks[FAR], self._times, time)
         caches = _core.SolvedCaches(none, np.ascontiguousarray(far_rows), options)
         shading = np.ascontiguousarray(posed.shading_normals, np.float32)
-        given = (np.ascontiguousarray(rows), shading, some.keys[valid])
-        core, settings = compiled(scene).core, _core.RenewalSettings(self._bright, kind, self._mean[kind])
-        renewed, counts, values = run(
-            "solve",
-            lambda p: _core.renew_records(core, caches, settings, options, *given, p),
-            self._work.progress, self._counted,
-        )  # fmt: skip
+        given = (np.ascontiguousarray(rows[:, :RECORD]), shading, some.keys[valid])
+        renewed, looks = self._gathered(compiled(scene).core, caches, kind, given)
         self._gathers += len(renewed)
         new = np.full_like(some.born, np.nan)
-        new[valid] = _no_wider(renewed, some.born[valid], options, kind)
+        new[valid] = _no_wider(renewed, some.born[valid])
         new[valid] = in_surface_space(new[valid], posed, some.moving[valid])
         tracks.store(state, which, new)
-        parts = np.split(values, np.cumsum(counts.astype(np.int64))[:-1]) if len(counts) else []
-        for record, part, row in zip(which[valid].tolist(), parts, renewed, strict=True):
+        for record, look, row in zip(which[valid].tolist(), looks, renewed, strict=True):
             light = (_luminance(row[COLUMNS["irradiance"]][None])[0], _luminance(row[COLUMNS["excess"]][None])[0])
-            seen[state, record] = (part, float(light[0]), float(light[1]))
+            seen[state, record] = Seen(look, float(light[0]), float(light[1]))
         for record in which[~valid].tolist():
-            seen[state, record] = (np.zeros(0, np.float32), 0.0, 0.0)
+            seen[state, record] = NOTHING
+
+    def _gathered(
+        self, core: _core.Scene, caches: _core.SolvedCaches, kind: _core.RecordKind, given: tuple[Any, Any, Any]
+    ) -> tuple[Rows, list[NDArray[np.floating]]]:
+        """Return the rows of records (their old rows, shading normals and keys are `given`), and what changes are measured
+        by of each."""
+        progress = self._work.progress
+        if kind == RADIANCE:
+            assert isinstance(self._options, RadianceOptions)
+            settings = core_radiance_options(self._options, **self._settings())
+            rows, coefficients = run(
+                "solve",
+                lambda p: _core.renew_radiance(core, caches, self._mean[kind], settings, *given, p),
+                progress, self._counted,
+            )  # fmt: skip
+            whole = np.concatenate([rows, coefficients], axis=1)
+            return whole, list(luminances(whole))
+        aimed = _core.RenewalSettings(self._bright or _core.BrightPlaces(), kind, self._mean[kind])
+        options = self._core_options()
+        rows, counts, values = run(
+            "solve",
+            lambda p: _core.renew_records(core, caches, aimed, options, *given, p),
+            progress, self._counted,
+        )  # fmt: skip
+        return rows, np.split(values, np.cumsum(counts.astype(np.int64))[:-1]) if len(counts) else []
 
 
-def _change(a: Seen, b: Seen, least: float, share: float) -> float:
-    """Return the change c between two gathers: the change of their sums, or the `share` of those of all cells if this is
-    more."""
-    if len(a[0]) != len(b[0]):
-        return np.inf if len(a[0]) or len(b[0]) else 0.0
-    gained = float(np.abs(a[0] - b[0]).mean(dtype=np.float64)) * np.pi if len(a[0]) else 0.0
-    whole = float(np.hypot(max(a[1] + a[2], b[1] + b[2]), least))
-    cells, net = gained + abs(a[2] - b[2]), abs(a[1] + a[2] - b[1] - b[2])
-    return max(net, share * cells) / whole if whole > 0 else 0.0
+def _born_rows(tracks: Tracks, scene: Scene) -> Rows:
+    """Return the rows with which records were placed, where their surfaces are in a scene."""
+    return _placed(tracks.born, tracks, np.ones(len(tracks), np.bool_), scene)[0]
 
 
-def _bend(gathers: tuple[Seen, Seen, Seen], share: float, least: float) -> float:
-    """Return how far the light of the second of three gathers is from the line between the others, relative to the largest."""
-    light = [irradiance + excess for _, irradiance, excess in gathers]
-    whole = float(np.hypot(max(light), least))
-    return abs(light[1] - (1 - share) * light[0] - share * light[2]) / whole if whole > 0 else 0.0
-
-
-def _no_wider(rows: Rows, born: Rows, options: _core.IrradianceCacheOptions, kind: _core.RecordKind) -> Rows:
+def _no_wider(rows: Rows, born: Rows) -> Rows:
     """Return rows whose radii follow lengths that are no longer than those with which the records were placed. These may
     have shrunk beside others that disagreed.
     """

@@ -3,7 +3,8 @@
 """Tracks: records that stay at their places on surfaces through all times of an animation, and what they gathered at their
 keys.
 
-Records on surfaces that move are kept in the space of the surface: their gradients turn with it.
+Records on surfaces that move are kept in the space of the surface: their gradients turn with it, and of records of radiance
+(`radiance_rows`) the light as well.
 """
 
 from __future__ import annotations
@@ -16,11 +17,10 @@ from numpy.typing import NDArray
 from eclat import _core
 from eclat.bridge.anchors import Anchors, Numbers, Posed
 from eclat.methods.records.lives import Indices, around
+from eclat.methods.records.radiance_rows import Rows, turn_with_surfaces
 
 COLUMNS = {name: slice(first, first + count) for name, first, count in _core.record_layout()}
 _GRADIENTS = ("rotation_gradients", "translation_gradients")
-
-Rows = NDArray[np.float32]
 
 
 @dataclass(frozen=True, eq=False)
@@ -136,6 +136,7 @@ def in_surface_space(rows: Rows, posed: Posed, moving: NDArray[np.bool_]) -> Row
     clearances = rows[moving, COLUMNS["clearances"]]
     rows[moving, COLUMNS["clearances"]] = clearances.min(axis=1, keepdims=True)
     _turn(rows, moving, posed.frames.swapaxes(1, 2))
+    turn_with_surfaces(rows, moving, posed, into_surface=True)
     return rows
 
 
@@ -145,6 +146,7 @@ def in_core_space(rows: Rows, posed: Posed, moving: NDArray[np.bool_], positions
     rows[:, COLUMNS["positions"]] = positions
     rows[:, COLUMNS["normals"]] = posed.normals
     _turn(rows, moving, posed.frames)
+    turn_with_surfaces(rows, moving, posed, into_surface=False)
     return rows
 
 
