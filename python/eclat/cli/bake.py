@@ -125,8 +125,7 @@ EXAMPLES = {
     type=Number(int, 2, 64),
     default=2,
     section=MAP,
-    help="Distance between charts in texels. For viewers that use n levels of a mip map, it should be 2 to the power "
-    "of n [2].",
+    help="Width in texels of the border around each chart. 2 to the power of n gives the mip map of --ktx2 n smaller levels [2].",
 )
 @option(
     "--sides",

@@ -73,8 +73,8 @@ class Unwrapped:
 class Atlas:
     """The charts of all meshes on `pages` images of `width` × `height` texels each. `method` is "xatlas" or "planar".
 
-    While a map is computed, its pages lie in one image, the stack, one below the other, `gap` rows apart, so that
-    nothing that is done with neighbouring texels reaches from one page into another.
+    While a map is computed, its pages lie in one image, the stack, one below the other, `gap` rows apart, like charts on a
+    page, so that nothing that is done with neighbouring texels reaches from one page into another.
     """
 
     width: int
@@ -134,12 +134,17 @@ def check_texel_count(texels: float, max_size: int, texel_size: float) -> None:
 
 @dataclass(frozen=True)
 class Packing:
-    """How charts are placed: `gutter` texels between two charts, in addition to those that bilinear filtering reads, on
-    pages of at most `max_size` × `max_size` texels. xatlas is stopped after `timeout` seconds; 0 does not use xatlas."""
+    """How charts are placed: a border of `gutter` texels around each, on pages of at most `max_size` × `max_size` texels.
+    xatlas is stopped after `timeout` seconds; 0 does not use xatlas."""
 
     gutter: int = 2
     max_size: int = 4096
     timeout: float = 60.0
+
+    @property
+    def apart(self) -> int:
+        """Least number of texels between those that two charts use: the borders of both."""
+        return 2 * self.gutter
 
 
 def unwrap(
@@ -165,7 +170,7 @@ def unwrap(
         cut = iter(found.meshes)
         found = replace(found, meshes=tuple(next(cut) if len(m.triangles) else NO_CHARTS for m in meshes))
     if found is None:
-        planar = unwrap_planar(meshes, texel_size, packing.gutter, packing.max_size)
+        planar = unwrap_planar(meshes, texel_size, packing.apart, packing.max_size)
         unwrapped = tuple(Unwrapped(*mesh) for mesh in planar.meshes)
         found = Atlas(planar.width, planar.height, unwrapped, "planar", planar.count)
     if found.pages > MAX_PAGES:
@@ -173,8 +178,7 @@ def unwrap(
             f"texel_size: at {texel_size:g} m per texel there are {found.pages} pages of {found.width} x {found.height} texels, "
             f"more than {MAX_PAGES}; a texel size of {texel_size * math.sqrt(found.pages / MAX_PAGES) * 1.05:.2g} m fits"
         )
-    # A gap of this width is not crossed when the texels around charts are filled.
-    return replace(found, gap=packing.gutter + 2)
+    return replace(found, gap=packing.apart)
 
 
 def _by_xatlas(
@@ -238,8 +242,8 @@ def _with_left_out(meshes: Sequence[Mesh], atlas: Atlas, texel_size: float, pack
     if not any(which.any() for which in left_out):
         return atlas
     pieces = [replace(m, triangles=np.asarray(m.triangles)[which]) for m, which in zip(meshes, left_out, strict=True)]
-    planar = unwrap_planar(pieces, texel_size, packing.gutter, packing.max_size, least_width=atlas.width)
-    bottom = atlas.height + packing.gutter
+    planar = unwrap_planar(pieces, texel_size, packing.apart, packing.max_size, least_width=atlas.width)
+    bottom = atlas.height + packing.apart
     one = atlas.pages == planar.count == 1 and bottom + planar.height <= packing.max_size
     down, later = (np.array([0, bottom]), 0) if one else (np.zeros(2), atlas.pages)
     joined = []

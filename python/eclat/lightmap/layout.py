@@ -27,14 +27,18 @@ from eclat.lightmap.atlas import (
     rounded_size,
     unwrap,
 )
+from eclat.lightmap.levels import most_levels
 from eclat.lightmap.sides import Side, SidesChoice, lit_sides
 from eclat.lightmap.solids import Mask, solid_triangles
 from eclat.lightmap.stages import stage
 from eclat.lightmap.texels import Corners, Texels, corners_of, rasterize
 from eclat.scene import FloatArray, Mesh, Scene
 
-BLACK_ROWS = 3
-"""Number of black rows below the charts of each page, which hold the texel that all dark surfaces share."""
+LEAST_BLACK_ROWS = 3
+"""Least number of rows below the charts of a page, without which the texel that all dark surfaces share is not black."""
+
+LARGEST_BLACK_SHARE = 1 / 8
+"""Largest share of the rows of a page of the largest size that are black, unless there are only `LEAST_BLACK_ROWS`."""
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,8 @@ class Layout:
 
     `solid` marks the triangles of each mesh that bound solids. `sides` are the parts with a mask of what gets texels, of
     the charts of the same index in `atlas`. `corners` are those of the lit triangles, and `texels` what they use. `area` is
-    that of the lit surfaces in m². `texel_size` is the usual side of a texel in metres.
+    that of the lit surfaces in m². `texel_size` is the usual side of a texel in metres. `page_shape` is the height and width of
+    a page in texels, with the black rows below its charts.
     """
 
     solid: list[Mask]
@@ -70,6 +75,7 @@ class Layout:
     texels: Texels
     area: float
     texel_size: float
+    page_shape: tuple[int, int]
 
     @property
     def charts(self) -> int:
@@ -77,15 +83,32 @@ class Layout:
         return len(np.unique(self.corners.charts[self.corners.charts >= 0]))
 
     @property
-    def page_shape(self) -> tuple[int, int]:
-        """Height and width of a page in texels, with its black rows."""
-        return self.atlas.height + BLACK_ROWS, self.atlas.width
+    def black_rows(self) -> int:
+        """Number of rows below the charts of each page. The upper third separates charts from black, and dark surfaces look up
+        the border between the other two."""
+        return self.page_shape[0] - self.atlas.height
+
+    @property
+    def apart(self) -> float:
+        """Number of texels between those whose light a lookup must not mix."""
+        return min(self.atlas.gap, self.black_rows / 3)
 
     def pages(self, stack: FloatArray) -> FloatArray:
         """Cut the stack (H, W, C) into pages with black rows, and place them one below the other, (pages · height, W, C)."""
-        black = np.zeros((BLACK_ROWS, *stack.shape[1:]))
-        cut = [part for page in range(self.atlas.pages) for part in (stack[self.atlas.page_rows(page)], black)]
-        return np.concatenate(cut)
+        wider = [(0, 0)] * (stack.ndim - 2)
+        padding = ((0, self.black_rows), (0, self.page_shape[1] - self.atlas.width), *wider)
+        return np.concatenate([np.pad(stack[self.atlas.page_rows(page)], padding) for page in range(self.atlas.pages)])
+
+    def used(self, seen: Mask) -> Mask:
+        """Mark the texels of all pages, (pages · height, W), that surfaces use: those of the texels that are `seen` (N,), and
+        the black ones that dark surfaces look up."""
+        stack = np.zeros((self.atlas.stack_height, self.atlas.width))
+        stack[self.texels.rows[seen], self.texels.columns[seen]] = 1
+        marked = self.pages(stack) > 0
+        height, _ = self.page_shape
+        from_bottom = height - np.arange(len(marked)) % height
+        marked[from_bottom <= 2 * self.black_rows / 3] = True
+        return np.asarray(marked)
 
     def parts(self) -> tuple[Part, ...]:
         """Make the parts, with vertices split at the borders of charts, and with light map coordinates in (0, 0)..(1, 1) of
@@ -108,7 +131,7 @@ class Layout:
         triangles = np.empty((len(side.lit), 3), np.int64)
         triangles[side.lit] = lit
         triangles[~side.lit] = renumbered.reshape(-1, 3) + len(vertices)
-        black = np.broadcast_to(np.array([1.5, height - BLACK_ROWS / 2]), (len(corners), 2))
+        black = np.broadcast_to(np.array([1.5, height - self.black_rows / 3]), (len(corners), 2))
         places = np.concatenate((uvs, black)) / (width, height)
         whole = select_vertices(mesh, np.concatenate((vertices, corners)), triangles)
         first = int(pages[lit[0, 0]]) if len(lit) else 0
@@ -165,7 +188,10 @@ def _placed(
     progress: ProgressReport | None,
 ) -> Layout:
     """Place the charts of all sides at the usual texel `size`, with `sizes` of each side, and find their texels."""
-    packing = replace(wishes.packing, max_size=wishes.packing.max_size - BLACK_ROWS)
+    apart, largest = wishes.packing.apart, wishes.packing.max_size
+    black_rows = max(LEAST_BLACK_ROWS, min(3 * apart, int(largest * LARGEST_BLACK_SHARE)))
+    unit = 2 ** most_levels(min(apart, black_rows / 3))  # Two divides the sizes of a page as often as it has levels.
+    packing = replace(wishes.packing, max_size=largest - largest % unit - black_rows)
     check_texel_count(float((lit_areas / sizes**2).sum()), packing.max_size, size)
     meshes = [replace(side.part.mesh, triangles=np.asarray(side.part.mesh.triangles)[side.lit]) for side in sides]
     # Charts are made at one size: a mesh with larger texels is made smaller for it.
@@ -174,7 +200,8 @@ def _placed(
     stage(progress, "texels")
     corners = corners_of(meshes, atlas)
     texels = rasterize(corners, atlas.width, atlas.stack_height)
-    return Layout(solid, sides, atlas, corners, texels, float(lit_areas.sum()), size)
+    height, width = (-(-number // unit) * unit for number in (atlas.height + black_rows, atlas.width))
+    return Layout(solid, sides, atlas, corners, texels, float(lit_areas.sum()), size, (height, width))
 
 
 def _scaled(mesh: Mesh, factor: float) -> Mesh:

@@ -26,6 +26,7 @@ from eclat.images.ktx2 import encode_ktx2, ktx2_scale
 from eclat.images.tone import srgb_encode
 from eclat.lightmap.directional import Directional, for_godot, for_unity
 from eclat.lightmap.flat import encode_flat
+from eclat.lightmap.levels import smaller_levels
 from eclat.scene import FloatArray, Scene
 from eclat.typed import typed
 
@@ -46,7 +47,9 @@ class Lightmap:
     `parts` are the meshes of the scene, with their vertices split at the borders of charts and with `lightmap_uvs` of their
     `lightmap_page`. `texel_size` is in metres, `gutter` in texels. `statistics` holds the numbers of texels, rays, charts
     and pages, the seconds, and the area in m². `settings` are the options with which the map was baked. `harmonics` (H, W,
-    4, 3) are the coefficients of a directional map, in W·m⁻² or lux (`lightmap.directional`), or None.
+    4, 3) are the coefficients of a directional map, in W·m⁻² or lux (`lightmap.directional`), or None. `used` (H, W) marks
+    the texels that surfaces use, and `apart` is the number of texels between those whose light must not be mixed; of these, the
+    levels of a mip map are made. Without `used`, there is only one.
     """
 
     scene: Scene
@@ -58,6 +61,8 @@ class Lightmap:
     gutter: int
     page_count: int = 1
     harmonics: NDArray[np.float32] | None = None
+    used: NDArray[np.bool_] | None = None
+    apart: float = 0.0
     statistics: dict[str, float] = field(default_factory=dict)
     settings: dict[str, Any] = field(default_factory=dict)
 
@@ -77,6 +82,13 @@ class Lightmap:
     def pages(self) -> list[NDArray[np.float32]]:
         """The pages, (height, W, 3) each."""
         return np.split(self.irradiance, self.page_count)
+
+    def levels(self, page: int) -> list[NDArray[np.float32]]:
+        """Return a page and the smaller levels of its mip map, as many as do not mix the light of charts (`lightmap.levels`)."""
+        image = self.pages[page]
+        if self.used is None:
+            return [image]
+        return [image, *smaller_levels(image, np.split(self.used, self.page_count)[page], self.apart)]
 
     def stacked_uvs(self) -> list[FloatArray]:
         """Return for each part its coordinates (V, 2) in the image of all pages, `irradiance`."""
@@ -123,7 +135,8 @@ class Lightmap:
 
         Parameters
         ----------
-        ktx2 : whether to write each page also as `room_lit.lightmap.ktx2`, in half precision, for graphics cards.
+        ktx2 : whether to write each page also as `room_lit.lightmap.ktx2`, in half precision, for graphics cards, with the
+            smaller levels of a mip map in which charts do not mix: n with a `gutter` of 2ⁿ.
         directional : the layout in which to write from where the light comes: "sh", the coefficients, as layers of an .exr;
             "godot", four slices of an .exr; "unity", a .png beside the .exr. The map must be baked with `directional`.
 
@@ -191,7 +204,8 @@ class Lightmap:
         stem = exr.name.removesuffix(".exr") + (f".{number + 1}" if number else "")
         files = {"exr": (f"{stem}.exr", encode_exr(page, {}, about, {}))}
         if ktx2:
-            files["ktx2"] = (f"{stem}.ktx2", encode_ktx2(page / np.float32(ktx2_scale(page))))
+            scale = np.float32(ktx2_scale(page))
+            files["ktx2"] = (f"{stem}.ktx2", encode_ktx2([level / scale for level in self.levels(number)]))
         if directional is not None and self.harmonics is not None:
             own = np.split(self.harmonics, self.page_count)[number]
             ending, data = encode_directional(own, page, directional, about)

@@ -43,9 +43,10 @@ class PlanarCharts:
 
 
 def unwrap_planar(
-    meshes: Sequence[Mesh], texel_size: float, gutter: int, max_size: int, least_width: int = 0
+    meshes: Sequence[Mesh], texel_size: float, apart: int, max_size: int, least_width: int = 0
 ) -> PlanarCharts:
-    """Place all meshes on one page of at least the given width, or on several where `max_size` is too small for one.
+    """Place all meshes on one page of at least the given width, or on several where `max_size` is too small for one, with at
+    least `apart` texels between those that two charts use.
 
     Raises EclatError if a chart alone is larger than a page.
     """
@@ -55,7 +56,7 @@ def unwrap_planar(
         sizes += [_extent(uvs, charts)]
     extents = np.concatenate(sizes) if sizes else np.zeros((0, 2))
     # Charts start 1.5 texels from the corner of their box, because bilinear filtering reads one texel around them.
-    boxes = np.ceil(extents).astype(np.int64) + 2 + gutter
+    boxes = np.ceil(extents).astype(np.int64) + 1 + apart
     largest = int(boxes.max(initial=0))
     if largest > max_size:
         fits = texel_size * largest / max_size * 1.05

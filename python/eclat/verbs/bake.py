@@ -87,8 +87,7 @@ def bake(
     supersampling : number of points along the side of a texel, 1..8. With 2, a texel holds the mean of four points.
     max_error : wanted relative error of the indirect light, if `what` is None, a class or a name.
     max_depth : greatest number of edges of a path: 2 is direct light, −1 sets no limit.
-    gutter : number of texels between charts, in addition to those that bilinear filtering reads, 2..64: 2, or 2ⁿ for
-        viewers that use n levels of a mip map.
+    gutter : width in texels of the border around each chart, 2..64: 2, or 2ⁿ for n smaller levels of a mip map.
     max_size : largest width and height of a page of the map in texels, 16..16384. Charts that do not fit on one page go on
         several.
     charts_timeout : seconds after which xatlas is stopped and each flat piece of a surface becomes a chart; 0 does not
@@ -131,6 +130,8 @@ def bake(
         irradiance=fitted_pages(layout, gathered, gathered.values, gutter, least=0.0),
         harmonics=None if harmonics is None else fitted_harmonics(layout, gathered, harmonics, gutter),
         page_count=layout.atlas.pages,
+        used=layout.used(gathered.seen),
+        apart=layout.apart,
         texel_size=layout.texel_size,
         component=component,
         method=source.options.name,

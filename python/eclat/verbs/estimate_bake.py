@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import math
 import os
 import time as clock
 from collections.abc import Mapping
@@ -29,8 +30,9 @@ from eclat.verbs.light_at_points import Component
 TRIALS = (256, 1024, 4096)
 """Numbers of texels that are baked to see how the work grows with them."""
 
-PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8
-"""Bytes of a texel without compression in the embedded PNG, in the EXR and in the KTX2 file."""
+PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8 * 4 / 3
+"""Bytes of a texel without compression in the embedded PNG, in the EXR and in the KTX2 file, of which all levels of a mip map
+together have four thirds of the texels of the largest."""
 
 FIT_SECONDS = 3e-5
 """Seconds per texel for the fit and the files, which trials are too small to show: the fit of the 279,929 texels of Sibenik took
@@ -119,7 +121,7 @@ def estimate_bake(
         width=width,
         height=height,
         texel_size=layout.texel_size,
-        most_bytes=bare + all_texels * (PNG_BYTES + EXR_BYTES + (KTX2_BYTES if ktx2 else 0)),
+        most_bytes=bare + math.ceil(all_texels * (PNG_BYTES + EXR_BYTES + (KTX2_BYTES if ktx2 else 0))),
         rays=rays,
         seconds=laid_out + last_seconds * rays / max(last_rays, 1.0) + FIT_SECONDS * count,
     )
