@@ -82,7 +82,7 @@ def test_same_bits_on_any_number_of_threads() -> None:
 @pytest.mark.parametrize(
     ("keywords", "message"),
     [
-        ({"texel_size": 1e-5}, "more than 64 light maps of 4093 x 4093 hold; .* m fits"),
+        ({"texel_size": 1e-5}, "more than 64 light maps of 4084 x 4084 hold; .* m fits"),
         ({"texel_size": 0.0}, "texel_size must be"),
         ({"texel_size": float("nan")}, "texel_size must be"),
         ({"gutter": 1}, "gutter must be"),
