@@ -37,7 +37,7 @@ EXAMPLES = {
 )
 @click.argument("picture", metavar="PICTURE")
 @click.argument("weights", metavar="[GROUP=WEIGHT]...", nargs=-1)
-@output_option("File to write: .exr, .png, .pfm or .npy; repeatable [PICTURE_mixed.exr].", multiple=True)
+@output_option("File to write: .exr, .hdr, .png, .pfm or .npy; repeatable [PICTURE_mixed.exr].", multiple=True)
 @exposure_option("Exposure of a .png in stops, or auto [0].", 0.0, auto=True)
 @reporting_options
 def command(**flags: Any) -> None:
