@@ -110,7 +110,8 @@ std::vector<PixelProbes::Served> PixelProbes::served_vertices(const Ray& first, 
             }
             if (edges + 1 >= longest || (max_depth_ >= 0 && edges + 2 >= max_depth_)) return;
             Ray ray;
-            if (go_on(v, LobeSet::uncached, edges >= roulette_after::probe_edges, path, ray)) next.push(path, ray);
+            if (go_on(v, LobeSet::uncached, roulette_from(roulette_after::probe_edges, edges), path, ray))
+                next.push(path, ray);
         },
         [](Paths<PathState>&) {});
     return out;

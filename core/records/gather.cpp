@@ -42,7 +42,7 @@ PathOptions gather_paths(const FarEnd& far, const IrradianceCacheOptions& option
     PathOptions paths;
     paths.max_depth = options.max_depth < 0 ? -1 : options.max_depth - 1;
     paths.roulette_depth = roulette_after::gather_edges;
-    paths.roulette_beside_cache = true;
+    paths.roulette_beside_cache = 1;
     paths.light_set = LightSet::without_smooth_environment;
     paths.emission_at_first_hit = false;
     paths.cache = far.irradiance;

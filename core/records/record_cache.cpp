@@ -58,6 +58,8 @@ void RecordCache::rebuild(float spacing, int threads) {
     tree_ = SphereTree(spheres);
     const auto& order = tree_.order();
     footings_.assign(order.size() / SphereTree::width, {});
+    members_.assign(order.size(), {});
+    sectors_.assign(order.size(), {});
     slot_of_.resize(records_.size());
     for (uint32_t slot = 0; slot < order.size(); ++slot) {
         if (order[slot] == SphereTree::vacant) continue;
@@ -69,6 +71,8 @@ void RecordCache::rebuild(float spacing, int threads) {
         const Vec3 stretch = axis * safe_sqrt(1 - 1 / sqr(r.elongation));
         footings_[slot / SphereTree::width].set(
             slot % SphereTree::width, {r.position, r.radius, r.normal, nearest, stretch, spacing, r.enclosed > 0});
+        members_[slot] = {r.position, r.normal, r.irradiance, {}, r.rotation, r.translation, r.radius};
+        sectors_[slot] = {frame, r.clearance};
     }
     share_excess(threads);
     double sum = 0, read = 0;
@@ -88,9 +92,9 @@ void RecordCache::share_excess(int threads) {
     constexpr float widest = 4, narrowest = 0.5f;  // widths of the neighbourhood in units of a record's radius
     constexpr float noisiest = 0.1f;  // noise relative to the irradiance at which the neighbourhood is widest
     const auto& order = tree_.order();
-    shared_excess_ = parallel_map<SharedExcess>(order.size(), threads, [&](size_t slot) {
-        SharedExcess shared;
-        if (order[slot] == SphereTree::vacant || records_[order[slot]].enclosed > 0) return shared;
+    excess_noise_.assign(order.size(), 0);
+    parallel_for(order.size(), threads, [&](size_t slot) {
+        if (order[slot] == SphereTree::vacant || records_[order[slot]].enclosed > 0) return;
         const IrradianceRecord& here = records_[order[slot]];
         const auto for_each_in = [&](float surroundings, auto&& f) {
             for_each_weight(here.position, here.normal, surroundings, surroundings * here.radius,
@@ -101,17 +105,20 @@ void RecordCache::share_excess(int threads) {
             noise += r.excess_noise * w;
             light += luminance(r.irradiance + r.excess) * w;
         });
-        if (!(noise > 0)) return SharedExcess{records_[order[slot]].excess, 0};
+        if (!(noise > 0)) {
+            members_[slot].excess = here.excess;
+            return;
+        }
+        Color sum;
         float squares = 0;
         for_each_in(clamp(widest * noise / (noisiest * light), narrowest, widest),
                     [&](const IrradianceRecord& r, float w) {
-                        shared.mean += r.excess * w;
+                        sum += r.excess * w;
                         squares += sqr(r.excess_noise * w);
                         weights += w;
                     });
-        shared.mean = shared.mean * (1 / weights);
-        shared.noise = std::sqrt(squares) / weights;
-        return shared;
+        members_[slot].excess = sum * (1 / weights);
+        excess_noise_[slot] = std::sqrt(squares) / weights;
     });
 }
 
@@ -128,9 +135,9 @@ std::optional<float> RecordCache::noise_around(Vec3 p, Vec3 normal) const {
 bool RecordCache::obstructed(uint32_t slot, Vec3 p) const {
     // The lower bound of the radius may extend through a thin wall, so geometry in the direction of the point ends the
     // validity of the record.
-    const IrradianceRecord& record = records_[tree_.order()[slot]];
-    const Vec3 d = p - record.position;
-    return length_squared(d) > sqr(record.clearance[clearance_sector(Frame::around(record.normal), d)]);
+    const Sectors& sectors = sectors_[slot];
+    const Vec3 d = p - members_[slot].position;
+    return length_squared(d) > sqr(sectors.clearance[clearance_sector(sectors.frame, d)]);
 }
 
 // Distances to geometry cannot change faster than position, so R_i ≤ R_j + |P_i − P_j| for all pairs [Krivanek06].
@@ -168,14 +175,13 @@ size_t RecordCache::shrink_where_records_disagree(float tolerance, float spacing
     // Returns the standard error of the luminance that is read at a record, W·m⁻². A record whose rays missed the bright
     // object estimates no noise, but the records around it may.
     const auto noise = [&](uint32_t record) {
-        const SharedExcess& shared = shared_excess_[slot_of_[record]];
-        return std::max(records_[record].own_noise * luminance(records_[record].irradiance + shared.mean),
-                        shared.noise);
+        return std::max(records_[record].own_noise * luminance(records_[record].irradiance + shared_excess(record)),
+                        excess_noise_[slot_of_[record]]);
     };
     const auto error = [&](uint32_t from, uint32_t at) {
-        const IrradianceRecord &a = records_[from], &b = records_[at];
-        const float there = luminance(b.irradiance + shared_excess(at));
-        const float read = luminance(extrapolate(a, b.position, Bend(b.normal, b.normal)) + shared_excess(from));
+        const Member &a = member_of(from), &b = member_of(at);
+        const float there = luminance(b.irradiance + b.excess);
+        const float read = luminance(extrapolate(a, b.position, Bend(b.normal, b.normal)) + a.excess);
         // The lower bound is that of the error measure.
         const float unit = std::sqrt(sqr(there) + sqr(0.1f * mean_luminance_));
         const float explained = deviations * std::sqrt(sqr(noise(from)) + sqr(noise(at)));
@@ -234,15 +240,15 @@ float RecordCache::density(Vec3 p, Vec3 normal) const {
     return sum;
 }
 
-Color RecordCache::extrapolate(const IrradianceRecord& record, Vec3 p, const Bend& bend) const {
-    Color E = record.irradiance;
-    const Vec3 turn = cross(record.normal, bend.normal) * bend.even + bend.turn, shift = p - record.position;
+Color RecordCache::extrapolate(const Member& member, Vec3 p, const Bend& bend) const {
+    Color E = member.irradiance;
+    const Vec3 turn = cross(member.normal, bend.normal) * bend.even + bend.turn, shift = p - member.position;
     for (int c = 0; c < 3; ++c) {
         const float value = E[c];  // first-order extrapolation with both gradients [WardHeckbert92]
         float bent = value;
-        if (options_.translation_gradient) bent += dot(shift, record.translation.channel[c]);
+        if (options_.translation_gradient) bent += dot(shift, member.translation.channel[c]);
         bent *= bend.even;
-        if (options_.rotation_gradient) bent += dot(turn, record.rotation.channel[c]);
+        if (options_.rotation_gradient) bent += dot(turn, member.rotation.channel[c]);
         // These factors are the ones that Radiance uses. A larger first-order change is due to a record that is read
         // too far away and not to a real change of the light. Tighter bounds would cut off real penumbrae; without
         // bounds, a gradient could make the irradiance negative or cause a bright spot.
@@ -257,10 +263,10 @@ std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading,
     float weights = 0, radii = 0;
     const Bend bend(normal, shading);
     for_each_weight(p, normal, options_.relaxation, 0, [&](uint32_t slot, float w) {
-        const IrradianceRecord& record = records_[tree_.order()[slot]];
-        sum += (extrapolate(record, p, bend) + shared_excess_[slot].mean * bend.even) * w;
+        const Member& member = members_[slot];
+        sum += (extrapolate(member, p, bend) + member.excess * bend.even) * w;
         weights += w;
-        radii += w * record.radius;
+        radii += w * member.radius;
     });
     if (weights == 0) return std::nullopt;  // no record serves the point, which does not mean that it is dark
     if (mean_radius) *mean_radius = radii / weights;

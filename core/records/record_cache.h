@@ -5,11 +5,13 @@
 
 #pragma once
 
+#include <array>
 #include <functional>
 #include <optional>
 #include <span>
 #include <vector>
 
+#include "base/frame.h"
 #include "records/record_tree.h"
 #include "records/weight.h"
 
@@ -53,7 +55,7 @@ class RecordCache {
     /// Does the same with another measure of the error.
     size_t shrink_where_records_disagree(const Disagreement& disagreement, float spacing, int threads);
     /// Returns the excess irradiance of record i, averaged over the records around it.
-    Color shared_excess(uint32_t i) const { return shared_excess_[slot_of_[i]].mean; }
+    Color shared_excess(uint32_t i) const { return members_[slot_of_[i]].excess; }
 
     // Normals are geometric in these functions, because bump maps tilt only the shading normal, not the surface on
     // which the records lie.
@@ -69,7 +71,7 @@ class RecordCache {
     template <class F>
     void for_each_serving(Vec3 p, Vec3 normal, float reach, F&& f) const {
         for_each_weight(p, normal, reach, 0,
-                        [&](uint32_t slot, float w) { f(tree_.order()[slot], w, shared_excess_[slot].mean); });
+                        [&](uint32_t slot, float w) { f(tree_.order()[slot], w, members_[slot].excess); });
     }
     /// Returns the mean noise of the records whose relaxed radii reach the point, or nothing if there is none.
     std::optional<float> noise_around(Vec3 p, Vec3 normal) const;
@@ -131,19 +133,33 @@ class RecordCache {
 
         Bend(Vec3 normal, Vec3 shading);
     };
-    Color extrapolate(const IrradianceRecord& record, Vec3 p, const Bend& bend) const;
+    /// What interpolation reads of a record: two lines of a processor's cache.
+    struct alignas(64) Member {
+        Vec3 position, normal;
+        Color irradiance, excess;  // the excess is the mean around the record, W·m⁻²
+        RotationGradient rotation;
+        TranslationGradient translation;
+        float radius = 0;
+    };
+    static_assert(sizeof(Member) == 128);
+    /// The clearance of a record's sectors, and the axes from which they are counted.
+    struct Sectors {
+        Frame frame;
+        std::array<float, 12> clearance{};
+    };
+    Color extrapolate(const Member& member, Vec3 p, const Bend& bend) const;
+    const Member& member_of(uint32_t record) const { return members_[slot_of_[record]]; }
 
     CacheOptions options_;
     std::vector<IrradianceRecord> records_;
     float mean_luminance_ = 0;
     SphereTree tree_;
     std::vector<Footings> footings_;  // positions and reaches of the records in each leaf of the tree
-    struct SharedExcess {
-        Color mean;
-        float noise = 0;  // standard error of the luminance of the mean
-    };
-    std::vector<SharedExcess> shared_excess_;  // excess around the record in each slot of the tree, W·m⁻²
-    std::vector<uint32_t> slot_of_;            // slot of each record in the tree
+    // These are in the order of the tree's slots, so that neighbours in space are neighbours in memory.
+    std::vector<Member> members_;
+    std::vector<Sectors> sectors_;
+    std::vector<float> excess_noise_;  // standard error of the luminance of each member's excess
+    std::vector<uint32_t> slot_of_;    // slot of each record in the tree
 };
 
 }  // namespace eclat

@@ -10,6 +10,14 @@ namespace eclat {
 namespace {
 
 constexpr int tile_size = 32;
+// Batches take up to this many samples of the pixels of a block before they go on to the next block, so that their paths
+// meet the same surfaces, textures and records while these are in a processor's cache.
+constexpr int block_size = 8;
+constexpr uint32_t samples_of_block = 16;
+constexpr size_t batch_size = size_t(block_size) * block_size * samples_of_block;
+// Rays that are traced together (scene/intersect.cpp). Samples with different numbers never share such a packet, so that
+// bits do not depend on the range of samples.
+constexpr size_t packet_size = 8;
 
 /// Returns an offset from the pixel's centre, distributed like the filter, so that all samples have the same weight and
 /// affect only their own pixel.
@@ -44,12 +52,11 @@ class Tile {
     uint64_t work() const { return end_sample_ > first_sample_ ? end_sample_ - first_sample_ : 0; }
 
     void render(Progress& progress) {
-        for (uint32_t sample = first_sample_; sample < end_sample_; ++sample) {
-            for (int y = y0_; y < y1_; ++y)
-                for (int x = x0_; x < x1_; ++x)
-                    if (!uneven_ || takes(x, y, sample)) push(x, y, sample);
-            if (!uneven_ || rays_.size() >= size_t(tile_size) * tile_size) trace(progress);
-            progress.advance();
+        for (uint32_t sample = first_sample_; sample < end_sample_; sample += samples_of_block) {
+            const uint32_t end = std::min(end_sample_, sample + samples_of_block);
+            for (int y = y0_; y < y1_; y += block_size)
+                for (int x = x0_; x < x1_; x += block_size) push_block(x, y, sample, end, progress);
+            progress.advance(end - sample);
         }
         trace(progress);
         if (range_.finished) range_.finished->add(film_, x0_, y0_, x1_, y1_);
@@ -67,6 +74,18 @@ class Tile {
 
     bool takes(int x, int y, uint32_t sample) const {
         return sample >= range_.first_samples[pixel(x, y)] && sample < range_.end_samples[pixel(x, y)];
+    }
+
+    /// Adds samples [first, end) of the pixels of the block whose first pixel is (x, y).
+    void push_block(int x, int y, uint32_t first, uint32_t end, Progress& progress) {
+        const int x1 = std::min(x1_, x + block_size), y1 = std::min(y1_, y + block_size);
+        for (uint32_t sample = first; sample < end; ++sample) {
+            for (int py = y; py < y1; ++py)
+                for (int px = x; px < x1; ++px)
+                    if (!uneven_ || takes(px, py, sample)) push(px, py, sample);
+            const bool shares_packet = !uneven_ && rays_.size() % packet_size != 0;
+            if (shares_packet || rays_.size() >= batch_size) trace(progress);
+        }
     }
 
     void push(int x, int y, uint32_t sample) {

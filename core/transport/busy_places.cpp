@@ -54,7 +54,7 @@ Ball around(const std::vector<Vec3>& points, Vec3 center, float radius) {
 
 std::vector<Ball> busy_places(const Geometry& geometry) {
     std::vector<Vec3> points;
-    for (const Arrival& arrival : walk_surfaces(geometry, side_areas(geometry), walkers, 0))
+    for (const WalkerArrival& arrival : walk_surfaces(geometry, side_areas(geometry), walkers, 0))
         points.push_back(arrival.position);
     const float whole = geometry.radius();
     const size_t least = std::max<size_t>(16, static_cast<size_t>(least_part * static_cast<float>(points.size())));

@@ -126,7 +126,7 @@ class Tracer {
     }
 
     /// Adds the light that the cache gives for matte lobes on either side; these lobes are not continued.
-    void read_matte(std::span<const PathState> paths, std::span<Vertex> vertices) {
+    void read_matte(std::span<PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
             if (v.missed() || !goes_on(paths[i])) continue;
@@ -137,11 +137,13 @@ class Tracer {
     }
 
     /// Adds what the cache knows of those `lobes` that scatter light from the side of `point`.
-    void read_side(const PathState& path, Vertex& v, const SurfacePoint& point, LobeSet lobes) {
+    void read_side(PathState& path, Vertex& v, const SurfacePoint& point, LobeSet lobes) {
         auto irradiance = options_.cache(point, v.hit.t);
         if (!irradiance && edges_ > 1 && options_.far_cache) irradiance = options_.far_cache(point, v.hit.t);
         if (irradiance) {
-            v.read_matte += path.throughput * v.point.bsdf.albedo(v.wo_local, lobes) * *irradiance * inv_pi;
+            const Color albedo = path.throughput * v.point.bsdf.albedo(v.wo_local, lobes);
+            v.read_matte += albedo * *irradiance * inv_pi;
+            path.read_albedo += max_component(albedo);
             v.point.bsdf.set_cached(lobes);
         } else {
             out_[path.index].cache_missed = true;
@@ -181,11 +183,19 @@ class Tracer {
         path.sampler.skip(light_sample_dimensions);
     }
 
+    /// Returns the factor of roulette at a vertex. Where a cache has answered for the matte lobes, little is left to find:
+    /// the other lobes matter in proportion to their share of the albedo, and half of all rays would be spent on the faint
+    /// reflections of bright walls.
+    float roulette_at(const PathState& path, const Vertex& v) const {
+        if (options_.roulette_beside_cache > 0 && !is_black(v.read_matte))
+            return options_.roulette_beside_cache / path.read_albedo;
+        return roulette_from(options_.roulette_depth, edges_);
+    }
+
     /// Continues a path in one direction or, from the first vertex, in several stratified directions.
     void continue_path(PathState& path, const Vertex& v, Paths<PathState>& next) {
         const int parts = paths_from(path);
-        const bool roulette =
-            edges_ >= options_.roulette_depth || (options_.roulette_beside_cache && !is_black(v.read_matte));
+        const float roulette = roulette_at(path, v);
         Ray ray;
         if (parts == 1) {
             const bool apart = !continued_.empty() && edges_ == 1;

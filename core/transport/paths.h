@@ -46,8 +46,9 @@ using CachedReflection = std::function<Color(SurfacePoint& point, Vec3 wo)>;
 struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
     int roulette_depth = roulette_after::picture_edges;
-    bool roulette_beside_cache =
-        false;              // whether it may also end the other lobes of a vertex whose matte ones are cached
+    /// If positive, roulette may end the other lobes of a vertex whose matte ones are cached. The path then goes on with
+    /// the probability of this number times its throughput over the albedo for which it has read the cache.
+    float roulette_beside_cache = 0;
     int light_samples = 1;  // number of light samples at the first vertex
     int miss_paths = 1;     // number of paths that continue from a first vertex that the cache does not serve
     LightSet light_set = LightSet::all;  // if it excludes the environment, rays that escape count it fully

@@ -22,7 +22,7 @@ class Walk {
     Walk(const Geometry& geometry, uint32_t walkers, uint32_t seed)
         : geometry_(geometry), count_(walkers), seed_(stream_seed(seed, Stream::patch_importance)) {}
 
-    std::vector<Arrival> run(std::span<const double> areas) {
+    std::vector<WalkerArrival> run(std::span<const double> areas) {
         start(areas);
         for (uint32_t step = 0; step < steps && !walkers_.empty(); ++step) go(step);
         return std::move(arrived_);
@@ -68,7 +68,7 @@ class Walk {
         }
         std::vector<Hit> hits(rays.size());
         geometry_.rays().intersect(rays, hits);
-        std::vector<Arrival> arrived;
+        std::vector<WalkerArrival> arrived;
         for (size_t i = 0; i < hits.size(); ++i) {
             if (hits[i].missed()) continue;
             const uint32_t triangle = hits[i].triangle;
@@ -85,7 +85,7 @@ class Walk {
 
     const Geometry& geometry_;
     uint32_t count_, seed_;
-    std::vector<Arrival> walkers_, arrived_;
+    std::vector<WalkerArrival> walkers_, arrived_;
 };
 
 }  // namespace
@@ -100,8 +100,8 @@ std::vector<double> side_areas(const Geometry& geometry) {
     return areas;
 }
 
-std::vector<Arrival> walk_surfaces(const Geometry& geometry, std::span<const double> areas, uint32_t walkers,
-                                   uint32_t seed) {
+std::vector<WalkerArrival> walk_surfaces(const Geometry& geometry, std::span<const double> areas, uint32_t walkers,
+                                         uint32_t seed) {
     return Walk(geometry, walkers, seed).run(areas);
 }
 

@@ -16,7 +16,7 @@
 namespace eclat {
 
 /// The arrival of a walker.
-struct Arrival {
+struct WalkerArrival {
     uint32_t side = 0;  // 2 · triangle + back
     Vec3 position;
 };
@@ -26,7 +26,7 @@ std::vector<double> side_areas(const Geometry& geometry);
 
 /// Returns where `walkers` walkers arrived in the steps in which they have mostly forgotten where they started. `areas` are
 /// those of the sides.
-std::vector<Arrival> walk_surfaces(const Geometry& geometry, std::span<const double> areas, uint32_t walkers,
-                                   uint32_t seed);
+std::vector<WalkerArrival> walk_surfaces(const Geometry& geometry, std::span<const double> areas, uint32_t walkers,
+                                         uint32_t seed);
 
 }  // namespace eclat

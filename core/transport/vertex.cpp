@@ -41,16 +41,16 @@ std::span<Vertex> Vertices::part(const World& world, std::span<const Ray> rays, 
     return vertices_;
 }
 
-bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray, int paths,
+bool go_on(const Vertex& vertex, LobeSet lobes, float roulette, PathState& path, Ray& ray, int paths,
            int light_samples) {
     const auto next = scatter(vertex.point, vertex.wo_local, path.sampler, lobes);
-    const float u_roulette = draw_if(roulette, path.sampler);
+    const float u_roulette = draw_if(roulette > 0, path.sampler);
     if (!next) return false;
     const BsdfSample& sample = next->sample;
     path.throughput *= sample.weight;
     if (sample.transmission) path.eta2 *= sqr(sample.eta_ratio);
-    if (roulette) {
-        const float survival = std::min(largest_survival, max_component(path.throughput) * path.eta2);  // [ArvoKirk90]
+    if (roulette > 0) {  // [ArvoKirk90]
+        const float survival = std::min(largest_survival, roulette * max_component(path.throughput) * path.eta2);
         if (!(u_roulette < survival)) return false;
         path.throughput *= 1 / survival;
     }

@@ -33,6 +33,7 @@ struct PathState {
     Vec3 from{};                       // position of the last vertex
     int panes = 0;           // panes that it passed; they are no vertices, because light samples pass them too
     bool described = false;  // whether the result holds the first rough surface
+    float read_albedo = 0;   // sum over its vertices of throughput times the albedo of the lobes that a cache served
 };
 
 /// The end of a path's ray: a point on a surface, or, if `point` is empty, infinity.
@@ -111,12 +112,14 @@ constexpr int photon_edges = 8;         // for photons without loss of power; ot
 /// The greatest probability of survival, chosen by judgement: paths that are trapped in glass must end, here after 20
 /// more edges on average.
 constexpr float largest_survival = 0.95f;
+/// Returns the factor of `go_on` for paths that roulette may end after a number of edges.
+inline float roulette_from(int first, int edges) { return edges >= first ? 1.0f : 0.0f; }
 
-/// Continues the path from `vertex` in one direction of `lobes`, which is stored in `ray`; with `roulette`, the path
-/// may end. Returns false if it ends. Three dimensions of its sampler are used in any case. `paths` and `light_samples`
+/// Continues the path from `vertex` in one direction of `lobes`, which is stored in `ray`. If `roulette` is positive,
+/// the path may end: it goes on with the probability of `roulette` times its throughput. Returns false if it ends. Three dimensions of its sampler are used in any case. `paths` and `light_samples`
 /// are the numbers of those at the vertex. They are not stored if the path goes straight through a pane; those of the
 /// vertex before the pane are then kept.
-bool go_on(const Vertex& vertex, LobeSet lobes, bool roulette, PathState& path, Ray& ray, int paths = 1,
+bool go_on(const Vertex& vertex, LobeSet lobes, float roulette, PathState& path, Ray& ray, int paths = 1,
            int light_samples = 1);
 
 }  // namespace eclat

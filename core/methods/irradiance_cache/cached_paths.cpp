@@ -10,12 +10,21 @@
 
 namespace eclat {
 
+namespace {
+
+// This is tuned: in `living-room` at 320 × 180, 64 samples take 28 % less time than without roulette, with a denoised error
+// of 4.13 instead of 4.06 %; 2 saves 3 % more and has 4.19 %, 16 saves 18 % with 4.09 %.
+constexpr float roulette_beside_records = 4;
+
+}  // namespace
+
 Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, const RadianceTables* tables,
                                 int max_depth) {
     PathOptions options;
     options.max_depth = max_depth;
     options.light_set = LightSet::without_smooth_environment;
     options.cache = read_near(caches);
+    options.roulette_beside_cache = roulette_beside_records;
     // Far records contain light of all path lengths.
     if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_beyond_radius(caches.far);
     options.miss_paths = cached_miss_paths;

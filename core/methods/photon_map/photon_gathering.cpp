@@ -164,7 +164,8 @@ class Gatherer {
     /// Continues the path by `lobes` unless roulette ends it.
     void push(State& path, const Vertex& v, LobeSet lobes, Paths<State>& next) const {
         Ray ray;
-        if (go_on(v, lobes, edges_ >= roulette_after::photon_gather_edges, path, ray)) next.push(path, ray);
+        if (go_on(v, lobes, roulette_from(roulette_after::photon_gather_edges, edges_), path, ray))
+            next.push(path, ray);
     }
 
     const World& world_;

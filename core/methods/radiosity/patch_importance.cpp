@@ -37,7 +37,7 @@ constexpr double much_area = 100;
 std::vector<float> patch_scales(const Geometry& geometry, uint32_t seed) {
     const std::vector<double> areas = side_areas(geometry);
     std::vector<uint32_t> arrived(areas.size(), 0);
-    for (const Arrival& arrival : walk_surfaces(geometry, areas, walkers, seed)) ++arrived[arrival.side];
+    for (const WalkerArrival& arrival : walk_surfaces(geometry, areas, walkers, seed)) ++arrived[arrival.side];
     double all = 0, usual = 0;
     for (size_t side = 0; side < areas.size(); ++side) {
         if (!(areas[side] > 0)) continue;

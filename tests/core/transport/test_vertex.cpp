@@ -55,7 +55,7 @@ TEST_CASE("paths have the same vertices, in the same order, for any number of ve
                     const Vec3 p = vertices[i].point.position;
                     for (const float x : {static_cast<float>(paths[i].index), p.x, p.y, p.z}) out.push_back(x);
                     Ray ray;
-                    if (edges < 4 && go_on(vertices[i], LobeSet::all, true, paths[i], ray)) next.push(paths[i], ray);
+                    if (edges < 4 && go_on(vertices[i], LobeSet::all, 1, paths[i], ray)) next.push(paths[i], ray);
                 }
             },
             [](Paths<PathState>&) {});
@@ -79,7 +79,7 @@ TEST_CASE("roulette leaves the mean throughput") {
     for (uint32_t i = 0; i < count; ++i) {
         PathState path{.throughput = Color(0.6f), .sampler = Sampler(2, 0, i)};
         Ray ray;
-        if (!go_on(vertex, LobeSet::all, true, path, ray)) continue;
+        if (!go_on(vertex, LobeSet::all, 1, path, ray)) continue;
         ++survived;
         sum += path.throughput.g;
     }
@@ -110,7 +110,7 @@ TEST_CASE("light samples and directions together count all light once, compared 
             if (lights_sampled) lights.sample({&wanted, 1}, shadows);
             path.sampler.skip(light_sample_dimensions);
             Ray ray;
-            if (!lobes.has_shared || !go_on(vertex, LobeSet::all, false, path, ray)) continue;
+            if (!lobes.has_shared || !go_on(vertex, LobeSet::all, 0, path, ray)) continue;
             if (!lights_sampled) path.arrival = Arrival::whole;
             Vertices vertices;
             Vertex& met = vertices.meet(world, {&ray, 1}, Coherence::none, progress)[0];
