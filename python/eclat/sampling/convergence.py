@@ -68,6 +68,17 @@ class Goal:
     denoised: bool = False
 
 
+def noise_beside_records(max_error: float, records: float) -> float:
+    """Return the noise at which sampling stops, for a wanted error of the picture and the estimated error of its records.
+
+    Squared errors add up. The noise gets what the records leave of the wanted error, and at least half of its square. If the
+    records have more than the wanted error, noise of half of their error adds only an eighth to the error of the picture,
+    and less noise would take many samples for nothing.
+    """
+    left = max_error * math.sqrt(max(0.5, 1 - (records / max_error) ** 2))
+    return max(left, records / 2)
+
+
 class Sampling:
     """Takes the samples of one picture.
 

@@ -30,7 +30,7 @@ from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.methods import IrradianceCache, Method, Prepared, Source, as_method
 from eclat.methods.work import Care, View, Work
-from eclat.sampling.convergence import Goal, Sampling
+from eclat.sampling.convergence import Goal, Sampling, noise_beside_records
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
 from eclat.tev.display import Display
@@ -296,12 +296,11 @@ def _refuse_contradictions(samples: int | None, time: float | None, refine: bool
 
 
 def _goal_of_samples(goal: Goal, estimate: ErrorEstimate | None, probes: bool) -> Goal:
-    """Return the goal for the samples. The noise may take the part of the error that the estimated error of the records
-    leaves, and at least half of it. A deadline is moved forward to leave time for the probes, if there are any.
+    """Return the goal for the samples beside records with that estimated error. A deadline is moved forward to leave time for
+    the probes, if there are any.
     """
     if estimate is not None:
-        share = max(0.5, 1 - (estimate.quoted / goal.max_error) ** 2) ** 0.5
-        goal = replace(goal, max_error=goal.max_error * share)
+        goal = replace(goal, max_error=noise_beside_records(goal.max_error, estimate.quoted))
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()

@@ -14,7 +14,7 @@ import pytest
 import eclat
 from eclat.measure.metrics import relative_rmse
 from eclat.sampling import convergence
-from eclat.sampling.convergence import Goal, Sampling, estimated_error
+from eclat.sampling.convergence import Goal, Sampling, estimated_error, noise_beside_records
 from eclat.sampling.denoised_halves import DenoisedHalves
 from eclat.sampling.halves import Halves
 from eclat.scenes import build
@@ -211,3 +211,15 @@ def test_one_sample_is_taken_however_little_time_there_is(monkeypatch: pytest.Mo
     made, ranges, _ = sampling(clock=clock)
     made.run(Goal(None, 0.01, deadline=0.001))
     assert ranges == [(0, 1)] and made.taken == 1
+
+
+@pytest.mark.parametrize("records", [0.0, 0.01, 0.02, 0.028, 0.03, 0.04, 0.06, 0.5])
+def test_noise_gets_what_records_leave_and_is_not_driven_far_below_their_error(records: float) -> None:
+    noise = noise_beside_records(0.03, records)
+    whole = math.hypot(noise, records)
+    if records <= 0.03 / math.sqrt(2):
+        assert whole == pytest.approx(0.03)
+    else:
+        assert 0.03 / math.sqrt(2) <= noise * (1 + 1e-12)
+        assert whole <= max(math.hypot(records, 0.03 / math.sqrt(2)), 1.12 * records) * (1 + 1e-12)
+    assert noise >= records / 2
