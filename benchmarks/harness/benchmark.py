@@ -39,6 +39,8 @@ class Settings:
     """Longer side of the pictures in pixels; None = each scene's own."""
     peers: tuple[str, ...] = ()
     """Who takes part, of those that the benchmark names."""
+    frames: int | None = None
+    """Number of frames of what moves."""
     busy: bool = False
     """Whether a time is the processor time over the number of threads, because the machine does other work."""
 
@@ -66,6 +68,8 @@ class Benchmark:
     """Names that --peers may choose from; a benchmark with such names has --busy and --resume too."""
     side: int | None = None
     """Longer side of its pictures in pixels, if --size may choose another."""
+    frames: int | None = None
+    """Number of frames of what moves, if --frames may choose fewer."""
     known: Mapping[str, BenchmarkScene] = field(default_factory=lambda: SCENES)
     """The scenes that the command line may name."""
 
@@ -142,6 +146,9 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
     if benchmark.side is not None:
         add("--size", type=int, default=benchmark.side, metavar="PIXELS",
             help="longer side of the pictures (default %(default)s)")  # fmt: skip
+    if benchmark.frames is not None:
+        add("--frames", type=int, default=benchmark.frames, metavar="N",
+            help="frames, those in the middle of the motion (default %(default)s)")  # fmt: skip
     if benchmark.peers:
         # Beside --peers, which takes all names that follow it.
         add("--scenes", nargs="+", dest="chosen", metavar="SCENE", help="the same as naming them first")
@@ -162,12 +169,15 @@ def _parse(benchmark: Benchmark) -> tuple[Settings, bool, bool]:
     side = getattr(given, "size", None)
     if given.repeats < 1 or given.threads < 1 or (side is not None and side < 16):
         parser.error("--repeats and --threads must be at least 1, --size at least 16")
+    if benchmark.frames is not None and not 3 <= given.frames <= benchmark.frames:
+        parser.error(f"--frames must be 3 to {benchmark.frames}")
     if given.quick and given.write_docs:
         parser.error("--quick measures nothing that belongs into the document")
     samples = 64 if given.quick else getattr(given, "reference_samples", 0)
     repeats = 1 if given.quick else given.repeats
     peers = tuple(getattr(given, "peers", ()))
     settings = Settings(
-        given.quick, tuple(given.scenes), repeats, given.threads, samples, side, peers, getattr(given, "busy", False)
-    )
+        given.quick, tuple(given.scenes), repeats, given.threads, samples, side, peers, getattr(given, "frames", None),
+        getattr(given, "busy", False),
+    )  # fmt: skip
     return settings, given.write_docs, getattr(given, "resume", False)

@@ -96,8 +96,8 @@ _frame_options = together(
         "--keep-cache",
         is_flag=True,
         section=FRAMES,
-        help="If only the camera moves: keep what is solved once for all frames in a file beside them, and read it from "
-        "there when the animation is started again.",
+        help="Keep what is solved once for all frames in a file beside them, and read it from there when the animation is "
+        "started again, or by other shards.",
     ),
 )
 

@@ -4,6 +4,7 @@
 
 from __future__ import annotations
 
+import os
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
@@ -11,6 +12,7 @@ from eclat.bridge.compiled import compiled
 from eclat.methods.method import OverTime, Prepared, Solved
 from eclat.methods.path import Path
 from eclat.methods.records.moving import solve_over_time
+from eclat.methods.records.moving_solution import load_over_time
 from eclat.methods.records.options import RecordOptions
 from eclat.methods.records.solution import Solution
 from eclat.methods.records.solving import refine_records, solve_records
@@ -57,6 +59,9 @@ class IrradianceCache(RecordOptions):
 
     def solve_over_time(self, times: Times, work: Work) -> OverTime:
         return solve_over_time(self, times, work)
+
+    def load_over_time(self, path: str | os.PathLike[str], times: Times, work: Work) -> OverTime:
+        return load_over_time(path, self, times, work.max_depth)
 
     def refine(
         self, solved: Solved, scene: Scene, purpose: Purpose, work: Work, care: Care, max_error: float | None

@@ -244,6 +244,10 @@ class OverTime(Protocol):
         """Return what it prepared for a time, by its index."""
         ...
 
+    def save(self, path: str | os.PathLike[str]) -> None:
+        """Write a file that `Method.load_over_time` reads. Raises EclatError if it cannot be written."""
+        ...
+
 
 @dataclass(frozen=True)
 class Method(ABC):
@@ -290,6 +294,11 @@ class Method(ABC):
 
     def solve_over_time(self, times: Times, work: Work) -> OverTime:
         """Solve for all times of an animation at once. Raises EclatError if the method does not."""
+        raise EclatError(f"expected a method that is solved over time, got {self.name}")
+
+    def load_over_time(self, path: str | os.PathLike[str], times: Times, work: Work) -> OverTime:
+        """Read what `solve_over_time` computed for the same times and work, from a file. Raises EclatError if it is
+        damaged."""
         raise EclatError(f"expected a method that is solved over time, got {self.name}")
 
     def refine(

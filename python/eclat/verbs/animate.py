@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import asdict, dataclass, replace
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any, Literal
 
@@ -23,6 +23,7 @@ from eclat.errors import EclatError
 from eclat.farm.farm import current_farm
 from eclat.farm.worker import Bench
 from eclat.files.atomic_file import check_writable
+from eclat.frames.frame_settings import FrameSettings
 from eclat.frames.kept import KEY, fingerprint_of, is_finished
 from eclat.frames.motion_layers import Moment, motion_layers
 from eclat.frames.on_farm import written_by
@@ -31,20 +32,18 @@ from eclat.frames.reports import Report
 from eclat.frames.shutter import mean_of, moments, samples_each, seed_of_moment
 from eclat.frames.timeline import Timeline
 from eclat.frames.video import require_ffmpeg, write_video
-from eclat.images import denoiser
 from eclat.images.image import Image
 from eclat.images.tone import check_display, exposure_stops
 from eclat.methods import IrradianceCache, Method, Source, as_method, load_solved
 from eclat.methods import Path as PathTracing
 from eclat.methods.method import OverTime
-from eclat.methods.work import Care, Everywhere, View, Views, Work
+from eclat.methods.work import Care, Everywhere, Times, View, Views, Work
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.verbs.continuing import fingerprint_of_camera
 from eclat.verbs.render import render
 
-MOST_MOMENTS = 256
 KEPT_SCENES = 4
 """The number of scenes at different times that are kept: a frame, the next one and the previous one, and one more."""
 LOOK_WIDTH, LOOK_SAMPLES = 64, 32
@@ -108,8 +107,9 @@ def animate(
         (`eclat.frames.motion_layers`). None means True for .exr files.
     shard : (i, n) makes only each n-th frame from the i-th on, counted from 1, so that n machines share the work.
     overwrite : whether finished frames are rendered again, and files of another origin are replaced.
-    keep_cache : whether what is solved once for all frames is kept in a file `path-<fingerprint>.npz` beside the
-        frames, and read from there if it exists, for example by other shards.
+    keep_cache : whether what is solved once for all frames is kept in a file beside the frames, and read from there if it
+        exists, for example by other shards: `path-<fingerprint>.npz` if only the camera moves, otherwise
+        `times-<fingerprint>.npz`.
     exposure, tone_mapping : those of .png files, as in `Image.save`. "auto" chooses one exposure for all frames.
     progress : a function that is called with the progress over all frames.
     finished : a function that is called for each frame with its file and whether it was kept.
@@ -157,33 +157,6 @@ def animate(
     if plan.video is not None and all(frame.path.exists() for frame in plan.frames):
         write_video(plan.video, [frame.path for frame in plan.frames], plan.fps)
     return [frame.path for frame in plan.mine]
-
-
-@dataclass(frozen=True)
-class FrameSettings:
-    """What determines the pictures of all frames, besides the scene and the method."""
-
-    size: tuple[int, int] | None
-    samples: int | None
-    max_error: float
-    max_depth: int
-    seed: int
-    adaptive: bool | None
-    denoise: bool | None
-    shutter: float
-    moments: int
-    motion: bool
-
-    def checked(self) -> FrameSettings:
-        """Return the settings with all choices made. Raises EclatError if one is out of range."""
-        if not 0 <= self.shutter <= 1:
-            raise EclatError(f"shutter: expected a part of the time between two frames, 0 to 1, got {self.shutter!r}")
-        if not 1 <= self.moments <= MOST_MOMENTS:
-            raise EclatError(f"moments: expected 1 to {MOST_MOMENTS}, got {self.moments}")
-        denoise = self.denoise
-        if denoise is None:
-            denoise = denoiser.has_denoiser() and self.samples is None
-        return replace(self, denoise=denoise, moments=self.moments if self.shutter > 0 else 1)
 
 
 class Show:
@@ -256,7 +229,9 @@ class Show:
         if self._share is not None and self._method.solved is not None:
             source = self._solved(frames[0].path.parent if keep_cache else None)
         if self._timeline is not None:
-            self._over_time = self._method.solve_over_time(self._timeline.times, self._work())
+            self._over_time = self._solved_over_time(
+                self._timeline.times, frames[0].path.parent if keep_cache else None
+            )
         farm = current_farm()
         made = self._made_here(frames, source)
         if farm is not None:
@@ -313,13 +288,7 @@ class Show:
     def _solved(self, folder: Path | None) -> Source:
         """Solve once for all frames, or read what an earlier run kept in `folder`."""
         assert self._share is not None
-        settings = self._settings
-        parts = {
-            "scene": fingerprint(self._scene), "path": self._share.fingerprint, "size": self._size,
-            "method": self._method.name, "options": asdict(self._method), "max_depth": settings.max_depth,
-            "seed": settings.seed,
-        }  # fmt: skip
-        kept = None if folder is None else folder / f"path-{fingerprint_of(parts)}.npz"
+        kept = None if folder is None else folder / f"path-{self._fingerprint_of_solve(fingerprint(self._scene))}.npz"
         if kept is not None and kept.exists():
             return load_solved(kept, self._scene)
         work = self._work()
@@ -331,6 +300,25 @@ class Show:
         if kept is not None:
             solved.save(kept)
         return solved
+
+    def _solved_over_time(self, times: Times, folder: Path | None) -> OverTime:
+        """Solve for all times, or read what an earlier run kept in `folder`."""
+        kept = None if folder is None else folder / f"times-{self._fingerprint_of_solve('')}.npz"
+        if kept is not None and kept.exists():
+            return self._method.load_over_time(kept, times, self._work())
+        solved = self._method.solve_over_time(times, self._work())
+        if kept is not None:
+            solved.save(kept)
+        return solved
+
+    def _fingerprint_of_solve(self, scene: str) -> str:
+        """Compute a hash of all that the solution of all frames depends on."""
+        return fingerprint_of(
+            {
+                "scene": scene, "path": self._fingerprint_of_all(), "size": self._size, "method": self._method.name,
+                "options": asdict(self._method), "max_depth": self._settings.max_depth, "seed": self._settings.seed,
+            }
+        )  # fmt: skip
 
     def _work(self) -> Work:
         return Work(self._settings.max_depth, self._settings.seed, thread_count(self._threads), self._progress)

@@ -52,6 +52,19 @@ def sliding(seconds: float = 1.0, reach: float = 2.0) -> Scene:
     return Scene((card,), cameras=(camera,), name="sliding", animation=motion)
 
 
+def sliding_in_the_box() -> Scene:
+    """The Cornell box with that card in it."""
+    box, alone = eclat.load("cornell-box"), sliding(reach=0.4)
+    assert alone.animation is not None
+    fixed: dict[Any, Mesh] = dict(enumerate(box.meshes))
+
+    def pose(at: float) -> Pose:
+        return Pose(fixed | {"card": alone.at(at).meshes[0]})
+
+    rest = pose(0)
+    return replace(box, meshes=tuple(rest.meshes.values()), animation=Motion(rest, pose, 0.0, 1.0, ("card",)))
+
+
 def counted_solves(monkeypatch: pytest.MonkeyPatch) -> list[int]:
     """Return a list that gets the number of cameras of each solve of records."""
     counts: list[int] = []
@@ -197,6 +210,24 @@ def test_kept_caches_are_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPa
     monkeypatch.setattr(_core, "solve_for_cameras", lambda *_: pytest.fail("solved again"))
     eclat.animate(walk(), **given)
     assert files(tmp_path) == before
+
+
+def test_records_of_things_that_move_are_kept_and_read_again(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    given: dict[str, Any] = {"frames": range(3), "output": tmp_path / "%d.png", "keep_cache": True, **COMMON}
+    method = eclat.RadianceCache(max_error=0.3, far_records=50, order=4)
+    eclat.animate(sliding_in_the_box(), method, **given)
+    before = files(tmp_path)
+    (kept,) = tmp_path.glob("times-*.npz")
+    (tmp_path / "1.png").unlink()
+    with monkeypatch.context() as patched:
+        for name in ("renew_records", "renew_radiance", "grow_radiance", "GrowingCache"):
+            patched.setattr(_core, name, lambda *_: pytest.fail("gathered again"))
+        eclat.animate(sliding_in_the_box(), method, **given)
+    assert files(tmp_path) == before
+    (tmp_path / "1.png").unlink()
+    kept.write_bytes(kept.read_bytes()[:1000])
+    with pytest.raises(EclatError, match="damaged"):
+        eclat.animate(sliding_in_the_box(), method, **given)
 
 
 @pytest.mark.parametrize("kills", [5, pytest.param(100, marks=pytest.mark.full)])

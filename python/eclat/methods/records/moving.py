@@ -18,24 +18,24 @@ over time, and since both neighbours of a key share it, nothing jumps when a lif
 
 from __future__ import annotations
 
-from dataclasses import dataclass, field
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from eclat import _core
-from eclat.bridge.anchors import Posed, anchors_of
-from eclat.bridge.compiled import compiled, fingerprint
+from eclat.bridge.anchors import anchors_of
+from eclat.bridge.compiled import compiled
 from eclat.bridge.running import run
 from eclat.methods.records.changes import NOTHING, IrradianceMeasure, Measure, RadianceMeasure, Seen
 from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.lives import Indices, coming_back, plan_lives
+from eclat.methods.records.moving_solution import MovingSolution, placed, rows_at
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_rows import RECORD, Rows, luminances, records_of, rows_of
 from eclat.methods.records.radiance_tables import radiance_tables
-from eclat.methods.records.solution import RadianceRecords, Solution
-from eclat.methods.records.tracks import COLUMNS, Tracks, in_core_space, in_surface_space
+from eclat.methods.records.solution import RadianceRecords
+from eclat.methods.records.tracks import COLUMNS, Tracks, in_surface_space
 from eclat.methods.work import Times, Work
 from eclat.scene import Scene
 
@@ -58,57 +58,9 @@ FIRST_KEYS = {NEAR: 0, RADIANCE: 1 << 30, FAR: 1 << 31}
 Kinds = dict[_core.RecordKind, Tracks]
 
 
-@dataclass(eq=False)
-class MovingSolution:
-    """The records of all times of an animation. `at` gives those of one time."""
-
-    options: RecordOptions
-    times: Times
-    max_depth: int
-    near: Tracks
-    far: Tracks
-    radiance: Tracks | None = None
-    statistics: dict[str, float] = field(default_factory=dict)
-
-    def at(self, time: int) -> Solution:
-        """Return the records at a time, by its index."""
-        scene = self.times.scene(time)
-        near, far = (rows_at(tracks, self.times, time) for tracks in (self.near, self.far))
-        statistics = {"records": float(len(near)), "far_records": float(len(far))}
-        radiance = None
-        if self.radiance is not None:
-            radiance = records_of(rows_at(self.radiance, self.times, time))
-            statistics["radiance_records"] = float(len(radiance))
-        return Solution(
-            self.options, fingerprint(scene), near, far, compiled(scene).center, statistics, self.max_depth, True,
-            radiance,
-        )  # fmt: skip
-
-
 def solve_over_time(options: RecordOptions, times: Times, work: Work) -> MovingSolution:
     """Solve records for all times of an animation."""
     return _Planner(options, times, work).solve()
-
-
-def rows_at(tracks: Tracks, times: Times, time: int) -> Rows:
-    """Return the rows of records as they are at a time, in coordinates of the core. Those whose surface has no extent are
-    left out.
-    """
-    scene = times.scene(time)
-    rows = tracks.at(time, times.states, np.asarray(times.seconds, np.float64))
-    known = np.asarray(np.isfinite(rows[:, COLUMNS["irradiance"]]).all(axis=1))
-    return _placed(rows, tracks, known, scene)[0]
-
-
-def _placed(
-    rows: Rows, tracks: Tracks, known: NDArray[np.bool_], scene: Scene
-) -> tuple[Rows, Posed, NDArray[np.bool_]]:
-    """Return rows where their surfaces are in a scene, how these lie, and which rows these are."""
-    posed = tracks.anchors.posed(scene)
-    which = known & posed.valid
-    posed = posed.taken(which)
-    local = compiled(scene).to_core(posed.positions)
-    return in_core_space(rows[which], posed, tracks.moving[which], local), posed, which
 
 
 class _Planner:
@@ -156,8 +108,8 @@ class _Planner:
                 options.disagreement = np.inf  # Records of different times may well differ.
                 options.far_records = options.far_records // FAR_STEP if number % FAR_STEP == 0 else 0
             self._grow(tracks, time, options, {kind: _born_rows(tracks[kind], scene) for kind in self._kinds})
-        for kind, placed in tracks.items():
-            light = _luminance(placed.born[:, COLUMNS["irradiance"]])[placed.born[:, COLUMNS["enclosed"].start] == 0]
+        for kind, made in tracks.items():
+            light = _luminance(made.born[:, COLUMNS["irradiance"]])[made.born[:, COLUMNS["enclosed"].start] == 0]
             self._mean[kind] = float(light.mean(dtype=np.float64)) if len(light) else 0.0
         return tracks
 
@@ -299,7 +251,7 @@ class _Planner:
         time = self._times.first_time(state)
         scene, options, tracks = self._times.scene(time), self._core_options(), all_tracks[kind]
         some = tracks.taken(which)
-        rows, posed, valid = _placed(some.born, some, np.ones(len(some), np.bool_), scene)
+        rows, posed, valid = placed(some.born, some, np.ones(len(some), np.bool_), scene)
         none = np.zeros((0, RECORD), np.float32)
         far_rows = none if kind == FAR else rows_at(all_tracks[FAR], self._times, time)
         caches = _core.SolvedCaches(none, np.ascontiguousarray(far_rows), options)
@@ -345,7 +297,7 @@ class _Planner:
 
 def _born_rows(tracks: Tracks, scene: Scene) -> Rows:
     """Return the rows with which records were placed, where their surfaces are in a scene."""
-    return _placed(tracks.born, tracks, np.ones(len(tracks), np.bool_), scene)[0]
+    return placed(tracks.born, tracks, np.ones(len(tracks), np.bool_), scene)[0]
 
 
 def _no_wider(rows: Rows, born: Rows) -> Rows:
