@@ -24,12 +24,12 @@ SurfacePoints::SurfacePoints(const World& world) : world_(world) {
     }
 }
 
-std::vector<SurfacePoints::Place> SurfacePoints::spread(size_t count, uint32_t pass, uint32_t seed) const {
-    const uint32_t key = hash(stream_seed(seed, Stream::surface_points), pass);
+std::vector<SurfacePoints::Place> SurfacePoints::spread(const PlacesPart& part, uint32_t seed) const {
+    const uint32_t key = hash(stream_seed(seed, Stream::surface_points), part.pass);
     const double shift = to_unit_float(hash(key, 0));
     std::vector<Place> out;
-    for (size_t i = 0; i < count; ++i) {
-        const double at = (static_cast<double>(i) + shift) / static_cast<double>(count) * cumulative_.back();
+    for (size_t i = part.first; i < part.end; ++i) {
+        const double at = (static_cast<double>(i) + shift) / static_cast<double>(part.count) * cumulative_.back();
         const auto found = std::upper_bound(cumulative_.begin(), cumulative_.end() - 1, at);
         const auto triangle = static_cast<uint32_t>(found - cumulative_.begin());
         const double below = triangle == 0 ? 0 : cumulative_[triangle - 1];
@@ -42,15 +42,21 @@ std::vector<SurfacePoints::Place> SurfacePoints::spread(size_t count, uint32_t p
     return out;
 }
 
-void double_places(const std::function<PassCounts(uint32_t number, size_t count)>& pass) {
+size_t places_of_pass(uint32_t number) {
     constexpr size_t first_pass = 64;
+    return first_pass << number;
+}
+
+bool places_suffice(uint32_t number, PassCounts found) {
     constexpr uint32_t least_passes = 7;    // 4096 points: fewer would not be representative
     constexpr double unserved_part = 2e-3;  // share of a pass; paths take fewer rays than records for so few points
-    for (uint32_t number = 0; number < most_place_passes; ++number) {
-        const PassCounts found = pass(number, first_pass << number);
-        const double few = unserved_part * static_cast<double>(found.tried);
-        if (number + 1 >= least_passes && static_cast<double>(found.unserved) < few) break;
-    }
+    const double few = unserved_part * static_cast<double>(found.tried);
+    return number + 1 >= least_passes && static_cast<double>(found.unserved) < few;
+}
+
+void double_places(const std::function<PassCounts(uint32_t number, size_t count)>& pass) {
+    for (uint32_t number = 0; number < most_place_passes; ++number)
+        if (places_suffice(number, pass(number, places_of_pass(number)))) break;
 }
 
 }  // namespace eclat

@@ -12,6 +12,12 @@
 
 namespace eclat {
 
+/// The points [first, end) of the `count` points of a pass.
+struct PlacesPart {
+    uint32_t pass;
+    size_t count, first, end;
+};
+
 class SurfacePoints {
   public:
     struct Place {
@@ -26,7 +32,11 @@ class SurfacePoints {
     /// Returns `count` points, evenly distributed over the area of all triangles. Point i is at the fraction i / count
     /// of the cumulative area and, within its triangle, at the radical inverse of i. These are Hammersley points,
     /// shifted by random numbers of `pass`.
-    std::vector<Place> spread(size_t count, uint32_t pass, uint32_t seed) const;
+    std::vector<Place> spread(size_t count, uint32_t pass, uint32_t seed) const {
+        return spread({pass, count, 0, count}, seed);
+    }
+    /// Returns the points [first, end) of these.
+    std::vector<Place> spread(const PlacesPart& part, uint32_t seed) const;
 
     /// Calls `f(point, wo)` for each side of a surface point that may reflect, as seen along its normal. `wo` is in the
     /// frame of the point.
@@ -51,6 +61,10 @@ constexpr uint32_t most_place_passes = 13;
 struct PassCounts {
     size_t tried, unserved;
 };
+/// Returns the number of points of a pass.
+size_t places_of_pass(uint32_t number);
+/// Returns whether a pass found so few unserved points that no further pass is needed.
+bool places_suffice(uint32_t number, PassCounts found);
 /// Calls `pass(number, count)` with twice as many new points each time, until almost all points that it tries are
 /// served.
 void double_places(const std::function<PassCounts(uint32_t number, size_t count)>& pass);

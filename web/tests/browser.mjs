@@ -17,6 +17,7 @@ export async function inBrowser(executablePath, work) {
   const messages = [];
   try {
     const page = await browser.newPage();
+    page.setDefaultTimeout(100000); // software WebGL on a busy machine takes its time
     page.on('console', (message) => {
       // Reading pixels waits for the picture, of which the driver warns; a page that measures its own picture must.
       if (!message.text().includes('GPU stall due to ReadPixels')) messages.push(`${message.type()}: ${message.text()}`);

@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Opens the page of `eclat view` and waits until its records have grown: node view-live.mjs CHROMIUM < request.json > answer.json
-// The request is { page: URL, width, height, shot }; the answer { begun, records, told, message, messages, requests, picture,
+// The request is { page: URL, width, height, shot }; the answer { begun, records, radiance, told, message, messages, requests, picture,
 // shot }: the numbers of records at first and in the end, what the page told on the way, the linear picture of the first camera
 // as float32 in base64, and a PNG of the page if a shot was asked for.
 
@@ -31,6 +31,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
       return {
         picture: btoa(binary),
         records: window.eclatView.records,
+        radiance: window.eclatView.radianceRecords,
         message: document.getElementById('message').textContent,
       };
     },

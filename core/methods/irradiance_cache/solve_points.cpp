@@ -25,16 +25,10 @@ constexpr size_t far_round = 512;  // number of far candidates that are tried to
 
 using Candidates = std::vector<Candidate>;
 
-uint32_t far_rounds(const IrradianceCacheOptions& options) {
-    const bool wants_far = options.max_depth < 0 && !options.far_photons;
-    const size_t count = wants_far ? static_cast<size_t>(options.far_records) : 0;
-    return static_cast<uint32_t>((count + far_round - 1) / far_round);
-}
-
 /// Points at which irradiance is needed, on each side that reflects or transmits it.
-Candidates diffuse_candidates(const SurfacePoints& surface, size_t count, uint32_t pass, uint32_t seed) {
+Candidates diffuse_candidates(const SurfacePoints& surface, const PlacesPart& part, uint32_t seed) {
     Candidates out;
-    for (const auto& [hit, key] : surface.spread(count, pass, seed)) {
+    for (const auto& [hit, key] : surface.spread(part, seed)) {
         Candidates wanted;
         surface.for_each_side(
             hit, [&](const SurfacePoint& point, Vec3 wo) { add_sides(point, wo, Candidate(point, 0.0f, 0), wanted); });
@@ -79,18 +73,34 @@ uint64_t surface_passes(const IrradianceCacheOptions& options, int sweeps) {
     return far_rounds(options) + static_cast<uint64_t>(sweeps) * most_place_passes;
 }
 
+uint32_t far_rounds(const IrradianceCacheOptions& options) {
+    const bool wants_far = options.max_depth < 0 && !options.far_photons;
+    const size_t count = wants_far ? static_cast<size_t>(options.far_records) : 0;
+    return static_cast<uint32_t>((count + far_round - 1) / far_round);
+}
+
+void add_far_everywhere(const World& world, const SurfacePoints& surface, uint32_t round,
+                        const IrradianceCacheOptions& options, RecordSolve& solve, Progress& progress) {
+    const PlacesPart all{most_place_passes + round, far_round, 0, far_round};
+    add_far(world, diffuse_candidates(surface, all, options.seed), options, solve, progress);
+}
+
 void solve_far_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                           RecordSolve& solve, Progress& progress) {
     for (uint32_t round = 0; round < far_rounds(options); ++round)
-        add_far(world, diffuse_candidates(surface, far_round, most_place_passes + round, options.seed), options, solve,
-                progress);
+        add_far_everywhere(world, surface, round, options, solve, progress);
+}
+
+PassCounts add_near_at_places(const World& world, const SurfacePoints& surface, const PlacesPart& part,
+                              const IrradianceCacheOptions& options, RecordSolve& solve, Progress& progress) {
+    const auto candidates = diffuse_candidates(surface, part, options.seed);
+    return {candidates.size(), add_near(world, candidates, options, solve, progress)};
 }
 
 void solve_near_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                            RecordSolve& solve, Progress& progress) {
     double_places([&](uint32_t pass, size_t count) {
-        const auto candidates = diffuse_candidates(surface, count, pass, options.seed);
-        return PassCounts{candidates.size(), add_near(world, candidates, options, solve, progress)};
+        return add_near_at_places(world, surface, {pass, count, 0, count}, options, solve, progress);
     });
 }
 
@@ -110,7 +120,8 @@ std::vector<PointNormal> points_everywhere(const World& world, size_t count, uin
     const SurfacePoints surface(world);
     std::vector<PointNormal> out;
     if (surface.empty()) return out;
-    for (const Candidate& c : diffuse_candidates(surface, count, no_pass, seed)) out.push_back({c.position, c.normal});
+    for (const Candidate& c : diffuse_candidates(surface, {no_pass, count, 0, count}, seed))
+        out.push_back({c.position, c.normal});
     return out;
 }
 

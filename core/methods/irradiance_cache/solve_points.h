@@ -30,8 +30,15 @@ void solve_everywhere(const World& world, const IrradianceCacheOptions& options,
 
 /// Returns the greatest number of passes of a solve with that number of sweeps over the surfaces.
 uint64_t surface_passes(const IrradianceCacheOptions& options, int sweeps);
+/// Returns the number of rounds of far records.
+uint32_t far_rounds(const IrradianceCacheOptions& options);
+void add_far_everywhere(const World& world, const SurfacePoints& surface, uint32_t round,
+                        const IrradianceCacheOptions& options, RecordSolve& solve, Progress& progress);
 void solve_far_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                           RecordSolve& solve, Progress& progress);
+/// Makes near records at some points of a pass.
+PassCounts add_near_at_places(const World& world, const SurfacePoints& surface, const PlacesPart& part,
+                              const IrradianceCacheOptions& options, RecordSolve& solve, Progress& progress);
 void solve_near_everywhere(const World& world, const SurfacePoints& surface, const IrradianceCacheOptions& options,
                            RecordSolve& solve, Progress& progress);
 

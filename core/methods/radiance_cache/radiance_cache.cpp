@@ -91,10 +91,11 @@ bool narrowest_lobe(const RadianceTables& tables, const Bsdf& bsdf, ReflectedFac
 }
 
 /// Returns the points with cacheable lobes on all surfaces.
-std::vector<GlossyCandidate> glossy_candidates(const SurfacePoints& surface, size_t count, uint32_t pass,
+std::vector<GlossyCandidate> glossy_candidates(const SurfacePoints& surface, const PlacesPart& part,
                                                const RadianceTables& tables, const RadianceCache& cache,
                                                const RadianceCacheOptions& options) {
-    const auto places = surface.spread(count, glossy_pass | pass, options.irradiance.seed);
+    const auto places =
+        surface.spread({glossy_pass | part.pass, part.count, part.first, part.end}, options.irradiance.seed);
     using Sides = std::vector<GlossyCandidate>;
     const auto found = parallel_map<Sides>(places.size(), options.irradiance.threads, [&](size_t i) {
         Sides sides;
@@ -114,9 +115,9 @@ std::vector<GlossyCandidate> glossy_candidates(const SurfacePoints& surface, siz
 
 /// Performs a pass, which makes radiance records for the candidates that are not served, and irradiance records from
 /// the same gathers. Returns how many were not served.
-size_t add_radiance(const World& world, std::span<const GlossyCandidate> candidates,
-                    const RadianceProjection& projection, const RadianceCacheOptions& options, RecordSolve& solve,
-                    Progress& progress) {
+size_t add_radiance(const World& world, std::span<const GlossyCandidate> candidates, const RadianceWork& work,
+                    RecordSolve& solve, Progress& progress) {
+    const auto& [tables, options, projection] = work;
     SolvedCaches& caches = solve.caches;
     size_t missed = 0;
     for (const GlossyCandidate& c : candidates) {
@@ -137,7 +138,7 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
                           [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
     const auto records =
-        gather_records(world, places, far_end(world, caches, spaced, progress, solve.tables), spaced, plan, progress);
+        gather_records(world, places, far_end(world, caches, spaced, progress, &tables), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {
         reduce_gradients(records[i], options.spacing, coefficients[i]);
@@ -160,6 +161,29 @@ IrradianceCacheOptions radiance_gathering(const RadianceCacheOptions& options) {
     return spaced;
 }
 
+void add_radiance_of_lattice(const World& world, const Camera& camera, const LatticePart& part,
+                             const RadianceWork& work, RecordSolve& solve, Progress& progress) {
+    auto candidates =
+        glossy_candidates(world, camera, work.tables, solve.caches.radiance, part.pixels, work.options, progress);
+    for (GlossyCandidate& c : candidates) set_camera(c.at, part.camera);
+    add_radiance(world, candidates, work, solve, progress);
+}
+
+PassCounts add_radiance_at_places(const World& world, const SurfacePoints& surface, const PlacesPart& part,
+                                  const RadianceWork& work, RecordSolve& solve, Progress& progress) {
+    const auto found = glossy_candidates(surface, part, work.tables, solve.caches.radiance, work.options);
+    return {found.size(), add_radiance(world, found, work, solve, progress)};
+}
+
+MarkCached mark_lobes(const RadianceTables& tables) {
+    return [&tables](SurfacePoint& point, Vec3 wo) {
+        if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
+        ReflectedFactors factors;
+        tables.reflect(point.bsdf, wo, factors);
+        set_cached(point.bsdf, factors);
+    };
+}
+
 void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
     caches = empty_caches(options.irradiance);
@@ -177,19 +201,11 @@ void grow_radiance_cache(const World& world, Cameras cameras, const RadianceTabl
     const RadianceProjection projection(options.order, Rows::balanced, options.rows);
     if (caches.radiance.records().empty()) caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
-    for_each_lattice(cameras, irradiance, [&](size_t index, std::span<const Vec2> pixels, float) {
-        auto candidates = glossy_candidates(world, cameras[index], tables, caches.radiance, pixels, options, progress);
-        for (GlossyCandidate& c : candidates) set_camera(c.at, index);
-        add_radiance(world, candidates, projection, options, solve, progress);
+    const RadianceWork work{tables, options, projection};
+    for_each_lattice(cameras, irradiance, [&](size_t index, std::span<const Vec2> pixels, float step) {
+        add_radiance_of_lattice(world, cameras[index], {pixels, step, index}, work, solve, progress);
     });
-
-    // If radiance records serve a lobe, the surfaces that it reflects need no irradiance records.
-    solve_near_for_cameras(world, cameras, irradiance, solve, progress, [&](SurfacePoint& point, Vec3 wo) {
-        if (!point.bsdf.has(LobeSet::glossy) || !within_tilt(point)) return;
-        ReflectedFactors factors;
-        tables.reflect(point.bsdf, wo, factors);
-        set_cached(point.bsdf, factors);
-    });
+    solve_near_for_cameras(world, cameras, irradiance, solve, progress, mark_lobes(tables));
 }
 
 void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
@@ -205,9 +221,9 @@ void solve_radiance_everywhere(const World& world, const RadianceTables& tables,
     const RadianceProjection projection(options.order, Rows::balanced, options.rows);
     caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
+    const RadianceWork work{tables, options, projection};
     double_places([&](uint32_t pass, size_t count) {
-        const auto found = glossy_candidates(surface, count, pass, tables, caches.radiance, options);
-        return PassCounts{found.size(), add_radiance(world, found, projection, options, solve, progress)};
+        return add_radiance_at_places(world, surface, {pass, count, 0, count}, work, solve, progress);
     });
 
     solve_near_everywhere(world, surface, irradiance, solve, progress);

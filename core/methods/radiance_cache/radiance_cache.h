@@ -22,6 +22,23 @@ struct RadianceCacheOptions {
 /// Returns the options with which radiance records are gathered and spaced.
 IrradianceCacheOptions radiance_gathering(const RadianceCacheOptions& options);
 
+// These are the steps of the solves.
+
+/// What all passes of radiance records share.
+struct RadianceWork {
+    const RadianceTables& tables;
+    const RadianceCacheOptions& options;
+    const RadianceProjection& projection;
+};
+/// Performs one pass over the pixels of `part`.
+void add_radiance_of_lattice(const World& world, const Camera& camera, const LatticePart& part,
+                             const RadianceWork& work, RecordSolve& solve, Progress& progress);
+/// Makes radiance records at some points of a pass over all surfaces.
+PassCounts add_radiance_at_places(const World& world, const SurfacePoints& surface, const PlacesPart& part,
+                                  const RadianceWork& work, RecordSolve& solve, Progress& progress);
+/// Marks the lobes that radiance records may serve: the surfaces that such a lobe reflects need no irradiance records.
+MarkCached mark_lobes(const RadianceTables& tables);
+
 /// Does the work of `solve_irradiance_cache`, and makes radiance records on the glossy surfaces that `cameras` see
 /// directly or by way of mirrors and narrow lobes.
 void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,

@@ -64,7 +64,7 @@ EXAMPLES = {
     "--whole",
     is_flag=True,
     section="Output",
-    help="Solve all surfaces before the page opens; otherwise what a view lacks is solved while you look at it.",
+    help="Solve all surfaces while the page is open, what you look at first; otherwise only what views lack is solved.",
 )
 @option(
     "--save",

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from functools import cached_property
 from pathlib import Path
 from typing import Any
 
@@ -13,11 +14,11 @@ from eclat.errors import EclatError, shown
 from eclat.files.atomic_file import write_files
 from eclat.lightmap.lightmap import Lightmap
 from eclat.methods import IrradianceCache, Method, Source, as_method
-from eclat.methods.records.options import RadianceOptions, RecordOptions
+from eclat.methods.records.options import RecordOptions
 from eclat.methods.records.solution import Solution
 from eclat.scene import Scene
 from eclat.verbs.solve import solve
-from eclat.viewer.gloss import gloss_message
+from eclat.viewer.gloss import GlossSource
 from eclat.viewer.growth import empty_solution
 from eclat.viewer.lamps import light_message, parts_of, soft_light_of
 from eclat.viewer.page import page_files
@@ -39,13 +40,18 @@ class Contents:
     exposure: float = 0.0
     """The exposure in stops with which the page begins."""
 
+    @cached_property
+    def gloss(self) -> GlossSource:
+        """The records of radiance, to which those that views lack are added."""
+        return GlossSource(self.scene, self.solution)
+
     def messages(self) -> dict[str, bytes]:
         """Encode the messages by their names."""
         return {
             SCENE: scene_message(self.scene, parts_of(self.scene, self.lightmap), exposure=self.exposure),
             LIGHT: light_message(self.lightmap),
             RECORDS: records_message(self.solution),
-            GLOSS: gloss_message(self.scene, self.solution),
+            GLOSS: self.gloss.whole_message(),
         }
 
     def files(self) -> dict[str, bytes]:
@@ -68,7 +74,7 @@ def contents_of(
     scene: Scene,
     what: Source | type[Method] | str | None = None,
     *,
-    whole: bool = True,
+    solved: bool = True,
     exposure: float,
     max_error: float,
     soft_light: Mapping[str, Any],
@@ -78,7 +84,8 @@ def contents_of(
 
     Parameters
     ----------
-    scene, what, whole, exposure, max_error : as for `showing.view`.
+    scene, what, exposure, max_error : as for `showing.view`.
+    solved : whether a method is solved for all surfaces; otherwise there are no records yet.
     soft_light : the arguments `texel_size` and `samples` of `eclat.bake`.
     work : the arguments `seed`, `threads` and `progress` of `eclat.solve` and `eclat.bake`.
     """
@@ -87,7 +94,7 @@ def contents_of(
     if isinstance(source, Method):
         if not source.has_records or source.solved is None:
             raise EclatError(f"view: expected a method with records, got {source.name!r}")
-        if not whole and isinstance(source, RecordOptions) and not isinstance(source, RadianceOptions):
+        if not solved and isinstance(source, RecordOptions):
             source = empty_solution(scene, source)
         else:
             source = solve(scene, source, view_independent=True, check=False, **work)

@@ -7,17 +7,19 @@ The light that a record reflects towards ω is the dot product of its coefficien
 frame around its normal these factors are the same for all records on a material, so each record is turned into an image
 once, and a fragment only reads that image. The grid is GRID × GRID on the paraboloid: (x, y) = ω_xy / (1 + ω_z), from −1 to 1.
 
-A message of the kind `gloss` has `first`, `count`, `reading` and `rows` as one of `records` (without excess and gradients in
-the rows), `order`, `grid`, and the arrays
+A message of the kind `gloss` has `first`, `count`, `reading` and `rows` as one of `records` (whose gradients are those of
+irradiance, which are not read), `order` (0 for irradiance caching), `grid`, and the arrays
 
     lobe_of        (n,) index of the lobe of each record
     coefficients   (n, 3, order², 4) values, derivatives along u and along v of the frame around the normal; RGB and 0, in
                    W/m² and W/m³, of indirect and direct light (see `lamp_gloss`); the excess is apart, in the rows
     lobes          (lobes · GRID², order² + 1, 4) factors; RGB and 0; the last entry is the albedo and the width σ of the lobe,
-                   which is 0 where it may not be cached
+                   which is 0 where it may not be cached; without entries if the page has them
 """
 
 from __future__ import annotations
+
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -48,43 +50,92 @@ def grid_directions() -> np.ndarray:
     return np.ascontiguousarray(directions.reshape(-1, 3), np.float32)
 
 
-def gloss_message(scene: Scene, solution: Solution) -> bytes:
-    """Encode the records of radiance of a solution; there are none if it is of irradiance caching."""
-    options = solution.options
-    order = options.order if isinstance(options, RadianceOptions) else 1
-    arrays = {
-        "rows": np.zeros((0, ROW), np.float32),
-        "lobe_of": np.zeros(0, np.float32),
-        "coefficients": np.zeros((0, 3, order**2, 4), np.float32),
-        "lobes": np.zeros((0, order**2 + 1, 4), np.float32),
-    }
-    if isinstance(options, RadianceOptions) and solution.radiance is not None and len(solution.radiance):
-        arrays = _arrays(scene, solution, options)
-    reading = reading_of(solution)
-    if isinstance(options, RadianceOptions):
-        reading["spacing"] = float(core_radiance_options(options).spacing)
-    content = {"first": 0, "count": len(arrays["rows"]), "reading": reading}
-    return encode_message("gloss", content | {"order": order, "grid": GRID}, arrays)
+@dataclass(frozen=True)
+class GlossRecords:
+    """Records of radiance for the page. Later ones have more rows; a row may change, what else there is of a record stays."""
+
+    rows: np.ndarray  # (n, 52)
+    lobe_of: np.ndarray  # (n,)
+    coefficients: np.ndarray  # (n, 3, order², 4)
+    lobes: np.ndarray  # (lobes · GRID², order² + 1, 4)
 
 
-def _arrays(scene: Scene, solution: Solution, options: RadianceOptions) -> dict[str, np.ndarray]:
-    caches = solution.core()
-    tables = radiance_tables(scene, options)
-    found = _core.lobes_at_records(compiled(scene).core, caches, tables, grid_directions())
-    lobe_of, factors, widths, albedos = (np.asarray(part) for part in found)
-    spacing = core_radiance_options(options).spacing
-    rows, read = rows_of(np.asarray(caches.radiance_records), np.asarray(caches.radiance_shared_excess), spacing)
-    kept = lobe_of[read] >= 0
-    numbers = np.flatnonzero(read)[kept]
-    coefficients = coefficients_of(caches, options.order)[numbers]
-    positions, radii, normals = rows[kept, :3], rows[kept, 3], rows[kept, 4:7]
-    coefficients[..., :3] += direct_coefficients(scene, positions, normals, radii, options.order)
-    return {
-        "rows": rows[kept],
-        "lobe_of": lobe_of[numbers],
-        "coefficients": coefficients,
-        "lobes": _lobes(factors, widths, albedos),
-    }
+class GlossSource:
+    """Makes the records of radiance of caches, which may grow, into those of the page."""
+
+    def __init__(self, scene: Scene, solution: Solution) -> None:
+        """Begin with the records of a solution; there are none, and never will be, if it is of irradiance caching."""
+        options = solution.options
+        self._scene, self._options = scene, options
+        self.order = options.order if isinstance(options, RadianceOptions) else 0
+        self.reading = reading_of(solution)
+        if isinstance(options, RadianceOptions):
+            self.reading["spacing"] = float(core_radiance_options(options).spacing)
+        count = self.order**2
+        self._coefficients = np.zeros((0, 3, count, 4), np.float32)  # with room for more
+        self._numbers = np.zeros(0, np.intp)
+        self.records = GlossRecords(
+            np.zeros((0, ROW), np.float32),
+            np.zeros(0, np.float32),
+            self._coefficients,
+            np.zeros((0, count + 1, 4), np.float32),
+        )
+        """The records of the last update."""
+        if solution.radiance is not None and len(solution.radiance):
+            self.update(solution.core())
+
+    def update(self, caches: _core.SolvedCaches) -> GlossRecords:
+        """Take in the records that are new in the caches, which must have those of the last update at their beginning."""
+        options = self._options
+        if not isinstance(options, RadianceOptions) or not len(caches.radiance_records):
+            return self.records
+        tables = radiance_tables(self._scene, options)
+        found = _core.lobes_at_records(compiled(self._scene).core, caches, tables, grid_directions())
+        lobe_of, factors, widths, albedos = (np.asarray(part) for part in found)
+        rows, read = rows_of(
+            np.asarray(caches.radiance_records),
+            np.asarray(caches.radiance_shared_excess),
+            float(self.reading["spacing"]),
+        )
+        kept = lobe_of[read] >= 0
+        rows, numbers = rows[kept], np.flatnonzero(read)[kept]
+        known = len(self._numbers)
+        assert np.array_equal(numbers[:known], self._numbers)
+        if len(numbers) > known:
+            new = coefficients_of(caches, options.order)[numbers[known:]]
+            places = rows[known:, :3], rows[known:, 4:7], rows[known:, 3]
+            new[..., :3] += direct_coefficients(self._scene, *places, options.order)
+            self._append(new, known)
+        self._numbers = numbers
+        lobes = _lobes(factors, widths, albedos)
+        self.records = GlossRecords(rows, lobe_of[numbers], self._coefficients[: len(numbers)], lobes)
+        return self.records
+
+    def message(self, records: GlossRecords, first: int, end: int, count: int, *, with_lobes: bool) -> bytes:
+        """Encode the records [first, end), after which the page has `count`; the lobes need not be sent again."""
+        content = {"first": first, "count": count, "reading": self.reading, "order": self.order, "grid": GRID}
+        part = slice(first, end)
+        arrays = {
+            "rows": records.rows[part],
+            "lobe_of": records.lobe_of[part],
+            "coefficients": records.coefficients[part],
+            "lobes": records.lobes if with_lobes else records.lobes[:0],
+        }
+        return encode_message("gloss", content, arrays)
+
+    def whole_message(self) -> bytes:
+        """Encode all records of the last update."""
+        count = len(self.records.rows)
+        return self.message(self.records, 0, count, count, with_lobes=True)
+
+    def _append(self, new: np.ndarray, known: int) -> None:
+        """Add coefficients after the known ones; arrays that were given away are left as they are."""
+        count = known + len(new)
+        if count > len(self._coefficients):
+            grown = np.zeros((2 * count, *new.shape[1:]), np.float32)
+            grown[:known] = self._coefficients[:known]
+            self._coefficients = grown
+        self._coefficients[known:count] = new
 
 
 def coefficients_of(caches: _core.SolvedCaches, order: int) -> np.ndarray:

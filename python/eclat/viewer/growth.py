@@ -13,10 +13,16 @@ import numpy as np
 
 from eclat import _core
 from eclat.bridge.compiled import compiled
-from eclat.methods.records.laws import core_options
+from eclat.methods.records.laws import core_options, core_radiance_options
+from eclat.methods.records.options import RadianceOptions
+from eclat.methods.records.radiance_tables import radiance_tables
 from eclat.methods.records.solution import Solution, solved_from_core
 from eclat.scene import Scene
+from eclat.viewer.gloss import GlossRecords, GlossSource
 from eclat.viewer.record_rows import ROW, record_rows
+
+View = tuple[object, _core.Camera]
+"""Who wished for a view, and its camera."""
 
 
 def empty_solution(scene: Scene, options: Any, max_depth: int = -1) -> Solution:
@@ -26,40 +32,68 @@ def empty_solution(scene: Scene, options: Any, max_depth: int = -1) -> Solution:
     )
 
 
+def growing_cache(scene: Scene, solution: Solution, *, threads: int, seed: int) -> _core.GrowingCache:
+    """Make the caches of the core that begin with the records of a solution."""
+    begin = solution.core() if len(solution.near) or len(solution.far) else _core.SolvedCaches()
+    core, options, max_depth = compiled(scene).core, solution.options, solution.max_depth
+    if not isinstance(options, RadianceOptions):
+        settings = core_options(options, max_depth=max_depth, seed=seed, threads=threads)
+        return _core.GrowingCache(core, settings, begin)
+    tables = radiance_tables(scene, options, threads=threads or None)
+    of_both = core_radiance_options(options, max_depth=max_depth, seed=seed, threads=threads)
+    return _core.GrowingCache(core, of_both, tables, begin)
+
+
 @dataclass(frozen=True)
 class State:
-    """How far the records are: whether passes are being made, how many are left of the view, and the records."""
+    """How far the records are."""
 
     solving: bool
+    """Whether passes of a view are being made."""
     passes_left: int
+    """The number of passes that are left of the view."""
+    everywhere: bool
+    """Whether passes over all surfaces are left."""
     records: int
+    """The number of records of irradiance that are read."""
 
 
 class Growth:
     """The records of a scene, to which those that a view lacks are added.
 
     The passes are those of `eclat.solve` for a camera, in a thread of its own, one view after another: the latest wish
-    counts. Where nobody is left who wished for the view, its passes end.
+    counts. Where nobody is left who wished for the view, its passes end. Where no view wants passes, those over all
+    surfaces are made if the whole scene is wanted, from when the first viewer has joined; a wish interrupts them.
     """
 
-    def __init__(self, scene: Scene, solution: Solution, *, threads: int = 0, seed: int = 0) -> None:
-        """Begin with the records of `solution`, which must belong to the scene."""
+    def __init__(
+        self,
+        scene: Scene,
+        solution: Solution,
+        gloss: GlossSource | None = None,
+        *,
+        whole: bool = False,
+        threads: int = 0,
+        seed: int = 0,
+    ) -> None:
+        """Begin with the records of `solution`, which must belong to the scene; `gloss` has those of radiance."""
         self._scene, self._begun_with = scene, solution
-        options = core_options(solution.options, max_depth=solution.max_depth, seed=seed, threads=threads)
-        begin = solution.core() if len(solution.near) or len(solution.far) else _core.SolvedCaches()
-        self._cache = _core.GrowingCache(compiled(scene).core, options, begin)
-        self._rows = (
-            record_rows(self._cache.caches, options.spacing) if len(solution.near) else np.zeros((0, ROW), np.float32)
-        )
-        self._spacing = options.spacing
+        self._gloss = gloss or GlossSource(scene, solution)
+        self._spacing = core_options(solution.options).spacing
+        self._cache = growing_cache(scene, solution, threads=threads, seed=seed)
+        if whole:
+            self._cache.look_everywhere()
+        self._whole = whole
+        rows = record_rows(self._cache.caches, self._spacing) if len(solution.near) else np.zeros((0, ROW), np.float32)
+        self._grown_to = (State(False, 0, self._cache.surfaces_left, len(rows)), rows, self._gloss.records)
         self._grown = False
         self._rays = 0.0
-        self._lock = threading.Condition()  # guards what follows
+        self._lock = threading.Condition()  # guards what follows, and `_grown_to`
         self._passing = threading.Lock()  # is held while the caches are read or filled
-        self._wished: tuple[object, _core.Camera] | None = None
+        self._wished: View | None = None
         self._viewers: dict[object, Callable[[], None]] = {}
+        self._begun = self._at_surfaces = False
         self._closed = False
-        self._state = State(False, 0, len(self._rows))
         self._progress = _core.Progress()
         self.failure: Exception | None = None
         """What ended the thread, if anything but `close` did."""
@@ -70,6 +104,8 @@ class Growth:
         """Add a viewer; `changed` is called, in another thread, whenever rows or state have changed."""
         with self._lock:
             self._viewers[viewer] = changed
+            self._begun = True
+            self._lock.notify()
 
     def leave(self, viewer: object) -> None:
         """Remove a viewer, and drop its wish."""
@@ -82,34 +118,42 @@ class Growth:
         """Ask for the records that this view lacks."""
         with self._lock:
             self._wished = (viewer, camera)
+            if self._at_surfaces:
+                self._progress.cancel()
             self._lock.notify()
 
     @property
-    def rows(self) -> np.ndarray:
-        """The rows (n, 52) of all records so far (`record_rows`). Rows only change or are appended; the array does not."""
+    def grown(self) -> tuple[State, np.ndarray, GlossRecords]:
+        """The state, the rows (n, 52) of all records so far (`record_rows`), and the records of radiance, all of one
+        moment. Rows only change or are appended; the arrays do not."""
         with self._lock:
-            return self._rows
+            return self._grown_to
+
+    @property
+    def rows(self) -> np.ndarray:
+        """The rows of all records so far."""
+        return self.grown[1]
 
     @property
     def state(self) -> State:
         """How far the records are."""
-        with self._lock:
-            return self._state
+        return self.grown[0]
 
     def solution(self) -> Solution:
         """Return the records so far as a Solution, which waits for the pass that is being made."""
         with self._passing:
-            if not self._grown:
-                return self._begun_with
-            caches = self._cache.caches
             begun = self._begun_with
+            if not self._grown:
+                return begun
+            caches = self._cache.caches
             statistics = {
                 "records": float(caches.near_count),
                 "far_records": float(caches.far_count),
                 "rays": begun.statistics.get("rays", 0.0) + self._rays,
             }
+            complete = self._whole and not self._cache.surfaces_left
             return solved_from_core(
-                self._scene, begun.options, caches, statistics, max_depth=begun.max_depth, complete=False
+                self._scene, begun.options, caches, statistics, max_depth=begun.max_depth, complete=complete
             )
 
     def close(self) -> None:
@@ -121,41 +165,56 @@ class Growth:
         self._thread.join()
 
     def _work(self) -> None:
-        looking: tuple[object, _core.Camera] | None = None
-        left = 0
+        looking: View | None = None
         try:
-            while True:
-                with self._lock:
-                    while not self._closed and (self._wished is None or (self._wished is looking and left == 0)):
-                        self._tell(False, left)
-                        self._lock.wait()
-                    if self._closed:
-                        return
-                    wished = self._wished
-                    self._progress = _core.Progress()
-                with self._passing:
-                    if wished is not None and wished is not looking:
-                        self._cache.look(wished[1])
-                        looking = wished
-                    self._cache.step(self._progress)
-                    self._rays += float(self._progress.rays)
-                    self._grown = True
-                    rows, left = record_rows(self._cache.caches, self._spacing), int(self._cache.passes_left)
-                with self._lock:
-                    self._rows = rows
-                    self._tell(left > 0, left)
-        except _core.Cancelled:
-            return  # by `close`
+            while (found := self._next(looking)) is not None:
+                view, surfaces = found
+                try:
+                    self._pass(None if surfaces or view is looking else view)
+                except _core.Cancelled:  # by `close`, or by a wish in the middle of a pass over all surfaces
+                    continue
+                looking = view
         except Exception as error:  # It is kept for whoever looks for it; the page keeps what it has.
             self.failure = error
             with self._lock:
                 self._tell(False, 0)
 
+    def _next(self, looking: View | None) -> tuple[View | None, bool] | None:
+        """Wait until there is a pass to make; return the view that is looked at, and whether the pass is over all surfaces;
+        or None when this is closed."""
+        with self._lock:
+            while not self._closed:
+                if self._wished is None:
+                    self._cache.drop_view()
+                self._progress = _core.Progress()
+                of_view = self._wished is not None and (self._wished is not looking or self._cache.passes_left > 0)
+                self._at_surfaces = not of_view and self._begun and self._cache.surfaces_left
+                if of_view or self._at_surfaces:
+                    return (self._wished if of_view else looking), self._at_surfaces
+                self._tell(False, self._cache.passes_left)
+                self._lock.wait()
+            return None
+
+    def _pass(self, new: View | None) -> None:
+        """Make a pass, of a new view if there is one, and give its records to the viewers."""
+        with self._passing:
+            if new is not None:
+                self._cache.look(new[1])
+            self._cache.step(self._progress)
+            self._rays += float(self._progress.rays)
+            self._grown = True
+            rows = record_rows(self._cache.caches, self._spacing)
+            gloss = self._gloss.update(self._cache.caches)
+        with self._lock:
+            self._grown_to = (self._grown_to[0], rows, gloss)
+            self._tell(self._cache.passes_left > 0, self._cache.passes_left)
+
     def _tell(self, solving: bool, left: int) -> None:
         """Set the state and call the viewers; the caller holds the lock."""
-        state = State(solving, left, len(self._rows))
-        if state == self._state:
+        state, rows, gloss = self._grown_to
+        now = State(solving, left, self._cache.surfaces_left, len(rows))
+        if now == state:
             return
-        self._state = state
+        self._grown_to = (now, rows, gloss)
         for changed in self._viewers.values():
             changed()

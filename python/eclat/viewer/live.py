@@ -14,9 +14,11 @@ A VIEW is {"to_world": 16 numbers, "half_extent": [x, y], "shift": [x, y], "orth
 matrix row by row, from the camera, which looks along −z, to the scene relative to its center; half the width and height of
 the picture at distance 1 (orthographic: in metres); and pixels.
 
-To the page go texts, {"kind": "state", "solving", "passes_left", "records"}, and binary messages (`messages`) of the kinds
+To the page go texts, {"kind": "state", "solving", "passes_left", "everywhere", "records"} (`growth.State`), and binary
+messages (`messages`) of the kinds
 
     records    as in the file: changed rows, and new ones
+    gloss      the same of records of radiance
     truth      the `number` of the request, `samples` per pixel, and `first` and `second` (height, width, 3) of "f4", linear
                radiance, row 0 at the top: the picture is their mean, and each has half of the samples
 
@@ -30,6 +32,7 @@ import asyncio
 import json
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from functools import partial
 from typing import TYPE_CHECKING, Any, Literal
 
@@ -42,6 +45,7 @@ from eclat.methods.path import Path as PathMethod
 from eclat.methods.records.solution import Solution
 from eclat.methods.work import Work
 from eclat.scene import Scene
+from eclat.viewer.gloss import GlossRecords, GlossSource
 from eclat.viewer.growth import Growth
 from eclat.viewer.messages import encode_message
 from eclat.viewer.record_rows import reading_of
@@ -61,6 +65,8 @@ SECONDS_TO_READ = 20.0
 """Time after which a page that takes no message is disconnected."""
 ROWS_AT_ONCE = 4096
 """Number of records of a message, of 208 bytes each."""
+GLOSS_ROWS_AT_ONCE = 512
+"""Number of records of radiance of a message, of 3 KB each at order 8."""
 GAP = 16
 """Number of unchanged records between changed ones that are sent along, which costs less than a message."""
 
@@ -128,8 +134,9 @@ def camera_of(view: View) -> tuple[_core.Camera, tuple[int, int]]:
     return camera, size
 
 
-def changed_rows(sent: np.ndarray, rows: np.ndarray) -> Iterator[tuple[int, np.ndarray]]:
-    """Iterate over the first index and the rows of the parts of `rows` that differ from those `sent` or are new."""
+def changed_rows(sent: np.ndarray, rows: np.ndarray, at_once: int = ROWS_AT_ONCE) -> Iterator[tuple[int, np.ndarray]]:
+    """Iterate over the first index and the rows of the parts of `rows` that differ from those `sent` or are new, each of
+    at most `at_once` rows."""
     old = len(sent)
     different = np.ones(len(rows), bool)
     different[:old] = (rows[:old] != sent).any(axis=1)
@@ -137,8 +144,8 @@ def changed_rows(sent: np.ndarray, rows: np.ndarray) -> Iterator[tuple[int, np.n
     if not len(at):
         return
     for part in np.split(at, np.flatnonzero(np.diff(at) > GAP) + 1):
-        for first in range(int(part[0]), int(part[-1]) + 1, ROWS_AT_ONCE):
-            yield first, rows[first : min(first + ROWS_AT_ONCE, int(part[-1]) + 1)]
+        for first in range(int(part[0]), int(part[-1]) + 1, at_once):
+            yield first, rows[first : min(first + at_once, int(part[-1]) + 1)]
 
 
 def with_live(files: Mapping[str, bytes]) -> dict[str, bytes]:
@@ -150,9 +157,21 @@ def with_live(files: Mapping[str, bytes]) -> dict[str, bytes]:
 class Live:
     """The web sockets of one scene."""
 
-    def __init__(self, scene: Scene, solution: Solution, *, threads: int = 0, seed: int = 0) -> None:
-        """Begin with the records of `solution`, which pages have loaded before they connect."""
-        self.growth = Growth(scene, solution, threads=threads, seed=seed)
+    def __init__(
+        self,
+        scene: Scene,
+        solution: Solution,
+        gloss: GlossSource | None = None,
+        *,
+        whole: bool = False,
+        threads: int = 0,
+        seed: int = 0,
+    ) -> None:
+        """Begin with the records of `solution`, and those of radiance in `gloss`, which pages have loaded before they
+        connect."""
+        self.gloss = gloss or GlossSource(scene, solution)
+        self._loaded_gloss = self.gloss.records
+        self.growth = Growth(scene, solution, self.gloss, whole=whole, threads=threads, seed=seed)
         self._scene, self._max_depth, self._threads = scene, solution.max_depth, threads
         self._reading = reading_of(solution)
         self._loaded = self.growth.rows
@@ -221,7 +240,7 @@ class _Connection:
 
     def __init__(self, live: Live, socket: WebSocket) -> None:
         self._live, self._socket = live, socket
-        self._sent = live._loaded
+        self._sent, self._sent_gloss = live._loaded, live._loaded_gloss
         self._truth: TruthPicture | None = None
         self._samples_sent, self._truth_number = 0, 0
         self._changed = asyncio.Event()
@@ -297,13 +316,13 @@ class _Connection:
 
     async def _send_changes(self) -> None:
         growth = self._live.growth
-        state, rows = growth.state, growth.rows
+        state, rows, gloss = growth.grown
         for first, part in changed_rows(self._sent, rows):
             count = max(len(self._sent), first + len(part))
             await self._in_time(self._socket.send_bytes(self._live.records_message(first, part, count)))
         self._sent = rows
-        told = {"kind": "state", "solving": state.solving, "passes_left": state.passes_left, "records": len(rows)}
-        await self._in_time(self._socket.send_text(json.dumps(told)))
+        await self._send_gloss(gloss)
+        await self._in_time(self._socket.send_text(json.dumps({"kind": "state", **asdict(state)})))
         latest = self._truth.latest if self._truth is not None else None
         if latest is not None and latest.samples > self._samples_sent:
             self._samples_sent = latest.samples
@@ -311,6 +330,18 @@ class _Connection:
             request = {"number": self._truth_number, "samples": latest.samples}
             message = encode_message("truth", request, halves)
             await self._in_time(self._socket.send_bytes(message))
+
+    async def _send_gloss(self, records: GlossRecords) -> None:
+        """Send what is new or has changed of the records of radiance."""
+        sent = self._sent_gloss
+        with_lobes = len(records.lobes) > len(sent.lobes)
+        for first, part in changed_rows(sent.rows, records.rows, GLOSS_ROWS_AT_ONCE):
+            end = first + len(part)
+            count = max(len(sent.rows), end)
+            message = self._live.gloss.message(records, first, end, count, with_lobes=with_lobes)
+            await self._in_time(self._socket.send_bytes(message))
+            with_lobes = False
+        self._sent_gloss = records
 
     async def _in_time(self, sending: Any) -> None:
         await asyncio.wait_for(sending, SECONDS_TO_READ)

@@ -32,10 +32,12 @@ class Viewer:
     closes at the end of the block.
     """
 
-    def __init__(self, contents: Contents, *, seed: int = 0, threads: int | None = None) -> None:
-        """Start to serve the contents on this machine, and to solve what views lack."""
+    def __init__(self, contents: Contents, *, whole: bool = False, seed: int = 0, threads: int | None = None) -> None:
+        """Start to serve the contents on this machine, and to solve what views lack, and then all surfaces if `whole`."""
         self.contents = contents
-        self._live = Live(contents.scene, contents.solution, seed=seed, threads=threads or 0)
+        self._live = Live(
+            contents.scene, contents.solution, contents.gloss, whole=whole, seed=seed, threads=threads or 0
+        )
         try:
             self._files = with_live(contents.files())
             self._server = Server(self._files, self._live.routes)
@@ -103,8 +105,7 @@ def view(
     ----------
     what : a `Solution` of `eclat.solve`, or a method with records, its class or its name; None means irradiance caching. A
         method is solved while one looks: the page asks for the records that its view lacks, also beside a solution.
-        Radiance caching is solved for all surfaces first, because only records of irradiance are added.
-    whole : whether a method is solved for all surfaces before the page is served.
+    whole : whether all surfaces are solved, too, from when the first page is open. What a page sees comes first.
     open_browser : whether to open the page in the default browser; otherwise open `url`, or end a cell of a notebook
         with this call.
     exposure : the exposure in stops with which the page begins.
@@ -130,11 +131,11 @@ def view(
     """
     scene = staged(scene)
     contents = contents_of(
-        scene, what, whole=whole, exposure=exposure, max_error=max_error,
+        scene, what, solved=False, exposure=exposure, max_error=max_error,
         soft_light={"texel_size": texel_size, "samples": samples},
         work={"seed": seed, "threads": threads, "progress": progress},
     )  # fmt: skip
-    viewer = Viewer(contents, seed=seed, threads=threads)
+    viewer = Viewer(contents, whole=whole, seed=seed, threads=threads)
     if open_browser:
         webbrowser.open(viewer.url)
     return viewer

@@ -20,9 +20,10 @@ from websockets.sync.client import ClientConnection, connect
 import eclat
 from eclat.methods.records.laws import core_options
 from eclat.methods.records.solution import Solution
-from eclat.scene import Camera, Scene, look_at
-from eclat.scenes import build
+from eclat.scene import Camera, Environment, Material, Mesh, Scene, look_at
+from eclat.scenes import build, glossy_box
 from eclat.viewer import live as live_module
+from eclat.viewer.gloss import GlossSource
 from eclat.viewer.growth import empty_solution
 from eclat.viewer.live import (
     LARGEST_REQUEST,
@@ -53,8 +54,9 @@ PATIENCE = 60.0
 class Running:
     """A server with the web socket of a scene."""
 
-    def __init__(self, scene: Scene, solution: Solution) -> None:
-        self.scene, self.live = scene, Live(scene, solution, threads=1)
+    def __init__(self, scene: Scene, solution: Solution | None = None, *, live: Live | None = None) -> None:
+        assert (solution is None) != (live is None)
+        self.scene, self.live = scene, live or Live(scene, solution, threads=1)
         self.server = Server({"index.html": b"<!doctype html>"}, self.live.routes)
 
     @property
@@ -128,6 +130,58 @@ def closing_code(page: ClientConnection) -> int | None:
             page.recv(timeout=PATIENCE)
     except ConnectionClosed as closed:
         return closed.rcvd.code if closed.rcvd else None
+
+
+def test_a_page_gets_records_of_radiance_as_they_are_made() -> None:
+    scene = glossy_box.build(alpha=0.4)
+    running = Running(scene, empty_solution(scene, eclat.RadianceCache(max_error=0.3)))
+    try:
+        with running.page() as page:
+            ask(page, "wish")
+            taken = [(h, a) for h, a in until(page, solved) if h["kind"] == "gloss"]
+        made = running.live.gloss.records
+        names = ("rows", "lobe_of", "coefficients")
+        arrays = {name: np.zeros_like(getattr(made, name)) for name in names}
+        for header, sent in taken:
+            for name in names:
+                arrays[name][header["first"] : header["first"] + len(sent["rows"])] = sent[name]
+        assert len(made.rows) == taken[-1][0]["count"] > 10 and len(taken) > 2
+        for name in names:
+            assert (arrays[name] == getattr(made, name)).all(), name
+        # Lobes are sent when there are new ones, not with each message.
+        lobes = [sent["lobes"] for _, sent in taken if len(sent["lobes"])]
+        assert (lobes[-1] == made.lobes).all() and len(lobes) < len(taken)
+        # What grew is what a file of the same records gives.
+        whole = GlossSource(scene, running.live.growth.solution()).records
+        assert (whole.rows == made.rows).all() and np.allclose(
+            whole.coefficients, made.coefficients, rtol=0.2, atol=0.02
+        )
+    finally:
+        running.close()
+
+
+def test_all_surfaces_are_solved_from_when_a_page_is_open_and_what_it_sees_comes_first() -> None:
+    corners = np.array([[-1, -1, 0], [1, -1, 0], [1, 1, 0], [-1, 1, 0]], float)
+    triangles = np.array([[0, 1, 2], [0, 2, 3]])
+    seen, behind = (
+        Mesh(corners, triangles, Material()),
+        Mesh(corners + np.array([0, 0, 5]), triangles[:, ::-1], Material()),
+    )
+    scene = Scene((seen, behind), environment=Environment(np.full((1, 1, 3), 0.5, np.float32)))
+    live = Live(scene, empty_solution(scene, eclat.IrradianceCache(max_error=0.5)), whole=True, threads=1)
+    running = Running(scene, live=live)
+    try:
+        time.sleep(0.3)
+        assert len(live.growth.rows) == 0 and live.growth.state.everywhere
+        with running.page() as page:
+            ask(page, "wish")
+            taken = until(page, lambda h: h["kind"] == "state" and h["records"] > 0 and not h["solving"])
+            assert taken[-1][0]["everywhere"]
+            until(page, lambda h: h["kind"] == "state" and not h["everywhere"])
+        solution = live.growth.solution()
+        assert solution.complete and len(solution) > taken[-1][0]["records"]
+    finally:
+        running.close()
 
 
 def test_a_page_gets_the_records_that_its_view_lacks(running: Running, tmp_path: Path) -> None:

@@ -64,8 +64,8 @@ export class Gloss {
   accept(message: Message<GlossHeader>): void {
     const { first, count, reading, grid, order } = message.header;
     this.reading = reading;
-    if (count === 0) return;
     this.order = order;
+    if (count === 0) return;
     this.grid = grid;
     const rows = (arrayOf(message, 'rows').data as Float32Array).slice();
     arrayOf(message, 'lobe_of').data.forEach((lobe, i) => (rows[i * FLOATS + LOBE] = lobe));

@@ -4,7 +4,7 @@
 // The web socket to the server, which solves the records that a view lacks; python/eclat/viewer/live.py describes its
 // messages. A page that was exported has none.
 
-import { decodeAny, type Message, type RecordsHeader, type TruthHeader } from './messages';
+import { decodeAny, type GlossHeader, type Message, type RecordsHeader, type TruthHeader } from './messages';
 import type { Pose } from './pose';
 import type { Way } from './truth';
 
@@ -13,12 +13,15 @@ export interface State {
   readonly kind: 'state';
   readonly solving: boolean;
   readonly passes_left: number;
+  readonly everywhere: boolean;
   readonly records: number;
 }
 
 export interface LiveHandlers {
   /** Takes in records that are new or have changed. */
   records(message: Message<RecordsHeader>): void;
+  /** Takes in records of radiance. */
+  gloss(message: Message<GlossHeader>): void;
   /** Takes in a picture of the server. */
   truth(message: Message<TruthHeader>): void;
   /** Is told how far the server is; nothing where the connection is lost. */
@@ -81,6 +84,7 @@ export class Live {
       }
       const message = decodeAny(data, 'answer of the server');
       if (message.header.kind === 'truth') this.handlers.truth(message as Message<TruthHeader>);
+      else if (message.header.kind === 'gloss') this.handlers.gloss(message as Message<GlossHeader>);
       else this.handlers.records(message as Message<RecordsHeader>);
     });
     socket.addEventListener('close', () => {

@@ -17,6 +17,7 @@ import { Truth } from './truth';
 export interface EclatView {
   readonly precision: string;
   readonly records: number;
+  readonly radianceRecords: number;
   /** How far the page is from the picture of the server that stands beside it, as relative RMSE; nothing where there is none. */
   readonly truth: Truth['figures'];
   /** Linear radiance (height, width, 4) of a camera of the scene, the first row at the bottom. */
@@ -101,14 +102,22 @@ async function start(): Promise<void> {
     truth?.redraw();
     changed();
   };
+  let everywhere = false; // whether the server computes all surfaces
   const live = Live.connect({
     records: (message) => {
       renderer.acceptRecords(message);
       tell();
       relit();
     },
+    gloss: (message) => {
+      renderer.acceptGloss(message);
+      tell();
+      relit();
+    },
     truth: (message) => truth?.accept(message),
     state: (state) => {
+      everywhere = state?.everywhere ?? false;
+      tell();
       byId('live').textContent = described(state);
       byId('live').hidden = state !== undefined && !state.solving;
     },
@@ -144,7 +153,9 @@ async function start(): Promise<void> {
     panel.showOrder(renderer.gloss.order);
     panel.facts.textContent =
       `${header.name}: ${renderer.surfaces.triangles.toLocaleString('en')} triangles, ` +
-      `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}.` +
+      `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}` +
+      (renderer.gloss.count > 0 ? `, ${renderer.gloss.count.toLocaleString('en')} of radiance.` : '.') +
+      (everywhere ? ' The surfaces that nobody looks at are being computed.' : '') +
       (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : '');
   };
   tell();
@@ -186,6 +197,9 @@ function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, 
     precision: renderer.precision,
     get records() {
       return renderer.records.count;
+    },
+    get radianceRecords() {
+      return renderer.gloss.count;
     },
     get truth() {
       return truth?.figures;

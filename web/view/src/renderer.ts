@@ -61,6 +61,13 @@ export const USUAL_LOOK: Look = {
 const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
 const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4, clearance: 5, noise: 6, lobes: 7 };
 
+/** The kind of gloss of rough surfaces in the image of normals. */
+const ROUGH = 1;
+
+/** Lobes of this roughness α, seen at this cosine at least, can be held by harmonics of order 8 (docs/algorithms/radiance_cache.md). */
+const ROUGH_ENOUGH = 0.35;
+const STEEP_ENOUGH = 0.35;
+
 /** What splats add for the overlays that need a pass of their own. */
 const COUNTED = { density: 'count', records: 'outlines', clearance: 'clearance', noise: 'noise' } as const;
 
@@ -161,20 +168,28 @@ export class Renderer {
   }
 
   /**
-   * Returns the share of a small picture in which matte surfaces lack records. It draws into the images of the picture, which
-   * must be drawn anew.
+   * Returns the share of a small picture in which surfaces lack records: matte ones, and those whose gloss records of radiance may
+   * hold. It draws into the images of the picture, which must be drawn anew.
    */
   missing(pose: Pose, aspect: number): number {
     const [width, height] = [96, Math.max(1, Math.round(96 / aspect))];
     this.drawLinear(pose, USUAL_LOOK, width, height);
-    const sums = this.read(this.targets.sums, width, height);
-    const albedos = new Float32Array(sums.length);
-    this.gl.readRenderTargetPixels(this.targets.surfaces, 0, 0, width, height, albedos, undefined, 2);
+    const [sums, glossSums] = [this.targets.sums, this.targets.glossSums].map((target) => this.read(target, width, height));
+    const [positions, normals, albedos] = [0, 1, 2].map((number) => this.readSurface(number, width, height));
+    const eye = pose.eye();
+    const [away, n] = [new three.Vector3(), new three.Vector3()];
+    const lacks = (i: number) => {
+      const texel = (image: Float32Array | undefined, channel: number) => image?.[i + channel] ?? 0;
+      const matte = Math.max(texel(albedos, 0), texel(albedos, 1), texel(albedos, 2)) > 0;
+      if (matte && !(texel(sums, 3) > 0)) return true;
+      if (this.gloss.order === 0 || texel(normals, 3) !== ROUGH || texel(glossSums, 3) > 0) return false;
+      if (!(this.surfaces.roughness(texel(positions, 3) - 1) >= ROUGH_ENOUGH)) return false;
+      n.set(texel(positions, 0), texel(positions, 1), texel(positions, 2));
+      away.set(eye.x, eye.y, eye.z).addScaledVector(n, -eye.w).normalize();
+      return away.dot(n.set(texel(normals, 0), texel(normals, 1), texel(normals, 2))) >= STEEP_ENOUGH;
+    };
     let missing = 0;
-    for (let i = 0; i < sums.length; i += 4) {
-      const matte = Math.max(albedos[i] ?? 0, albedos[i + 1] ?? 0, albedos[i + 2] ?? 0) > 0;
-      if (matte && !((sums[i + 3] ?? 0) > 0)) ++missing;
-    }
+    for (let i = 0; i < 4 * width * height; i += 4) if (lacks(i)) ++missing;
     return missing / (width * height);
   }
 
@@ -225,11 +240,7 @@ export class Renderer {
 
   /** Returns the positions and normals (height, width, 4) of the picture that was drawn last, the first row at the bottom. */
   readSurfaces(width: number, height: number): [Float32Array, Float32Array] {
-    return [0, 1].map((image) => {
-      const texels = new Float32Array(width * height * 4);
-      this.gl.readRenderTargetPixels(this.targets.surfaces, 0, 0, width, height, texels, undefined, image);
-      return texels;
-    }) as [Float32Array, Float32Array];
+    return [this.readSurface(0, width, height), this.readSurface(1, width, height)];
   }
 
   /** Returns the sums (height, width, 4) of (w E, w) over the records at points with normals, (height · width, 3) each. */
@@ -346,6 +357,13 @@ export class Renderer {
   private set(uniforms: Record<string, three.IUniform>, name: string, value: unknown): void {
     const uniform = uniforms[name];
     if (uniform) uniform.value = value;
+  }
+
+  /** Reads an image of the geometry pass. */
+  private readSurface(number: number, width: number, height: number): Float32Array {
+    const texels = new Float32Array(width * height * 4);
+    this.gl.readRenderTargetPixels(this.targets.surfaces, 0, 0, width, height, texels, undefined, number);
+    return texels;
   }
 
   private read(target: three.WebGLRenderTarget, width: number, height: number): Float32Array {

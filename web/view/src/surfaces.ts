@@ -56,6 +56,8 @@ export interface Surfaces {
   readonly planes: readonly Plane[];
   /** The roughness α of the materials, by number. */
   readonly alphas: three.DataTexture;
+  /** The roughness α of a material. */
+  roughness(material: number): number;
 }
 
 /** Where the light of a sun goes, for shadow maps. */
@@ -103,7 +105,8 @@ export async function makeSurfaces(
     shading.add(surface(geometry, shadowFragment, { ...uniforms, ...lamp }));
   }
   const materials = header.materials.map((m) => m.name);
-  return { seen, shading, bounds, materials, triangles, planes: planes.largest(), alphas: alphasOf(header.materials) };
+  const roughness = (material: number) => header.materials[material]?.alpha ?? 0;
+  return { seen, shading, bounds, materials, triangles, planes: planes.largest(), alphas: alphasOf(header.materials), roughness };
 }
 
 /** The length of the diagonal of the scene in metres. */
