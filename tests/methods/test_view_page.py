@@ -72,6 +72,38 @@ def test_without_webgl_2_the_page_says_so(used: dict[str, Any]) -> None:
     assert used["messages"] == []
 
 
+INSPECT = """
+[...document.querySelectorAll('button')].find((b) => b.textContent.startsWith('Inspect')).click();
+const end = performance.now() + 60000;
+const told = () => document.querySelector('.hemisphere p').textContent.startsWith('The normal');
+while (!told() && performance.now() < end) await new Promise((done) => setTimeout(done, 100));
+const discs = [...document.querySelectorAll('.hemisphere canvas')].map((canvas) => {
+  const { data } = canvas.getContext('2d').getImageData(0, 0, canvas.width, canvas.height);
+  return [...data];
+});
+window.inspected = discs;
+"""
+"""Clicks a record and waits for its hemisphere."""
+
+
+def test_a_record_that_is_inspected_shows_its_hemisphere() -> None:
+    require_node(), require_browser(), require_page()
+    method = eclat.IrradianceCache(max_error=0.3)
+    solution = eclat.solve("cornell-box", method, size=(64, 64), check=False)
+    with eclat.view("cornell-box", solution, texel_size=0.3, samples=16) as viewer:
+        shot = {"width": 640, "height": 480, "wait": 100, "script": f"(async () => {{ {INSPECT} }})()"}
+        page = look_at_page(viewer.url, shot=shot | {"result": "inspected"})
+    assert page.message == "" and page.messages == []
+    radiance, distances, harmonics = (np.array(disc).reshape(144, 144, 4) for disc in page.result)
+    assert (radiance[0, 0] == 0).all() and (radiance[72, 40:60, 3] == 255).all()
+    # The record in the middle of the picture lies on a box or the back wall: red is on one side, green on the other.
+    red, green = (
+        (disc[20:124, 4:24, c].mean(), disc[20:124, 120:140, c].mean()) for disc, c in ((radiance, 0), (radiance, 1))
+    )
+    assert abs(red[0] / max(green[0], 1) - red[1] / max(green[1], 1)) > 0.5
+    assert distances[..., 0].max() > 200 and harmonics[..., :3].std() > 5
+
+
 def test_the_overlay_of_obstacles_is_darker_in_corners() -> None:
     choose = (
         "const overlay = [...document.querySelectorAll('select')].find((s) => "

@@ -203,6 +203,8 @@ class ViewedPage:
     """For pictures that ask for `work`, the `fragments` of splats and the `serving` ones among them, per pixel."""
     seconds: list[float | None]
     """For these pictures, how long one takes."""
+    result: Any = None
+    """What a script left in the variable that the shot names as its `result`."""
 
 
 def look_at_page(
@@ -236,7 +238,9 @@ def look_at_page(
     sums = np.concatenate([decoded(of_look) for of_look in answer.get("sums") or [None]])
     told = (answer["message"], answer["messages"], answer["requests"])
     colors, marks = [p[..., :3] for p in made], [p[..., 3] > 0.5 for p in made]
-    return ViewedPage(colors, marks, sums, page, *told, answer.get("work", []), answer.get("seconds", []))
+    return ViewedPage(
+        colors, marks, sums, page, *told, answer.get("work", []), answer.get("seconds", []), answer.get("result")
+    )
 
 
 def use_page(url: str) -> dict[str, Any]:

@@ -2,10 +2,11 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Asks the page of `eclat view` for pictures and sums of records: node view.mjs CHROMIUM < request.json > answer.json
-// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, looks, shot } with float32 arrays in
-// base64, or without points, and the looks with which sums are asked for. The answer is { pictures, work, seconds, sums, shot, records, precision, message, messages, requests }: linear
-// pictures, for those with `work` its counts and the seconds of a picture, and sums of each look, one after another, as float32 in base64, a PNG of the page if a shot was asked for, what the page shows instead of a
-// picture, what it said on its console, and the addresses that it asked for.
+// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, looks, shot }: float32 arrays in base64,
+// or no points, and the looks with which sums are asked for. The answer is { pictures, work, seconds, sums, shot, result, records,
+// precision, message, messages, requests }: linear pictures, for those with `work` its counts and the seconds of a picture, and sums of
+// each look, one after another, as float32 in base64; a PNG of the page if a shot was asked for; the global variable that the shot names
+// as its `result`; what the page shows instead of a picture; what it said on its console; and the addresses that it asked for.
 
 import { text } from 'node:stream/consumers';
 import { inBrowser } from './browser.mjs';
@@ -52,6 +53,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
     if (shot.script) await page.evaluate(shot.script);
     await page.waitForTimeout(shot.wait ?? 500);
     found.shot = (await page.screenshot()).toString('base64');
+    if (shot.result) found.result = await page.evaluate((name) => window[name], shot.result);
   }
   return { ...found, message, messages, requests };
 });

@@ -86,7 +86,7 @@ def direct_coefficients(
     out = np.zeros((len(positions), 3, order**2, 3))
     if not len(emitters.kind):
         return out
-    to_basis = _to_orthonormal(order)
+    to_basis = to_orthonormal(order)
     corners = np.concatenate([np.asarray(m.positions, float)[np.asarray(m.triangles)] for m in scene.meshes])
     scene_in_core, corners = compiled(scene).core, corners - compiled(scene).center
     for first in range(0, len(positions), BATCH):
@@ -97,7 +97,7 @@ def direct_coefficients(
             STEP * radii[part].astype(float)[:, None],
         )
         seen = _visible(scene_in_core, corners, emitters, p, n, step)
-        u, v = _frames(n)
+        u, v = frames(n)
         for number, along in enumerate((None, u, v)):
             if along is None:
                 out[part, 0] = _projected(emitters, p, n, seen, order, to_basis)
@@ -141,7 +141,7 @@ def _places(corners: FloatArray, count: int) -> FloatArray:
     return places
 
 
-def _frames(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+def frames(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the axes u and v (N, 3) of `Frame::around` of the core."""
     x, y, z = normal.T
     sign = np.copysign(1.0, z)
@@ -151,7 +151,7 @@ def _frames(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
     return u, np.stack([b, sign + y * y * a, -y], axis=1)
 
 
-def _to_orthonormal(order: int) -> np.ndarray:
+def to_orthonormal(order: int) -> np.ndarray:
     """Return the matrix that `HemisphereFit::orthonormalize` of the core applies to inner products."""
     directions, weights = harmonics.quadrature(2 * order, "hemisphere")
     values = harmonics.evaluate("spherical", order, directions)
@@ -177,7 +177,7 @@ def _projected(
 ) -> np.ndarray:
     """Return the coefficients (N, order², 3) of the light of the emitters that are `seen` (N, P)."""
     direction, distance = _towards(emitters, p)
-    u, v = _frames(n)
+    u, v = frames(n)
     local = np.stack([(direction * axis[:, None]).sum(axis=2) for axis in (u, v, n)], axis=2)
     leaving = -(direction * emitters.axis).sum(axis=2)
     square = np.square(distance)

@@ -9,6 +9,8 @@ From the page come texts, JSON objects of at most `LARGEST_REQUEST` bytes:
                                        render this view by paths, or by "records": as `eclat render` would with the records
                                        so far; until the next such request or "stop"
     {"kind": "stop"}                   end this picture
+    {"kind": "hemisphere", "place": [3 numbers], "normal": [3 numbers], "number": n}
+                                       show what this point sees, relative to the scene's center
 
 A VIEW is {"to_world": 16 numbers, "half_extent": [x, y], "shift": [x, y], "orthographic": bool, "size": [w, h]}: the
 matrix row by row, from the camera, which looks along −z, to the scene relative to its center; half the width and height of
@@ -21,6 +23,7 @@ messages (`messages`) of the kinds
     gloss      the same of records of radiance
     truth      the `number` of the request, `samples` per pixel, and `first` and `second` (height, width, 3) of "f4", linear
                radiance, row 0 at the top: the picture is their mean, and each has half of the samples
+    hemisphere what a point sees, see `hemisphere`
 
 A page that does not read, sends too much, or sends anything else is disconnected: each connection holds at most one
 message that was not taken, because the next is made of what has changed until then.
@@ -47,6 +50,7 @@ from eclat.methods.work import Work
 from eclat.scene import Scene
 from eclat.viewer.gloss import GlossRecords, GlossSource
 from eclat.viewer.growth import Growth
+from eclat.viewer.hemisphere import ORDER, look_around
 from eclat.viewer.messages import encode_message
 from eclat.viewer.record_rows import reading_of
 from eclat.viewer.truth import EstimatorMaker, TruthPicture, by_paths
@@ -94,12 +98,18 @@ class Request(msgspec.Struct, forbid_unknown_fields=True):
     view: View | None = None
     by: Literal["paths", "records"] = "paths"
     number: int = 0
+    place: tuple[float, float, float] | None = None
+    normal: tuple[float, float, float] | None = None
 
 
 def parsed_request(text: str | bytes) -> Request:
     """Decode a request. Raises ValueError if it is not one."""
     request = msgspec.json.decode(text, type=Request)
-    if request.kind not in ("wish", "truth", "stop") or (request.kind == "stop") != (request.view is None):
+    needs_view, needs_place = request.kind in ("wish", "truth"), request.kind == "hemisphere"
+    complete = needs_view == (request.view is not None) and (
+        needs_place == (request.place is not None) == (request.normal is not None)
+    )
+    if request.kind not in ("wish", "truth", "stop", "hemisphere") or not complete:
         raise ValueError(f"a request of the kind {request.kind[:20]!r} is unknown or incomplete")
     return request
 
@@ -132,6 +142,16 @@ def camera_of(view: View) -> tuple[_core.Camera, tuple[int, int]]:
         orthographic=view.orthographic,
     )
     return camera, size
+
+
+def point_of(request: Request) -> tuple[np.ndarray, np.ndarray]:
+    """Return the place and the unit normal of a request. Raises ValueError if they make no sense."""
+    place, normal = np.array(request.place, float), np.array(request.normal, float)
+    if not np.isfinite([place, normal]).all() or np.abs(place).max() > FARTHEST:
+        raise ValueError("the place is out of reach")
+    if abs(np.linalg.norm(normal) - 1) > 1e-3:
+        raise ValueError("the normal is no unit vector")
+    return place, normal / np.linalg.norm(normal)
 
 
 def changed_rows(sent: np.ndarray, rows: np.ndarray, at_once: int = ROWS_AT_ONCE) -> Iterator[tuple[int, np.ndarray]]:
@@ -228,6 +248,13 @@ class Live:
         work = Work(max_depth=self._max_depth, threads=self._threads)
         return lambda: self.growth.solution().radiance_estimator(self._scene, work)
 
+    def hemisphere_message(self, place: np.ndarray, normal: np.ndarray, number: int) -> bytes:
+        """Render what a point sees, and encode it."""
+        corners = np.concatenate([np.asarray(mesh.positions) for mesh in self._scene.meshes])
+        lift = 1e-5 * float(np.linalg.norm(np.ptp(corners, axis=0)))
+        found = look_around(self.truth_by("paths")(), place, normal, lift=lift, threads=self._threads)
+        return encode_message("hemisphere", {"number": number, "order": ORDER}, found.arrays())
+
     def records_message(self, first: int, rows: np.ndarray, count: int) -> bytes:
         """Encode rows of records from the record `first` on, after which there are `count`."""
         return encode_message(
@@ -243,6 +270,7 @@ class _Connection:
         self._sent, self._sent_gloss = live._loaded, live._loaded_gloss
         self._truth: TruthPicture | None = None
         self._samples_sent, self._truth_number = 0, 0
+        self._hemisphere: bytes | None = None
         self._changed = asyncio.Event()
         self._loop = asyncio.get_running_loop()
 
@@ -291,6 +319,11 @@ class _Connection:
                 return POLICY
 
     async def _answer(self, request: Request) -> None:
+        if request.kind == "hemisphere":
+            place, normal = point_of(request)
+            self._hemisphere = await asyncio.to_thread(self._live.hemisphere_message, place, normal, request.number)
+            self._changed.set()
+            return
         if request.view is None:
             await asyncio.to_thread(self.stop)
             return
@@ -323,6 +356,9 @@ class _Connection:
         self._sent = rows
         await self._send_gloss(gloss)
         await self._in_time(self._socket.send_text(json.dumps({"kind": "state", **asdict(state)})))
+        hemisphere, self._hemisphere = self._hemisphere, None
+        if hemisphere is not None:
+            await self._in_time(self._socket.send_bytes(hemisphere))
         latest = self._truth.latest if self._truth is not None else None
         if latest is not None and latest.samples > self._samples_sent:
             self._samples_sent = latest.samples

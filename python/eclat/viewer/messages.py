@@ -25,6 +25,7 @@ depend on the kind:
                message may append records, or replace some whose radius has changed. See `record_rows`.
     gloss      records of radiance, see `gloss`.
     truth      a picture by the core, see `live`.
+    hemisphere what a record sees, see `hemisphere`.
 
 The page's side of this format is in `web/view/src/messages.ts`.
 """
@@ -52,7 +53,7 @@ def encode_message(kind: str, content: Mapping[str, Any], arrays: Mapping[str, n
 
     Parameters
     ----------
-    kind : "scene", "light", "records", "gloss" or "truth".
+    kind : "scene", "light", "records", "gloss", "truth" or "hemisphere".
     content : the other fields of the header, which must be representable as JSON.
     arrays : the arrays by name, whose types are those that the format lists.
 

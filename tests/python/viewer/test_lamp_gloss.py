@@ -10,7 +10,7 @@ import pytest
 import eclat
 from eclat import harmonics
 from eclat.scene import DirectionalLight, FloatArray, Material, Mesh, PointLight, Scene, SpotLight, rgb
-from eclat.viewer.lamp_gloss import _to_orthonormal, direct_coefficients
+from eclat.viewer.lamp_gloss import direct_coefficients, to_orthonormal
 
 ORDER = 8
 HERE = np.array([[0.0, 0.0, 0.0], [0.4, 0.0, -0.3]])
@@ -32,7 +32,7 @@ def irradiance(scene: Scene) -> FloatArray:
     found = direct_coefficients(scene, HERE, UP, np.full(2, 0.1), ORDER)[:, 0]
     directions, weights = harmonics.quadrature(2 * ORDER, "hemisphere")
     values = harmonics.evaluate("spherical", ORDER, directions)
-    cosine = _to_orthonormal(ORDER) @ (values * (weights * directions[:, 2])[:, None]).sum(axis=0)
+    cosine = to_orthonormal(ORDER) @ (values * (weights * directions[:, 2])[:, None]).sum(axis=0)
     brought: FloatArray = np.einsum("i,nic->nc", cosine, found)
     return brought
 

@@ -132,6 +132,25 @@ def closing_code(page: ClientConnection) -> int | None:
         return closed.rcvd.code if closed.rcvd else None
 
 
+def test_a_page_is_shown_what_a_point_sees_and_points_without_sense_are_refused(running: Running) -> None:
+    asked = {"kind": "hemisphere", "place": [0, 0, 0], "normal": [0, 1, 0], "number": 7}
+    with running.page() as page:
+        page.send(json.dumps(asked))
+        header, arrays = until(page, lambda h: h["kind"] == "hemisphere")[-1]
+    assert header["number"] == 7 and arrays["radiance"].max() > 1 and (arrays["distances"] < 3).all()
+    for wrong in (
+        {"normal": [0, 2, 0]},
+        {"place": [1e30, 0, 0]},
+        {"place": None},
+        {"normal": [0, 1]},
+        {"view": VIEW},
+        {"kind": "wish"},
+    ):
+        with running.page() as page:
+            page.send(json.dumps(asked | wrong))
+            assert closing_code(page) == 1008, wrong
+
+
 def test_a_page_gets_records_of_radiance_as_they_are_made() -> None:
     scene = glossy_box.build(alpha=0.4)
     running = Running(scene, empty_solution(scene, eclat.RadianceCache(max_error=0.3)))

@@ -8,12 +8,12 @@ import * as three from 'three';
 import { screenPass } from './lamps';
 import { arrayOf, type GlossHeader, type Message, type Reading } from './messages';
 import { boxes, readingUniforms, readingValues, setUniforms, splatScene, type Switches, type Uniforms } from './records';
-import { FLOATS, Rows } from './rows';
+import { FLOATS, nearestRow, Rows } from './rows';
 import { glossFragment, prefilterFragment, TILES_A_ROW } from './shaders/gloss';
 import { splatVertex } from './shaders/splat';
 
-/** Float of a row that holds the index of the lobe, where records of irradiance have a gradient. */
-const LOBE = 32;
+/** Float of a row that holds the index of the lobe, where records of irradiance have their noise. */
+const LOBE = 49;
 
 /** The largest width of a texture of coefficients. */
 const WIDTH = 4096;
@@ -84,6 +84,11 @@ export class Gloss {
     const last = first + rows.length / FLOATS;
     const [from, to] = this.stale;
     this.stale = from < to ? [Math.min(from, first), Math.max(to, last)] : [first, last];
+  }
+
+  /** The number of the record whose ellipse holds a place most closely to its middle, or −1. */
+  nearest(place: three.Vector3): number {
+    return nearestRow(this.rows, this.reading?.relaxation ?? 1, place);
   }
 
   /** The coefficients (3, order², 4) of a record: values, and derivatives along u and v. */

@@ -4,7 +4,7 @@
 // The web socket to the server, which solves the records that a view lacks; python/eclat/viewer/live.py describes its
 // messages. A page that was exported has none.
 
-import { decodeAny, type GlossHeader, type Message, type RecordsHeader, type TruthHeader } from './messages';
+import { decodeAny, type GlossHeader, type HemisphereHeader, type Message, type RecordsHeader, type TruthHeader } from './messages';
 import type { Pose } from './pose';
 import type { Way } from './truth';
 
@@ -22,6 +22,8 @@ export interface LiveHandlers {
   records(message: Message<RecordsHeader>): void;
   /** Takes in records of radiance. */
   gloss(message: Message<GlossHeader>): void;
+  /** Takes in what a record sees. */
+  hemisphere(message: Message<HemisphereHeader>): void;
   /** Takes in a picture of the server. */
   truth(message: Message<TruthHeader>): void;
   /** Is told how far the server is; nothing where the connection is lost. */
@@ -36,6 +38,7 @@ export class Live {
   /** The latest requests, which a connection that was lost must hear again. */
   private wished: string | undefined;
   private rendered: string | undefined;
+  private inspected: string | undefined;
 
   /** Returns the connection to the server of this page, or nothing if it has none. */
   static connect(handlers: LiveHandlers): Live | undefined {
@@ -63,6 +66,12 @@ export class Live {
     this.send(this.rendered);
   }
 
+  /** Asks for what a point sees; the answer has the number. */
+  hemisphere(place: readonly number[], normal: readonly number[], number: number): void {
+    this.inspected = JSON.stringify({ kind: 'hemisphere', place, normal, number });
+    this.send(this.inspected);
+  }
+
   /** Ends these pictures. */
   stop(): void {
     this.rendered = undefined;
@@ -76,7 +85,7 @@ export class Live {
   private open(): void {
     const socket = new WebSocket(this.address);
     socket.binaryType = 'arraybuffer';
-    socket.addEventListener('open', () => [this.wished, this.rendered].forEach((text) => this.send(text)));
+    socket.addEventListener('open', () => [this.wished, this.rendered, this.inspected].forEach((text) => this.send(text)));
     socket.addEventListener('message', ({ data }: MessageEvent<string | ArrayBuffer>) => {
       if (typeof data === 'string') {
         this.handlers.state(JSON.parse(data) as State);
@@ -85,6 +94,10 @@ export class Live {
       const message = decodeAny(data, 'answer of the server');
       if (message.header.kind === 'truth') this.handlers.truth(message as Message<TruthHeader>);
       else if (message.header.kind === 'gloss') this.handlers.gloss(message as Message<GlossHeader>);
+      else if (message.header.kind === 'hemisphere') {
+        this.inspected = undefined;
+        this.handlers.hemisphere(message as Message<HemisphereHeader>);
+      }
       else this.handlers.records(message as Message<RecordsHeader>);
     });
     socket.addEventListener('close', () => {

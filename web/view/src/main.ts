@@ -7,9 +7,9 @@ import * as three from 'three';
 import { decodeMessage, type GlossHeader, type LightHeader, type RecordsHeader, type SceneHeader } from './messages';
 import { described, Live, Wishes } from './live';
 import { Navigation } from './navigation';
-import { fillPanel } from './panel';
+import { fillPanel, type Panel } from './panel';
 import { Pose } from './pose';
-import { recordFacts } from './record_facts';
+import { irradianceShown, radianceShown, recordFacts } from './record_facts';
 import { Renderer, USUAL_LOOK, type Look } from './renderer';
 import { Truth } from './truth';
 
@@ -102,6 +102,7 @@ async function start(): Promise<void> {
     truth?.redraw();
     changed();
   };
+  let hemispheres = 0; // requests so far
   let everywhere = false; // whether the server computes all surfaces
   const live = Live.connect({
     records: (message) => {
@@ -114,6 +115,9 @@ async function start(): Promise<void> {
       tell();
       relit();
     },
+    hemisphere: (message) => {
+      if (message.header.number === hemispheres) panel.hemisphere.accept(message, look);
+    },
     truth: (message) => truth?.accept(message),
     state: (state) => {
       everywhere = state?.everywhere ?? false;
@@ -123,11 +127,14 @@ async function start(): Promise<void> {
     },
   });
   const truth: Truth | undefined = live && new Truth(live, renderer, (text) => (panel.truth.textContent = text), changed);
-  const panel = fillPanel(byId('panel'), {
+  const panel: Panel = fillPanel(byId('panel'), {
     look,
     cameras: header.cameras.map((camera) => camera.name),
     notes: header.notes,
-    changed,
+    changed: () => {
+      changed();
+      panel.hemisphere.draw(look); // it follows exposure and order
+    },
     relit,
     showCamera,
     ...(truth ? { chooseTruth: (way) => truth.choose(way) } : {}),
@@ -145,8 +152,14 @@ async function start(): Promise<void> {
     draw(); // the places of the picture as it is now
     const ratio = window.devicePixelRatio;
     const place = renderer.placeAt(Math.round(x * ratio), Math.round((canvas.clientHeight - y) * ratio) - 1);
-    const number = place ? renderer.records.nearest(place) : -1;
-    panel.showRecord(number < 0 ? [['No record', 'serves this place']] : recordFacts(renderer.records, number, header));
+    const [number, glossy] = place ? [renderer.records.nearest(place), renderer.gloss.nearest(place)] : [-1, -1];
+    const facts: [string, string][] = number < 0 ? [['No record', 'serves this place']] : recordFacts(renderer.records, number, header);
+    if (glossy >= 0) facts.push(['Record of radiance', `${glossy}, of order ${renderer.gloss.order}`]);
+    panel.showRecord(facts);
+    const seen =
+      glossy >= 0 ? radianceShown(renderer.gloss, glossy) : number >= 0 ? irradianceShown(renderer.records, number) : undefined;
+    panel.hemisphere.begin(live ? seen : undefined);
+    if (seen) live?.hemisphere(seen.place.toArray(), seen.normal.clone().normalize().toArray(), ++hemispheres);
   };
   byId('panel').hidden = false;
   const tell = () => {

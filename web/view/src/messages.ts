@@ -159,7 +159,15 @@ export interface TruthHeader {
   readonly samples: number;
 }
 
-export type Header = TruthHeader | GlossHeader | SceneHeader | LightHeader | RecordsHeader;
+/** What a record sees: arrays `radiance`, `distances`, `coefficients` and `basis` (python/eclat/viewer/hemisphere.py). */
+export interface HemisphereHeader {
+  readonly kind: 'hemisphere';
+  /** The number of the request. */
+  readonly number: number;
+  readonly order: number;
+}
+
+export type Header = HemisphereHeader | TruthHeader | GlossHeader | SceneHeader | LightHeader | RecordsHeader;
 
 /** Decodes a message of a kind. Throws an Error if it is not one of this version. */
 export function decodeMessage<H extends Header>(buffer: ArrayBuffer, kind: H['kind']): Message<H> {

@@ -3,6 +3,7 @@
 
 // The settings beside the picture: plain controls with labels, which keys and screen readers reach.
 
+import { HemisphereView } from './hemisphere';
 import type { Mode } from './navigation';
 import type { Weighting } from './records';
 import type { Look, Overlay, ToneMapping } from './renderer';
@@ -73,6 +74,8 @@ export interface Panel {
   readonly facts: HTMLElement;
   /** What is told about the picture of the server. */
   readonly truth: HTMLElement;
+  /** What the record that was clicked sees. */
+  readonly hemisphere: HemisphereView;
   /** Shows the facts about a record, by their names. */
   showRecord(facts: readonly (readonly [string, string])[]): void;
   /** Offers orders of harmonics up to the greatest; 0 offers none. */
@@ -151,7 +154,8 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
 
   const record = section('Record');
   const shown = element('dl', { 'aria-live': 'polite' });
-  record.append(button('Inspect the record in the middle', () => actions.inspectMiddle()), shown);
+  const hemisphere = new HemisphereView();
+  record.append(button('Inspect the record in the middle', () => actions.inspectMiddle()), shown, hemisphere.element);
 
   const facts = section('Scene');
   const told = element('p', {});
@@ -174,7 +178,7 @@ export function fillPanel(panel: HTMLElement, actions: PanelActions): Panel {
         Object.assign(element('dd', {}), { textContent: value }),
       ]),
     );
-  return { facts: told, truth: compared, showRecord, showOrder };
+  return { facts: told, truth: compared, hemisphere, showRecord, showOrder };
 }
 
 function element<K extends keyof HTMLElementTagNameMap>(tag: K, attributes: Record<string, string>): HTMLElementTagNameMap[K] {

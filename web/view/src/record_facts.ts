@@ -3,14 +3,44 @@
 
 // What a record holds, in words and numbers.
 
+import * as three from 'three';
+import type { Gloss } from './gloss';
+import type { Shown } from './hemisphere';
 import type { SceneHeader } from './messages';
-import type { Records } from './records';
-import { FLOATS } from './rows';
+import { FLOATS, type Rows } from './rows';
 
 /** Stands for infinite lengths in rows. */
 const FARTHEST = 1e29;
 
-export function recordFacts(records: Records, number: number, header: SceneHeader): [string, string][] {
+/** Records, of irradiance or of radiance. */
+interface WithRows {
+  readonly rows: Rows;
+}
+
+/** A record of irradiance, for the view of its hemisphere. */
+export function irradianceShown(records: WithRows, number: number): Shown {
+  const row = records.rows.values.subarray(number * FLOATS, (number + 1) * FLOATS);
+  const vector = (a: number, b: number, c: number) => new three.Vector3(row[a], row[b], row[c]);
+  const luminance = (r: three.Vector3, g: three.Vector3, b: three.Vector3) =>
+    r.multiplyScalar(0.2126).addScaledVector(g, 0.7152).addScaledVector(b, 0.0722);
+  const irradiance = vector(12, 13, 14).dot(new three.Vector3(0.2126, 0.7152, 0.0722));
+  return {
+    place: vector(0, 1, 2),
+    normal: vector(4, 5, 6),
+    moving: luminance(vector(23, 27, 31), vector(32, 33, 34), vector(35, 18, 19)),
+    turning: luminance(vector(20, 21, 22), vector(24, 25, 26), vector(28, 29, 30)),
+    irradiance,
+    radius: row[3] ?? 0,
+  };
+}
+
+/** A record of radiance, for the view of its hemisphere. */
+export function radianceShown(gloss: Gloss, number: number): Shown {
+  const values = gloss.coefficientsOf(number).subarray(0, 4 * gloss.order ** 2);
+  return { ...irradianceShown(gloss, number), coefficients: values };
+}
+
+export function recordFacts(records: WithRows, number: number, header: SceneHeader): [string, string][] {
   const row = records.rows.values.subarray(number * FLOATS, (number + 1) * FLOATS);
   const at = (i: number) => row[i] ?? 0;
   const vector = (...indices: number[]) => indices.map((i) => digits(at(i))).join(', ');

@@ -5,7 +5,7 @@
 
 import * as three from 'three';
 import { arrayOf, type Message, type Reading, type RecordsHeader } from './messages';
-import { FLOATS, Rows } from './rows';
+import { nearestRow, Rows } from './rows';
 import { everywhereVertex, splatFragment, splatVertex } from './shaders/splat';
 import { withoutVersion } from './surfaces';
 
@@ -108,20 +108,7 @@ export class Records {
 
   /** The number of the record whose ellipse holds a place most closely to its middle, or −1. */
   nearest(place: three.Vector3): number {
-    const { values } = this.rows;
-    let [best, least] = [-1, this.reading?.relaxation ?? 1];
-    const d = new three.Vector3();
-    const stretch = new three.Vector3();
-    const normal = new three.Vector3();
-    for (let i = 0; i < this.count; ++i) {
-      const at = i * FLOATS;
-      const radius = values[at + 3] ?? 0;
-      d.fromArray(values, at).sub(place);
-      const off = Math.abs(d.dot(normal.fromArray(values, at + 4)));
-      const share = Math.sqrt(Math.max(0, d.lengthSq() - d.dot(stretch.fromArray(values, at + 8)) ** 2)) / radius;
-      if (share < least && off < 0.1 * radius + 0.2 * d.length()) [best, least] = [i, share];
-    }
-    return best;
+    return nearestRow(this.rows, this.reading?.relaxation ?? 1, place);
   }
 }
 

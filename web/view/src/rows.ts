@@ -8,6 +8,21 @@ import { RECORDS_A_ROW, TEXELS } from './shaders/records';
 
 export const FLOATS = 4 * TEXELS;
 
+/** Returns the number of the row whose ellipse of `reach` radii holds a place most closely to its middle, or −1. */
+export function nearestRow({ values, count }: Rows, reach: number, place: three.Vector3): number {
+  let [best, least] = [-1, reach];
+  const [d, stretch, normal] = [new three.Vector3(), new three.Vector3(), new three.Vector3()];
+  for (let i = 0; i < count; ++i) {
+    const at = i * FLOATS;
+    const radius = values[at + 3] ?? 0;
+    d.fromArray(values, at).sub(place);
+    const off = Math.abs(d.dot(normal.fromArray(values, at + 4)));
+    const share = Math.sqrt(Math.max(0, d.lengthSq() - d.dot(stretch.fromArray(values, at + 8)) ** 2)) / radius;
+    if (share < least && off < 0.1 * radius + 0.2 * d.length()) [best, least] = [i, share];
+  }
+  return best;
+}
+
 export class Rows {
   values = new Float32Array(RECORDS_A_ROW * FLOATS);
   count = 0;

@@ -23,7 +23,7 @@ void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy), tile = pixel / grid, at = pixel % grid;
   int record = tile.y * ${TILES_A_ROW} + tile.x;
   if (record < first || record >= first + count) discard;
-  int row = (int(recordTexel(record, 8).x) * grid + at.y) * grid + at.x;
+  int row = (int(recordTexel(record, 12).y) * grid + at.y) * grid + at.x;
   int number = record - first;
   ivec2 from = ivec2((number % recordsARow) * 3 * order2, number / recordsARow);
   vec3 value = vec3(0.0), alongU = vec3(0.0), alongV = vec3(0.0);
