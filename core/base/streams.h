@@ -33,6 +33,7 @@ enum class Stream : uint32_t {
     patch_insides = 64,     // rays that find whether a patch lies inside a solid
     link_decisions = 65,    // rays that find whether a link is partly occluded
     patch_importance = 66,  // walkers that find which sides exchange light
+    patch_panes = 67,       // whether rays from patches pass through panes
     point_arrivals = 71,    // light that rays from points given by the user find
     photon_places = 72,     // view directions at the points of precomputed irradiance
     focused_light = 73,     // photons that measure the light from mirrors
@@ -65,6 +66,7 @@ constexpr bool is_stream(Stream stream) {
         case Stream::patch_insides:
         case Stream::link_decisions:
         case Stream::patch_importance:
+        case Stream::patch_panes:
         case Stream::point_arrivals:
         case Stream::photon_places:
         case Stream::focused_light:

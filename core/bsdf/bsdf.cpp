@@ -132,6 +132,15 @@ Color Bsdf::straight(Vec3 wo) const {
     return sum;
 }
 
+Color Bsdf::scattered_through(Vec3 wo) const {
+    Color sum = translucent_albedo(wo);
+    for_each_bit(members(LobeSet::glossy) & ~delta_, [&](size_t i) {
+        const auto* rough = std::get_if<RoughReflectionLobe>(&entries_[i].lobe);
+        if (rough != nullptr && rough->through) sum += entries_[i].weight * rough->albedo(wo);
+    });
+    return sum;
+}
+
 Color Bsdf::albedo_of_lobes(Vec3 wo, LobeSet set) const {
     Color sum;
     for_each_bit(members(set), [&](size_t i) { sum += entries_[i].weight * lobe_albedo(entries_[i].lobe, wo); });

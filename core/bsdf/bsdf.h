@@ -96,6 +96,8 @@ class Bsdf {
 
     /// Returns the share of light that passes straight through, as through a pane.
     Color straight(Vec3 wo) const;
+    /// Returns the share of light that passes through a thin sheet but not straight: through curtains and frosted panes.
+    Color scattered_through(Vec3 wo) const;
 
   private:
     struct Entry {

@@ -321,10 +321,10 @@ void Intersector::occluded(std::span<const Ray> rays, std::span<uint8_t> out, Ba
     }
 }
 
-void Intersector::transmitted(std::span<const Ray> rays, std::span<Color> out) const {
+void Intersector::transmitted(std::span<const Ray> rays, std::span<Color> out, Backs backs) const {
     alignas(32) RTCRay8 packet{};
     alignas(32) int valid[8];
-    prepare(packet, valid, Backs::culled);
+    prepare(packet, valid, backs);
     Color through[8];
     for (size_t begin = 0; begin < rays.size(); begin += 8) {
         const auto some = rays.subspan(begin, std::min<size_t>(8, rays.size() - begin));

@@ -65,7 +65,7 @@ class Intersector {
     void occluded(std::span<const Ray> rays, std::span<uint8_t> out, Backs backs = Backs::culled) const;
     /// Sets out[i] to the transmittance of panes and partly opaque surfaces between t_min and t_max; it is black if
     /// anything else is hit.
-    void transmitted(std::span<const Ray> rays, std::span<Color> out) const;
+    void transmitted(std::span<const Ray> rays, std::span<Color> out, Backs backs = Backs::culled) const;
 
     /// Whether any triangle's back is culled.
     bool culls_backs() const;

@@ -88,10 +88,12 @@ Geometry::Geometry(std::vector<MeshArrays> meshes, std::vector<Material> materia
     intersector_ = std::make_unique<Intersector>(
         vertices_, triangles, sieves,
         [this](uint32_t t, float u, float v) { return opacity_at(material_of(t), coordinates(t, u, v)); },
-        [this](uint32_t t, float u, float v, Vec3 direction) {
-            const SurfacePoint point = surface_point({t, 0, u, v}, -direction);
-            return point.bsdf.straight(point.frame.to_local(-direction));
-        });
+        [this](uint32_t t, float u, float v, Vec3 direction) { return straight({t, 0, u, v}, direction); });
+}
+
+Color Geometry::straight(const Hit& hit, Vec3 direction) const {
+    const SurfacePoint point = surface_point(hit, -direction);
+    return point.bsdf.straight(point.frame.to_local(-direction));
 }
 
 void Geometry::meet_with_backs(std::span<const Ray> rays, std::span<Hit> hits, Coherence coherence) const {

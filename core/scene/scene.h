@@ -70,6 +70,8 @@ class Geometry {
     /// The point of `hit`, seen from direction `wo` (away from the surface).
     SurfacePoint surface_point(const Hit& hit, Vec3 wo) const;
     SurfaceCoordinates coordinates(uint32_t triangle, float u, float v) const;
+    /// Returns the share of light along `direction` that passes straight through a pane at `hit`.
+    Color straight(const Hit& hit, Vec3 direction) const;
 
   private:
     struct Mesh {

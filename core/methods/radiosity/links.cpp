@@ -13,7 +13,9 @@
 //   v        partly_hidden      the same of what is hidden, 0 where all or nothing is                    1
 //   ε        tolerance          irradiance that may be wrong by one link                                 W m⁻²
 //   s        spread             area of the receiver over the area that counts, see patch_importance.h   1
-//   V        link.visibility    share of the exchange that nothing hides                                 1
+//   T                           transmittance along a ray: 1, 0, or that of panes                        1
+//   P        stopped            share of light that a pane stops, relative to its mean; 1 for others     1
+//   V        link.visibility    mean of T P_a P_b over rays: share of the exchange that arrives          1
 //   A F V    link.exchange      what is exchanged, per radiosity                                         m²
 // There is one rule: a link is divided if B F s (u + v) > ε: the patches of a ground that reaches to the horizon are wide, so
 // little irradiance of theirs is much light that others would lose. It is applied three times: before rays are traced, with v =
@@ -26,6 +28,8 @@
 //
 // Departures   A link is one number for both directions. Clusters take part as if they were patches of their mean normal;
 //              how far their normals spread counts as uncertainty, so that light that matters is linked to flat parts.
+//              Links go straight through panes. The pane itself takes part as a surface that is there with probability P, and
+//              reflects diffusely what it mirrors.
 // Held to      tests/core/methods/radiosity/test_links.cpp
 
 #include "methods/radiosity/links.h"
@@ -71,10 +75,12 @@ struct Pair {
 
 class Refiner {
   public:
-    Refiner(const World& world, const PatchTree& tree, const ExposedParts& exposed, std::span<const float> radiosity,
-            const LinkOptions& options, Progress& progress)
+    Refiner(const World& world, const PatchTree& tree, std::span<const PatchSurface> surfaces,
+            const ExposedParts& exposed, std::span<const float> radiosity, const LinkOptions& options,
+            Progress& progress)
         : world_(world),
           tree_(tree),
+          surfaces_(surfaces),
           exposed_(exposed),
           radiosity_(radiosity),
           options_(options),
@@ -199,6 +205,8 @@ class Refiner {
                 if (!(kernel > 0)) continue;
                 rays_.push_back(ray_between(points));
                 kernels_.push_back(kernel);
+                const Vec3 along = rays_.back().direction;
+                stopped_.push_back(stopped_at(points.on_x, points.x, along) * stopped_at(points.on_y, points.y, along));
             }
         };
         const size_t first = rays_.size();
@@ -215,18 +223,21 @@ class Refiner {
         return {from, 0, to / distance, distance * shadow_shortening};
     }
 
+    float stopped_at(const PatchNode* patch, Vec3 position, Vec3 direction) const {
+        const float stops = surfaces_.empty() ? 1 : surfaces_[size_t(patch - tree_.nodes().data())].stops;
+        return stopped(world_.geometry, patch->triangle, stops, position, direction);
+    }
+
     void trace(Decided& out) {
-        hidden_.resize(rays_.size());
+        passed_.resize(rays_.size());
         // Light is exchanged in both directions, so the backs of surfaces occlude even if they are culled.
-        world_.geometry.rays().occluded(rays_, hidden_, Backs::met);
+        world_.geometry.rays().transmitted(rays_, passed_, Backs::met);
         progress_.count_rays(rays_.size());
         for (size_t i = 0; i < asked_.size(); ++i) {
             Asked& asked = asked_[i];
             const size_t end = i + 1 < asked_.size() ? asked_[i + 1].first_ray : rays_.size();
             Link& link = asked.link;
-            const auto sees = std::count(hidden_.begin() + static_cast<ptrdiff_t>(asked.first_ray),
-                                         hidden_.begin() + static_cast<ptrdiff_t>(asked.first_measuring), 0);
-            link.in_part = sees > 0 && static_cast<size_t>(sees) < asked.first_measuring - asked.first_ray;
+            link.in_part = hidden_in_part(asked);
             measure(asked, end);
             if (asked.pair.mixed) link.kernel = mean_kernel(asked);
             const float unsure = asked.pair.uncertain + (link.in_part ? partly_hidden : 0);
@@ -239,6 +250,18 @@ class Refiner {
         asked_.clear();
         rays_.clear();
         kernels_.clear();
+        stopped_.clear();
+    }
+
+    /// Returns whether the deciding rays find much less light at some places than at others. Panes take a few hundredths,
+    /// for which links beside their frames need not be divided.
+    bool hidden_in_part(const Asked& asked) const {
+        float least = infinity, most = 0;
+        for (size_t r = asked.first_ray; r < asked.first_measuring; ++r) {
+            least = std::min(least, mean(passed_[r]));
+            most = std::max(most, mean(passed_[r]));
+        }
+        return least < 0.5f * most;
     }
 
     /// Returns the mean over the pairs of points that decide whether a link is divided.
@@ -253,10 +276,15 @@ class Refiner {
         Link& link = asked.link;
         const PatchNode &a = tree_[link.a], &b = tree_[link.b];
         float all = 0, seen = 0;
+        Color arrives;
         for (size_t r = asked.first_measuring; r < end; ++r) {
             all += kernels_[r];
-            if (!hidden_[r]) seen += kernels_[r];
+            if (is_black(passed_[r])) continue;
+            const float weight = kernels_[r] * stopped_[r];
+            seen += weight * mean(passed_[r]);
+            arrives += weight * passed_[r];
         }
+        link.tint = seen > 0 ? arrives / seen : Color(1);
         link.visibility = all > 0 ? seen / all : 0;
         if (!a.is_cluster() && !b.is_cluster()) {
             link.exchange = patch_exchange(a, b, asked.pair.near) * link.visibility;
@@ -268,6 +296,7 @@ class Refiner {
 
     const World& world_;
     const PatchTree& tree_;
+    std::span<const PatchSurface> surfaces_;
     const ExposedParts& exposed_;
     std::span<const float> radiosity_;
     const LinkOptions& options_;
@@ -275,7 +304,8 @@ class Refiner {
     std::vector<Asked> asked_;
     std::vector<Ray> rays_;
     std::vector<float> kernels_;  // kernel of each ray
-    std::vector<uint8_t> hidden_;
+    std::vector<float> stopped_;  // share of each ray's light that panes at its ends stop, relative to their means
+    std::vector<Color> passed_;   // transmittance along each ray
 };
 
 }  // namespace
@@ -301,7 +331,7 @@ float refine_links(const World& world, const PatchTree& tree, std::span<const Pa
             progress.check();
             const size_t begin = i * block;
             const std::span<const Link> some(pending.data() + begin, std::min(block, pending.size() - begin));
-            auto out = Refiner(world, tree, exposed, radiosity, now, progress).decide(some);
+            auto out = Refiner(world, tree, surfaces, exposed, radiosity, now, progress).decide(some);
             progress.advance();
             return out;
         });
@@ -326,8 +356,8 @@ Exchanges::Exchanges(const PatchTree& tree, std::span<const Link> links) : first
     std::vector<size_t> next(first_.begin(), first_.end() - 1);
     for (const Link& link : links) {
         if (!(link.exchange > 0)) continue;
-        senders_[next[link.a]++] = {link.b, link.exchange / tree[link.a].area, link.visibility};
-        senders_[next[link.b]++] = {link.a, link.exchange / tree[link.b].area, link.visibility};
+        senders_[next[link.a]++] = {link.b, link.exchange / tree[link.a].area, link.visibility, link.tint};
+        senders_[next[link.b]++] = {link.a, link.exchange / tree[link.b].area, link.visibility, link.tint};
     }
 }
 

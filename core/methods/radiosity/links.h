@@ -19,9 +19,10 @@ namespace eclat {
 struct Link {
     uint32_t a = 0, b = 0;
     float exchange = 0;     // A_a F_ab = A_b F_ba including occlusion, m²
-    float visibility = -1;  // share of the exchange that is not occluded; < 0 if it is not known yet
+    float visibility = -1;  // share of the exchange that arrives, past obstacles and panes; < 0 if it is not known yet
     float kernel = 0;       // for overlapping clusters: unoccluded exchange per area of both, m⁻²
     uint32_t in_part = 0;   // 1 if rays other than the measuring ones found it partly occluded
+    Color tint{1};          // colour of what arrives; its mean is 1
 };
 
 struct LinkOptions {
@@ -50,6 +51,7 @@ class Exchanges {
         uint32_t node;
         float form_factor;  // share of its radiosity that arrives
         float visibility;
+        Color tint;  // colour of this share
     };
 
     Exchanges() = default;

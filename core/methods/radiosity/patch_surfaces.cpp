@@ -15,6 +15,10 @@ namespace eclat {
 namespace {
 
 constexpr int texture_samples = 16;
+// Of a pane that is a mirror at grazing angles, the mean over directions is then known within 1 %.
+constexpr int pane_samples = 256;
+// A pane is taken to stop at least this share of the light, by which others are divided.
+constexpr float least_stopped = 1e-3f;
 // Each side takes its share of the samples of a face cluster, but at least this fraction of them.
 constexpr float least_share = 1.0f / 8;
 constexpr float low_ray = 0.02f;  // height of rays along a patch, in units of its radius
@@ -63,9 +67,9 @@ class PatchMeter {
         const Material& material = world_.geometry.material_of(patch.triangle);
         const uint32_t emitter = world_.emitter(patch.triangle);
         const Frame frame = Frame::around(patch.normal);
-        Color albedo, transmittance, emitted;
+        Color albedo, transmittance, emitted, straight;
         float opacity = 0;
-        const int count = samples(texture_samples);
+        const int count = material.pane ? pane_samples : samples(texture_samples);
         for (int i = 0; i < count; ++i) {
             Sampler sampler(stream_seed(options_.seed, Stream::patch_surfaces), key(tree_.name(index)),
                             static_cast<uint32_t>(i));
@@ -76,12 +80,21 @@ class PatchMeter {
             const Vec3 local = point.frame.to_local(wo);
             // Bumps and smooth normals reflect less of what arrives on the patch.
             const float kept = point.even_share();
-            albedo += point.bsdf.albedo(local, material.transmits ? LobeSet::diffuse : LobeSet::all) * kept;
-            transmittance += point.bsdf.translucent_albedo(local) * kept;
+            const Color beyond = point.bsdf.straight(local), scattered = point.bsdf.scattered_through(local);
+            albedo += (material.refracts ? point.bsdf.diffuse_albedo(local)
+                                         : max(point.bsdf.albedo(local) - beyond - scattered, Color())) *
+                      kept;
+            transmittance += scattered * kept;
+            straight += beyond;
             if (emitter != not_emitting) emitted += world_.lights.emitted(emitter, {hit.u, hit.v}, patch.normal);
             opacity += opacity_at(material, world_.geometry.coordinates(patch.triangle, hit.u, hit.v));
         }
         const float each = 1.0f / static_cast<float>(count);
+        // What goes straight through a pane is not light of its patches, which are surfaces that are there in part: what they
+        // scatter and emit is told in units of that part.
+        out.stops = std::max(least_stopped, 1 - each * mean(straight));
+        albedo *= 1 / out.stops;
+        transmittance *= 1 / out.stops;
         // The sum is kept below 1, because a closed room of patches that reflect or transmit all light has no solution.
         constexpr float most_kept = 0.999f;
         for (int k = 0; k < 3; ++k) {
@@ -90,8 +103,8 @@ class PatchMeter {
             out.albedo[k] = albedo[k] * scale;
             out.transmittance[k] = transmittance[k] * scale;
         }
-        out.emitted = emitted * (pi * each);
-        out.opacity = opacity * each;
+        out.emitted = emitted * (pi * each / out.stops);
+        out.opacity = opacity * each * out.stops;
     }
 
     void gather_lights(uint32_t index, PatchSurface& out) {
@@ -110,7 +123,8 @@ class PatchMeter {
             // Surfaces that emit are patches: their light comes over links.
             if (light.triangle != no_triangle || !(light.pdf_solid_angle > 0 && cosine > 0)) continue;
             rays_.push_back(point.ray_to_light(light.wi, light.distance, light.clearance));
-            contributions_.push_back(light.radiance * (cosine / light.pdf_solid_angle));
+            const float stays = stopped(world_.geometry, patch.triangle, out.stops, point.position, -light.wi);
+            contributions_.push_back(light.radiance * (stays * cosine / light.pdf_solid_angle));
         }
         passed_.resize(rays_.size());
         world_.geometry.rays().transmitted(rays_, passed_);
@@ -136,8 +150,13 @@ class PatchMeter {
         progress_.count_rays(rays_.size());
         // Each ray starts at a different point.
         exposed_.clear();
-        for (size_t i = 0; i < hits_.size(); ++i)
-            exposed_.push_back({where[i], rays_[i].origin, met(rays_[i], hits_[i])});
+        for (size_t i = 0; i < hits_.size(); ++i) {
+            const Vec3 start = rays_[i].origin;
+            Sampler sampler(stream_seed(options_.seed, Stream::patch_panes), key(tree_.name(index)),
+                            static_cast<uint32_t>(i));
+            pass_panes(rays_[i], hits_[i], sampler);
+            exposed_.push_back({where[i], start, met(rays_[i], hits_[i])});
+        }
         drop_points_inside(patch, index);
         out.cut = is_cut(patch);
         if (out.cut) keep_largest_part(patch);
@@ -163,6 +182,17 @@ class PatchMeter {
         if (hit.missed()) return Met::sky;
         const bool from_behind = dot(world_.geometry.geometric_normal(hit.triangle), ray.direction) > 0;
         return from_behind && world_.geometry.has_no_back(hit.triangle) ? Met::black_back : Met::patch;
+    }
+
+    /// Moves a ray on behind each pane that lets it through by the numbers of `sampler`.
+    void pass_panes(Ray& ray, Hit& hit, Sampler& sampler) const {
+        constexpr int most_panes = 64;  // more than any scene has one behind the other
+        for (int i = 0; i < most_panes && !hit.missed() && world_.geometry.material_of(hit.triangle).pane; ++i) {
+            if (sampler.next_1d() >= mean(world_.geometry.straight(hit, ray.direction))) return;
+            ray = world_.geometry.surface_point(hit, -ray.direction).ray(ray.direction);
+            world_.geometry.meet_with_backs({&ray, 1}, {&hit, 1});
+            progress_.count_rays(1);
+        }
     }
 
     /// Points that see a black back lie behind a one-sided surface or inside a solid. More rays distinguish the two
@@ -234,10 +264,13 @@ class PatchMeter {
         rays_.push_back({exposed_[from].position + above, 0, distance > 0 ? along / distance : patch.normal, distance});
     }
 
+    /// Light on both sides of a pane is much the same, so only what stops more than half of it hides points.
     void trace_across() {
-        hidden_.assign(rays_.size(), 0);
-        world_.geometry.rays().occluded(rays_, hidden_);
+        passed_.resize(rays_.size());
+        world_.geometry.rays().transmitted(rays_, passed_);
         progress_.count_rays(rays_.size());
+        hidden_.clear();
+        for (const Color& passed : passed_) hidden_.push_back(mean(passed) < 0.5f);
     }
 
     struct Exposed {
@@ -271,6 +304,11 @@ void measure_surfaces(const World& world, const PatchTree& tree, std::span<const
         for (size_t i = begin; i < end; ++i) surfaces[patches[i]] = meter.measure(patches[i]);
         progress.advance();
     });
+}
+
+float stopped(const Geometry& geometry, uint32_t triangle, float stops, Vec3 position, Vec3 direction) {
+    if (!geometry.material_of(triangle).pane) return 1;
+    return (1 - mean(geometry.straight(hit_on_triangle(geometry, triangle, position), direction))) / stops;
 }
 
 Hit hit_on_triangle(const Geometry& geometry, uint32_t t, Vec3 position) {

@@ -16,11 +16,12 @@
 namespace eclat {
 
 struct PatchSurface {
-    Color albedo;         // mean albedo, in which all reflection counts as diffuse; without transmission
-    Color transmittance;  // mean share of the irradiance of the other side that is transmitted diffusely
-    Color emitted;        // radiosity of the emitted light, π L_e, W m⁻²
-    Color lights;         // irradiance of the exposed part from points, spots, suns and the environment, W m⁻²
-    float opacity = 1;
+    Color albedo;             // mean albedo, in which all reflection counts as diffuse; without transmission
+    Color transmittance;      // mean share of the irradiance of the other side that is transmitted diffusely
+    Color emitted;            // radiosity of the emitted light, π L_e, W m⁻²
+    Color lights;             // irradiance of the exposed part from points, spots, suns and the environment, W m⁻²
+    float opacity = 1;        // share of the light that it stops, of all that arrives: less than 1 for panes and holes
+    float stops = 1;          // the same without holes, so 1 but for panes, which let light straight through
     float closure = 1;        // sum of the form factors of its exposed part to other patches; the rest is sky
     float closure_error = 0;  // two standard deviations of the closure; 0 if all rays hit patches
 
@@ -57,6 +58,10 @@ struct SurfaceOptions {
 /// Computes the entries of `patches` in `surfaces`, which has one entry per node.
 void measure_surfaces(const World& world, const PatchTree& tree, std::span<const uint32_t> patches,
                       const SurfaceOptions& options, std::span<PatchSurface> surfaces, Progress& progress);
+
+/// Returns the share of light along `direction` that a surface does not let straight through, in units of `stops`, its mean
+/// over directions weighted by cosine.
+float stopped(const Geometry& geometry, uint32_t triangle, float stops, Vec3 position, Vec3 direction);
 
 /// Makes a hit at a point of a triangle.
 Hit hit_on_triangle(const Geometry& geometry, uint32_t triangle, Vec3 position);

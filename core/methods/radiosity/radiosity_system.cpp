@@ -117,7 +117,7 @@ std::vector<Color> RadiositySystem::irradiance(std::span<const Color> radiosity)
     parallel_blocks(out.size(), block, threads_, [&](size_t begin, size_t end) {
         for (size_t i = begin; i < end; ++i)
             for (const auto& sender : exchanges_.of(static_cast<uint32_t>(i)))
-                out[i] += sent[sender.node] * sender.form_factor;
+                out[i] += sent[sender.node] * sender.tint * sender.form_factor;
     });
     // The irradiance is pushed down; parents precede their children.
     for (size_t i = 0; i < out.size(); ++i)
@@ -135,7 +135,7 @@ std::vector<Color> RadiositySystem::known() const {
 std::vector<float> RadiositySystem::row_sums() const {
     const std::vector<Color> sums = irradiance(known());
     std::vector<float> out(sums.size());
-    for (const uint32_t i : tree_.leaves()) out[i] = sums[i].r;
+    for (const uint32_t i : tree_.leaves()) out[i] = mean(sums[i]);
     return out;
 }
 
@@ -211,8 +211,8 @@ void refine_locally(const RadiositySystem& system, PatchLight& light, Progress& 
                             sender.visibility * (tree[sender.node].is_cluster()
                                                      ? clusters.form_factor(patch, sender.node)
                                                      : point_to_patch(patch.center, patch.normal, tree[sender.node]));
-                    direct += sent_emitted[sender.node] * form_factor;
-                    total += sent[sender.node] * form_factor;
+                    direct += sent_emitted[sender.node] * sender.tint * form_factor;
+                    total += sent[sender.node] * sender.tint * form_factor;
                     sum += opaque[sender.node].r * form_factor;
                 }
             }

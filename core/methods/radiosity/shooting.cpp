@@ -138,7 +138,7 @@ class Shooter {
     void send(uint32_t node, Color radiosity) {
         if (is_black(radiosity)) return;
         for (const auto& to : system_.exchanges().of(node)) {
-            const Color arrived = radiosity * (to.form_factor * tree_[node].area / tree_[to.node].area);
+            const Color arrived = radiosity * to.tint * (to.form_factor * tree_[node].area / tree_[to.node].area);
             waiting_[to.node] += arrived;
             const Color power = arrived * reflects_[to.node];
             for (uint32_t up = to.node; up != no_node; up = tree_[up].parent) power_[up] += power;

@@ -32,7 +32,8 @@ class RadiositySolution(Solved):
     `values` is (N, 15) float32: irradiance straight from lights, total irradiance, albedo, and emitted and transmitted
     radiosity, with three colour channels each. `local_corners` is (N, 3, 3) float32, in metres relative to `center`.
     The properties give these values by name. `max_depth` is the greatest number of edges of a path in the solution; −1
-    means no limit.
+    means no limit. The light that passes straight through panes is not part of the values of their patches, which hold
+    for the rest, as if a pane were an opaque surface that is there in part.
     """
 
     called: ClassVar[str] = "radiosity solution"
@@ -197,12 +198,14 @@ def solve_radiosity(scene: Scene, options: Radiosity, work: Work) -> RadiositySo
 
 
 def _tell_of_gloss(scene: Scene) -> None:
-    """Warn about the materials that radiosity treats as diffuse and about those that it treats as opaque."""
+    """Warn about the materials that radiosity treats as diffuse and about solid glass, which it treats as opaque."""
     reflecting, transmitting = set(), set()
     for mesh in scene.meshes:
         for material in _parts(mesh.material):
-            if material.kind in ("dielectric", "thin_dielectric") or (
-                material.kind == "metallic_roughness" and "transmission" in material.parameters
+            if material.kind == "dielectric" or (
+                material.kind == "metallic_roughness"
+                and "transmission" in material.parameters
+                and not material.thin_walled
             ):
                 transmitting.add(material.name or material.kind)
             elif material.kind not in ("diffuse", "translucent", "blend"):
@@ -215,7 +218,7 @@ def _tell_of_gloss(scene: Scene) -> None:
     if transmitting:
         warn(
             f"radiosity treats all surfaces as diffuse: no light will pass through {_listed(transmitting)} to other "
-            "surfaces, except light that comes straight from lamps or the sky through clear panes"
+            "surfaces, because it bends light; thin panes let it through"
         )
 
 
@@ -238,7 +241,7 @@ class Radiosity(Method):
     name: ClassVar[str] = "radiosity"
     cannot: ClassVar[str] = (
         "Radiosity treats every reflection from one surface to another as diffuse, so there are no caustics, and no light "
-        "passes through glass. If the patches are shown directly (`gather=0`), shadows are blurred over the size of a "
+        "passes through solid glass, only through thin panes. If the patches are shown directly (`gather=0`), shadows are blurred over the size of a "
         "patch. In scenes of many small triangles, light that reaches corners through gaps is inaccurate."
     )
     solved: ClassVar[type[Solved] | None] = RadiositySolution

@@ -169,6 +169,23 @@ TEST_CASE("refraction obeys Snell's law and gives the scaling of radiance") {
     CHECK(total->weight.r == doctest::Approx(1));
 }
 
+TEST_CASE("thin sheets pass light straight where they are clear, and scattered where they are frosted or curtains") {
+    const Vec3 wo = direction(30, 0);
+    const auto glass = [](float alpha) {
+        return make_metallic_roughness({.alpha = alpha, .ior = 1.5f, .transmission = 1, .thin = true});
+    };
+    CHECK(is_black(glass(0).scattered_through(wo)));
+    CHECK(glass(0).straight(wo).g == doctest::Approx(0.96).epsilon(0.01));
+    CHECK(is_black(glass(0.4f).straight(wo)));
+    double passed = 0;
+    constexpr int n = 4000;
+    for_each_sample(glass(0.4f), wo, LobeSet::all, n, [&](const auto& s) {
+        if (s && s->transmission) passed += s->weight.g / n;
+    });
+    CHECK(glass(0.4f).scattered_through(wo).g == doctest::Approx(passed).epsilon(0.02));
+    CHECK(make_translucent(Color(0.3f), Color(0.4f)).scattered_through(wo).g == doctest::Approx(0.4));
+}
+
 TEST_CASE("a rough interface between equal media lets light pass straight, and nearly equal ones hardly bend it") {
     const auto between = [](float ior) {
         return make_dielectric(ior, 0.5f, 0.3f, Color(1), Color(1), Distribution::ggx);

@@ -112,6 +112,16 @@ def test_glass_causes_a_warning() -> None:
         eclat.solve(eclat.Scene((pane,)), eclat.Radiosity(patches=20))
 
 
+def test_a_thin_pane_lets_light_through_and_is_warned_of_as_a_mirror() -> None:
+    from eclat.scene import Material
+    from eclat.scenes.geometry import box, mesh
+
+    sheet = mesh([box((0, 0, 0), (1, 1, 0.1))], Material("thin_dielectric", name="pane"), "pane")
+    with pytest.warns(eclat.EclatWarning, match="pane will light other surfaces as diffuse surfaces do") as warned:
+        eclat.solve(eclat.Scene((sheet,)), eclat.Radiosity(patches=20))
+    assert not any("no light will pass" in str(w.message) for w in warned)
+
+
 def test_solved_on_the_command_line(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     settings = ["--method", "radiosity", "--set", "patches=300"]

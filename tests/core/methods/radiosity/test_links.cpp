@@ -60,6 +60,41 @@ TEST_CASE("links between walls carry the closed form's exchange; what stands bet
     }
 }
 
+TEST_CASE("a tinted pane between walls takes its share of the exchange, and exchanges what it stops") {
+    std::vector<Wall> walls{{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0.5f, 0},
+                            {{0, 0, 8}, {0, 1, 0}, {1, 0, 0}, 0.5f, 0},
+                            {{-2, -2, 4}, {5, 0, 0}, {0, 5, 0}, 0.5f, 0}};
+    std::vector<Material> materials = own_materials(walls);
+    materials[2].kind = MaterialKind::thin_dielectric;
+    Value white, tint, ior;
+    white.constant = Color(1), tint.constant = Color(0.9f, 0.6f, 0.3f), ior.constant = Color(1.5f);
+    materials[2].parameters = {white, tint, ior};
+    for (Material& m : materials) m.prepare({});
+    const Room room = build_room(walls, materials);
+    const PatchTree tree(*room.geometry, 0.6f);
+    const auto links = linked(room.world(), tree, 0.01f);
+    // The angles are so small that the pane lets through what it does at 0°, 12/13, and stops the rest.
+    // The angles are so small that the pane lets through what it does at 0°, 12/13, and stops the rest.
+    const double passes = 12.0 / 13 * 0.6;
+    size_t through = 0, to_pane = 0;
+    for (const Link& link : links) {
+        const PatchNode &a = tree[link.a], &b = tree[link.b];
+        const float between = std::fabs(a.center.z - b.center.z);
+        if (between > 7) {
+            ++through;
+            CHECK(link.visibility == doctest::Approx(passes).epsilon(0.002));
+            CHECK(link.tint.r == doctest::Approx(1.5).epsilon(0.001));
+            CHECK(link.tint.b == doctest::Approx(0.5).epsilon(0.001));
+            CHECK_FALSE(link.in_part);
+        } else if (between > 3 && length(a.center - b.center) < 4.1f) {
+            ++to_pane;
+            CHECK(link.visibility == doctest::Approx(1 - passes).epsilon(0.01));
+        }
+    }
+    CHECK(through > 0);
+    CHECK(to_pane > 0);
+}
+
 TEST_CASE("form factors of a closed room sum to one in every patch's mean") {
     const Room room = closed_room(grey, {0, 1, 0, 0, 0, 0});
     const PatchTree tree(*room.geometry, 0.4f);

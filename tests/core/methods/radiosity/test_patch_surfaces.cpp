@@ -5,6 +5,7 @@
 
 #include <doctest/doctest.h>
 
+#include "bsdf/fresnel.h"
 #include "room.h"
 
 using namespace eclat;
@@ -44,6 +45,40 @@ TEST_CASE("albedo, emission, and closure of a closed room") {
         CHECK(s.closure_error == 0);
         CHECK(s.exposed == 1);
     }
+}
+
+TEST_CASE("what a pane lets straight through is not its own, and rays of others go on behind it") {
+    // A clear pane over a floor, under the sky.
+    std::vector<Wall> walls{floor_plate, {{-9, 0.5f, -9}, {0, 0, 18}, {18, 0, 0}, 0, 0}};
+    std::vector<Material> materials = own_materials(walls);
+    materials[1].kind = MaterialKind::thin_dielectric;
+    Value white, ior;
+    white.constant = Color(1), ior.constant = Color(1.5f);
+    materials[1].parameters = {white, white, ior};
+    for (Material& m : materials) m.prepare({});
+    const Room room = build_room(walls, materials);
+    const PatchTree tree(*room.geometry, 0.5f);
+    const auto surfaces = measured(room, tree);
+    double stops = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const double c = std::sqrt((i + 0.5) / 1000), r = fresnel_dielectric(float(c), 1.5f).reflectance;
+        stops += 2 * r / (1 + r) / 1000;
+    }
+    double found = 0, closure = 0, area = 0;
+    for (const uint32_t i : tree.leaves()) {
+        const PatchSurface& s = surfaces[i];
+        if (tree[i].triangle > 1) {
+            CHECK(s.stops == doctest::Approx(stops).scale(0).epsilon(0.05));
+            found += tree[i].area * s.stops / (2 * 18 * 18);
+            CHECK(s.opacity == s.stops);
+            CHECK(s.albedo.g == doctest::Approx(0.999).epsilon(1e-4));
+        } else if (!tree[i].back) {
+            CHECK(s.stops == 1);
+            closure += tree[i].area * s.closure, area += tree[i].area;
+        }
+    }
+    CHECK(found == doctest::Approx(stops).scale(0).epsilon(0.003));
+    CHECK(closure / area == doctest::Approx(stops).scale(0).epsilon(0.15));
 }
 
 TEST_CASE("irradiance of a sun, a point and a sky in closed form") {
