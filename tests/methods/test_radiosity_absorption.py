@@ -77,3 +77,38 @@ def test_light_through_a_keyhole_is_proportional_to_its_area(hole: float) -> Non
     behind = solution.corners[..., 0].mean(axis=1) > 1e-6
     arrives = float((solution.irradiance.mean(axis=1) * solution.areas)[behind].sum())
     assert arrives == pytest.approx(math.pi * hole**2, rel=0.03 if hole > 0.2 else 0.2)
+
+
+def ball(radius: float, middle: tuple[float, float, float], material: Material) -> Mesh:
+    """A ball of 960 triangles."""
+    polar, around = np.meshgrid(np.linspace(0, math.pi, 17), np.linspace(0, 2 * math.pi, 33), indexing="ij")
+    points = radius * np.stack(
+        (np.sin(polar) * np.cos(around), np.cos(polar), -np.sin(polar) * np.sin(around)), axis=-1
+    )
+    a, b, c, d = points[:-1, :-1], points[1:, :-1], points[1:, 1:], points[:-1, 1:]
+    corners = np.concatenate([np.stack(t, axis=-2).reshape(-1, 3, 3) for t in ((a, b, c), (a, c, d))])
+    normal = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    corners = corners[np.linalg.norm(normal, axis=1) > 1e-9] + np.array(middle)
+    return Mesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3), material)
+
+
+def test_a_small_lamp_lights_a_room_by_a_hole_in_its_one_sided_ceiling() -> None:
+    """Few rays of the lamp's small triangles go through the hole. A ball of area A and radiance L has the intensity A L / 4,
+    and sends that times the solid angle of the hole into the room."""
+    room = inner_sides((-1, -2, -1), (1, 0, 1), diffuse(0.0))
+    top = room.positions[room.triangles][..., 1].min(axis=1) > -1e-6
+    h, distance = 0.2, 0.5
+    ceiling = [
+        quad([(x0, 0, z0), (x1, 0, z0), (x1, 0, z1), (x0, 0, z1)], diffuse(0.0))
+        for x0, x1, z0, z1 in ((-1, 1, -1, -h), (-1, 1, h, 1), (-1, -h, -h, h), (h, 1, -h, h))
+    ]
+    lamp = ball(0.1, (0.0, distance, 0.0), emitting(60.0))
+    walls = Mesh(room.positions, room.triangles[~top], room.material)
+    scene = Scene(meshes=(walls, *ceiling, lamp), cameras=(CAMERA,))
+    corners = lamp.positions[lamp.triangles]
+    area = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+    solid_angle = 4 * math.asin(h * h / (h * h + distance * distance))
+    solution = eclat.solve(scene, eclat.Radiosity(patches=1500), seed=1)
+    inside = solution.corners[..., 1].max(axis=1) < 1e-6
+    arrives = float((solution.irradiance[:, 0] * solution.areas)[inside].sum())
+    assert arrives == pytest.approx(60.0 * area / 4 * solid_angle, rel=0.08)

@@ -241,8 +241,9 @@ class Radiosity(Method):
     name: ClassVar[str] = "radiosity"
     cannot: ClassVar[str] = (
         "Radiosity treats every reflection from one surface to another as diffuse, so there are no caustics, and no light "
-        "passes through solid glass, only through thin panes. If the patches are shown directly (`gather=0`), shadows are blurred over the size of a "
-        "patch. In scenes of many small triangles, light that reaches corners through gaps is inaccurate."
+        "passes through solid glass, only through thin panes. If the patches are shown directly (`gather=0`), shadows are "
+        "blurred over the size of a patch. In scenes of many small triangles, light that reaches corners through gaps is "
+        "inaccurate."
     )
     solved: ClassVar[type[Solved] | None] = RadiositySolution
 
