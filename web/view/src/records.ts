@@ -12,7 +12,7 @@ import { withoutVersion } from './surfaces';
 const WEIGHTS: Record<Reading['weight'], number> = { tabellion: 0, ward: 1, 'split-sphere': 2 };
 
 /** What splats add, by the numbers of `overlay` in shaders/splat.ts. */
-const ADDED = ['light', 'count', 'outlines', 'fragments', 'clearance', 'noise'] as const;
+const ADDED = ['light', 'count', 'outlines', 'fragments', 'clearance', 'noise', 'ways'] as const;
 
 /** Switches of the page. */
 export interface Switches {
@@ -66,7 +66,7 @@ export class Records {
   readonly rows = new Rows();
   reading: Reading | undefined;
 
-  /** Adds (w E, w) of all records to a picture. */
+  /** Adds (w E, w) of all records to a picture, and in a second one what gradients change beside the mean way. */
   readonly splats: three.Scene;
 
   /** The same without their boxes: each record is evaluated at every pixel. */
@@ -98,7 +98,7 @@ export class Records {
 
   /**
    * Sets how the records are read, and what splats add: their light, the number that serve a pixel, outlines of that width at distance 1, the number
-   * of fragments, or values of the records with their weights.
+   * of fragments, values of the records with their weights, or the ways from them.
    */
   switch(switches: Switches, adds: (typeof ADDED)[number] = 'light', pixelAngle = 1): void {
     if (!this.reading) return;

@@ -9,6 +9,7 @@ import { Gloss } from './gloss';
 import type { GlossHeader, LightHeader, Message, RecordsHeader, SceneHeader } from './messages';
 import { Records, type Weighting } from './records';
 import { displayFragment } from './shaders/display';
+import { unbendFragment } from './shaders/splat';
 import { divideFragment } from './shaders/screen';
 import { makeContext, precisionOf, Targets, type Precision } from './targets';
 import { chosenPlanes, reflection, type Plane } from './mirrors';
@@ -83,6 +84,8 @@ export class Renderer {
   private readonly dividing: Record<string, three.IUniform>;
   private readonly displaying: Record<string, three.IUniform>;
   private readonly mirroring: Record<string, three.IUniform>;
+  private readonly unbending: Record<string, three.IUniform> = { firstOrder: { value: null }, bendings: { value: null } };
+  private readonly unbend = screenPass(unbendFragment, this.unbending);
   private readonly divide: three.Scene;
   private readonly mirror: three.Scene;
   private readonly display: three.Scene;
@@ -99,7 +102,7 @@ export class Renderer {
     this.surfaces = surfaces;
     this.targets = new Targets(1, 1, this.precision);
     this.inputs = Object.fromEntries(
-      ['positions', 'normals', 'albedos', 'radiances', 'lampLight', 'sums', 'glossSums', 'counts', 'picture'].map((name) => [name, { value: null }]),
+      ['positions', 'normals', 'albedos', 'radiances', 'lampLight', 'ways', 'sums', 'glossSums', 'counts', 'picture'].map((name) => [name, { value: null }]),
     );
     this.records = new Records({ ...this.inputs, ...view });
     this.gloss = new Gloss({ ...this.inputs, ...view });
@@ -256,10 +259,7 @@ export class Renderer {
     this.set(this.inputs, 'positions', texture(points, 1));
     this.set(this.inputs, 'normals', texture(normals, 0));
     this.set(this.inputs, 'albedos', texture(normals, -1));
-    this.records.switch(look);
-    this.gl.setRenderTarget(targets.sums);
-    this.gl.clear(true, false, false);
-    this.gl.render(this.records.everywhere, this.camera);
+    this.sumRecords(this.records.everywhere, look, targets);
     const sums = this.read(targets.sums, width, height);
     targets.dispose();
     return sums;
@@ -301,7 +301,6 @@ export class Renderer {
     // The mirror itself, and what lies in its plane, is not in the way of the mirrored eye.
     this.view.clip.value.copy(plane ? new three.Vector4(...plane.normal.toArray(), plane.offset + 1e-4 * pose.diagonal) : NO_CLIP);
     this.view.inMirror.value = plane !== undefined;
-    this.records.switch(look);
     this.gloss.switch(gl, look);
     for (const splats of [this.records.splats, this.gloss.splats]) turned(splats, plane !== undefined);
     this.bind();
@@ -311,9 +310,7 @@ export class Renderer {
     gl.setRenderTarget(targets.light);
     gl.clear(true, false, false);
     for (const pass of this.lamps.passes) gl.render(pass, this.camera);
-    gl.setRenderTarget(targets.sums);
-    gl.clear(true, false, false);
-    gl.render(this.records.splats, this.camera);
+    this.sumRecords(this.records.splats, look, targets);
     gl.setRenderTarget(targets.glossSums);
     gl.clear(true, false, false);
     gl.render(this.gloss.splats, this.camera);
@@ -324,6 +321,25 @@ export class Renderer {
     (this.dividing['size']?.value as three.Vector2).set(width, height);
     gl.setRenderTarget(into);
     gl.render(this.divide, this.camera);
+  }
+
+  /** Draws the sums of the records' light. */
+  private sumRecords(splats: three.Scene, look: Look, targets: Targets): void {
+    const { gl } = this;
+    this.set(this.inputs, 'ways', null); // nothing may be read where it is drawn
+    this.records.switch(look, 'ways');
+    gl.setRenderTarget(targets.ways);
+    gl.clear(true, false, false);
+    gl.render(splats, this.camera);
+    this.set(this.inputs, 'ways', targets.ways.texture);
+    this.records.switch(look);
+    gl.setRenderTarget(targets.splats);
+    gl.clear(true, false, false);
+    gl.render(splats, this.camera);
+    this.set(this.unbending, 'firstOrder', targets.splats.textures[0]);
+    this.set(this.unbending, 'bendings', targets.splats.textures[1]);
+    gl.setRenderTarget(targets.sums);
+    gl.render(this.unbend, this.camera);
   }
 
   /** Draws what overlays count. */

@@ -36,7 +36,11 @@ export class Targets {
   readonly surfaces: three.WebGLRenderTarget;
   /** The light of lamps. */
   readonly light: three.WebGLRenderTarget;
-  /** The sums of splats. */
+  /** The sums of ways from records, with their weights. */
+  readonly ways: three.WebGLRenderTarget;
+  /** The sums of splats to first order, and of what gradients change beside the mean way. */
+  readonly splats: three.WebGLRenderTarget;
+  /** The sums of splats of which half of the second is taken away. */
   readonly sums: three.WebGLRenderTarget;
   /** The sums of splats of radiance. */
   readonly glossSums: three.WebGLRenderTarget;
@@ -67,7 +71,9 @@ export class Targets {
       });
     this.surfaces = make(three.FloatType, 4, true);
     this.light = make(blended);
-    this.sums = make(blended, 1, true);
+    this.ways = make(blended, 1, true);
+    this.splats = make(blended, 2, true);
+    this.sums = make(blended);
     this.glossSums = make(blended, 1, true);
     this.counts = make(blended, 1, true);
     this.base = make(three.FloatType);
@@ -87,7 +93,7 @@ export class Targets {
   }
 
   dispose(): void {
-    const { surfaces, light, sums, glossSums, counts, base, picture, mirrors } = this;
-    for (const target of [surfaces, light, sums, glossSums, counts, base, picture, ...mirrors]) target.dispose();
+    const { surfaces, light, ways, splats, sums, glossSums, counts, base, picture, mirrors } = this;
+    for (const target of [surfaces, light, ways, splats, sums, glossSums, counts, base, picture, ...mirrors]) target.dispose();
   }
 }

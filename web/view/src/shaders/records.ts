@@ -84,23 +84,28 @@ bool outOfSight(int record, vec3 n, float leastClearance, vec3 d) {
 
 float bounded(float value, float bent) { return clamp(bent, 0.05 * value, 20.0 * value); }
 
+// The share of a uniform hemisphere's light that a shading normal s leaves where n is the geometric one.
+float evenShare(vec3 n, vec3 s) { return s != n ? 0.5 * (1.0 + clamp(dot(n, s), -1.0, 1.0)) : 1.0; }
+
+// What the translation gradients of a record add along d.
+vec3 alongGradients(int record, vec3 d) {
+  if (!translationGradient) return vec3(0.0);
+  vec4 t4 = recordTexel(record, 4), t8 = recordTexel(record, 8);
+  vec3 first = vec3(recordTexel(record, 5).w, recordTexel(record, 6).w, recordTexel(record, 7).w);
+  return vec3(dot(d, first), dot(d, t8.xyz), dot(d, vec3(t8.w, t4.zw)));
+}
+
 // The irradiance that a record gives at d with the geometric normal n and the shading normal s.
 vec3 extrapolated(int record, vec3 d, vec3 n, vec3 s, vec3 recordNormal) {
   vec4 t3 = recordTexel(record, 3), t4 = recordTexel(record, 4);
   bool bends = s != n;
-  float cosine = clamp(dot(n, s), -1.0, 1.0);
-  float even = bends ? 0.5 * (1.0 + cosine) : 1.0;
-  vec3 value = t3.rgb, bent = value;
-  vec4 t5 = recordTexel(record, 5), t6 = recordTexel(record, 6), t7 = recordTexel(record, 7);
-  if (translationGradient) {
-    vec4 t8 = recordTexel(record, 8);
-    bent += vec3(dot(d, vec3(t5.w, t6.w, t7.w)), dot(d, t8.xyz), dot(d, vec3(t8.w, t4.zw)));
-  }
-  bent *= even;
+  float even = evenShare(n, s);
+  vec3 value = t3.rgb, bent = (value + alongGradients(record, d)) * even;
   if (rotationGradient) {
     vec3 turn = cross(recordNormal, n) * even;
-    if (bends) turn += cross(n, s) * (1.0 - acos(cosine) / pi);
-    bent += vec3(dot(turn, t5.xyz), dot(turn, t6.xyz), dot(turn, t7.xyz));
+    if (bends) turn += cross(n, s) * (1.0 - acos(clamp(dot(n, s), -1.0, 1.0)) / pi);
+    vec3 r = recordTexel(record, 5).xyz, g = recordTexel(record, 6).xyz, b = recordTexel(record, 7).xyz;
+    bent += vec3(dot(turn, r), dot(turn, g), dot(turn, b));
   }
   vec3 E = vec3(bounded(value.r, bent.r), bounded(value.g, bent.g), bounded(value.b, bent.b));
   return E + vec3(t3.w, t4.xy) * even;

@@ -3,7 +3,9 @@
 
 // A record as a splat: a box around all that it may serve. Its far sides are drawn, and only where they lie behind the surface
 // that is seen; so the box is found from inside as well, and what is far in front of a box costs nothing. Each fragment
-// adds (w E, w), and a later pass divides the sums.
+// adds (w E, w), and a later pass divides the sums. As in core/records/record_cache.cpp, half of the covariance of gradients and
+// ways from the records is taken away from the quotient: a first pass adds (w d, w) for the mean way, and the second also adds
+// what gradients change beside it, which a pass over the picture subtracts (`unbendFragment`).
 
 import { fetching, reading, unpacking } from './records';
 
@@ -51,15 +53,17 @@ precision highp float;
 precision highp int;
 flat in int vRecord;
 layout(location = 0) out vec4 weighted;
-uniform highp sampler2D positions, normals, albedos;
+layout(location = 1) out vec4 bending;  // only where light is added
+uniform highp sampler2D positions, normals, albedos, ways;
 uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records, 3: the number of fragments,
-                      // 4: the distance to the nearest obstacle, 5: the relative noise of the record
+                      // 4: the distance to the nearest obstacle, 5: the relative noise of the record, 6: the way from the record
 uniform vec4 eye;
 uniform float pixelAngle;  // width of a pixel at distance 1, or of a parallel view
 ${fetching}
 ${reading}
 ${unpacking}
 void main() {
+  bending = vec4(0.0);
   if (overlay == 3) {
     weighted = vec4(1.0, 0.0, 0.0, 0.0);
     return;
@@ -84,6 +88,10 @@ void main() {
     weighted = vec4(1.0 - smoothstep(0.5, 1.5, ring), 1.0 - smoothstep(1.5, 2.5, length(d) / pixelWidth), 0.0, w);
     return;
   }
+  if (overlay == 6) {
+    weighted = vec4(w * d, w);
+    return;
+  }
   if (overlay >= 4) {
     weighted = vec4(w * (overlay == 4 ? t1.w : recordTexel(vRecord, 12).y), 0.0, 0.0, w);
     return;
@@ -91,5 +99,20 @@ void main() {
   float packed = texelFetch(albedos, pixel, 0).w;
   vec3 s = packed < 0.0 ? n : unpacked(packed);
   weighted = vec4(w * extrapolated(vRecord, d, n, s, t1.xyz), w);
+  vec4 way = texelFetch(ways, pixel, 0);
+  bending = vec4(w * evenShare(n, s) * alongGradients(vRecord, d - way.xyz / way.w), 0.0);
+}
+`;
+
+/** Subtracts half of the covariance of gradients and ways from the sums of splats. */
+export const unbendFragment = /* glsl */ `#version 300 es
+precision highp float;
+layout(location = 0) out vec4 weighted;
+uniform highp sampler2D firstOrder, bendings;
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 sum = texelFetch(firstOrder, pixel, 0);
+  vec3 E = sum.rgb - 0.5 * texelFetch(bendings, pixel, 0).rgb;
+  weighted = vec4(clamp(E, 0.05 * sum.rgb, 20.0 * sum.rgb), sum.w);
 }
 `;
