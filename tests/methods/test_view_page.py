@@ -6,7 +6,10 @@ from __future__ import annotations
 
 import base64
 import io
+import json
 import shlex
+import subprocess
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,7 +18,7 @@ from PIL import Image
 
 import eclat
 from eclat.cli.scene_options import camera_options
-from support.browser import look_at_page, require_browser, require_node, require_page, use_page
+from support.browser import WEB, look_at_page, require_browser, require_node, require_page, serve, use_page
 
 
 @pytest.fixture(scope="module")
@@ -51,6 +54,41 @@ def test_keys_walk_and_the_pointer_turns_the_camera(used: dict[str, Any]) -> Non
     np.testing.assert_allclose(walked["camera-from"][:2], begin["camera-from"][:2], atol=1e-4)
     assert np.linalg.norm(np.subtract(turned["camera-from"], walked["camera-from"])) > 0.1
     assert back == begin
+
+
+def test_fingers_turn_and_zoom(used: dict[str, Any]) -> None:
+    begin, touched, pinched = (flags_of(used["flags"][name]) for name in ("begin", "touched", "pinched"))
+    assert np.linalg.norm(np.subtract(touched["camera-from"], begin["camera-from"])) > 0.1
+    assert pinched["camera-from"][2] < begin["camera-from"][2] - 0.05
+    np.testing.assert_allclose(pinched["camera-from"][:2], begin["camera-from"][:2], atol=0.1)
+
+
+def test_the_page_fills_the_screen_and_leaves_it(used: dict[str, Any]) -> None:
+    assert used["full"] == ["HTML", None]
+
+
+def test_a_notebook_shows_the_viewer_in_a_frame(tmp_path: Path) -> None:
+    require_node(), require_browser(), require_page()
+    method = eclat.IrradianceCache(max_error=0.5)
+    with eclat.view("cornell-box", method, texel_size=0.3, samples=16) as viewer:
+        # As in a notebook: a page of another server on this machine, with what the value of the cell shows.
+        (tmp_path / "notebook.html").write_text(
+            f"<!doctype html><meta charset='utf-8'><title>cells</title>{viewer._repr_html_()}"
+        )
+        with serve(tmp_path) as url:
+            command = [
+                require_node(),
+                str(WEB / "tests/view-frame.mjs"),
+                require_browser(),
+                f"{url}/files/notebook.html",
+            ]
+            done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
+    assert done.returncode == 0, done.stderr
+    answer = json.loads(done.stdout)
+    assert answer["title"] == "Éclat: cornell-box" and answer["records"] > 20
+    assert [m for m in answer["messages"] if "favicon" not in m and "404" not in m] == []
+    picture = np.asarray(Image.open(io.BytesIO(base64.b64decode(answer["shot"]))).convert("RGB"), float)
+    assert picture.std() > 20
 
 
 def test_the_copied_flags_are_flags_of_render(used: dict[str, Any]) -> None:

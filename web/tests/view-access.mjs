@@ -2,7 +2,7 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Uses the page of `eclat view` as people do: node view-access.mjs CHROMIUM URL > answer.json
-// The answer has what axe-core finds in light and dark and on a narrow screen, how the keys and the pointer move the camera,
+// The answer has what axe-core finds in light and dark and on a narrow screen, how the keys and the pointer move the camera, touches and full screen,
 // which elements the tab key reaches, the flags that are copied, and what a page without WebGL 2 shows.
 
 import { readFile } from 'node:fs/promises';
@@ -19,6 +19,14 @@ async function violations(page) {
 }
 
 const ready = (page) => page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
+
+/** Touches of the page by fingers at places. */
+async function touches(page) {
+  const client = await page.context().newCDPSession(page);
+  const touch = (type, places) =>
+    client.send('Input.dispatchTouchEvent', { type, touchPoints: places.map(([x, y], id) => ({ x, y, id })) });
+  return { client, touch };
+}
 
 const answer = await inBrowser(process.argv[2], async (page, messages) => {
   await page.setViewportSize({ width: 480, height: 360 });
@@ -61,8 +69,34 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
   await frames();
   await page.mouse.up();
   result.flags.turned = await flags();
-  await page.getByLabel('Camera of the scene').selectOption('0');
+  // Choosing the same camera again is no change; another choice comes before it.
+  const back = () => page.getByLabel('Camera of the scene').evaluate((select) => select.dispatchEvent(new Event('change')));
+  await back();
   result.flags.back = await flags();
+  // One finger turns, two fingers that part go forward.
+  const { client, touch } = await touches(page);
+  const [left, top] = [x + width / 2, y + height / 2];
+  await touch('touchStart', [[left, top]]);
+  await touch('touchMove', [[left + 40, top]]);
+  await frames();
+  await touch('touchEnd', []);
+  result.flags.touched = await flags();
+  await back();
+  await touch('touchStart', [[left - 20, top], [left + 20, top]]);
+  await touch('touchMove', [[left - 60, top], [left + 60, top]]);
+  await frames();
+  await touch('touchEnd', []);
+  result.flags.pinched = await flags();
+  await client.detach();
+  await back();
+
+  const full = page.getByRole('button', { name: 'Full screen' });
+  result.full = [];
+  for (const wanted of [true, false]) {
+    await full.click();
+    await page.waitForFunction((wanted) => (document.fullscreenElement !== null) === wanted, wanted);
+    result.full.push(await page.evaluate(() => document.fullscreenElement?.tagName ?? null));
+  }
 
   await page.locator('#picture').focus();
   for (let i = 0; i < 13; ++i) {
