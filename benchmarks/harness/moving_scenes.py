@@ -74,7 +74,7 @@ def with_swinging_lamp(scene: Scene, length: float = 1.6, degrees: float = 25.0)
 
 
 def with_walk(scene: Scene, metres: float = 0.8, aside: float = 0.3) -> Scene:
-    """A camera that walks ahead and to the right through the living room."""
+    """A camera that walks ahead and to the right."""
     matrix = np.asarray(scene.cameras[0].to_world, np.float64)
     right, ahead, start = matrix[:3, 0], -matrix[:3, 2], matrix[:3, 3]
     along = np.array([ahead[0], 0, ahead[2]]) / np.hypot(ahead[0], ahead[2])
@@ -90,5 +90,6 @@ MOVING: dict[str, BenchmarkScene] = {
     "ball": BenchmarkScene("cornell-box", (128, 72), change=with_ball),
     "door": BenchmarkScene("veach-door/scene.xml", (128, 72), change=with_opening_door),
     "lamp": BenchmarkScene("atrium", (128, 72), change=with_swinging_lamp),
+    "box-walk": BenchmarkScene("cornell-box", (128, 72), change=lambda scene: with_walk(scene, 1.2, 0.5)),
     "walk": BenchmarkScene("living-room/scene.xml", (128, 72), change=with_walk),
 }

@@ -40,7 +40,7 @@ FRAMES = "Frames"
 
 REACHING_ANIMATE = (
     "frames", "fps", "size", "samples", "max_error", "max_depth", "seed", "threads", "adaptive", "denoise", "shutter",
-    "moments", "motion", "shard", "overwrite", "keep_cache", "tone_mapping",
+    "moments", "motion", "shard", "overwrite", "keep_cache", "tone_mapping", "accumulate",
 )  # fmt: skip
 """Flags that are passed to `eclat.animate` unchanged, as arguments of the same names."""
 
@@ -82,6 +82,14 @@ _frame_options = together(
         default=None,
         section=FRAMES,
         help="Add the layers object_id, motion_next and motion_previous for compositors [on for .exr files].",
+    ),
+    option(
+        "--accumulate",
+        type=Number(int, 0, 16),
+        default=0,
+        section=FRAMES,
+        help="Let a frame take the samples of N frames before and after it as well, along the motion vectors and before it is "
+        "denoised: less noise where the camera moves, but what moves there in the light is blurred [0].",
     ),
     shard_option(
         FRAMES, "Make only each N-th frame, from the I-th on, so that N machines share the work [all frames]."

@@ -10,6 +10,7 @@ from eclat.errors import EclatError
 from eclat.images import denoiser
 
 MOST_MOMENTS = 256
+MOST_ACCUMULATED = 16
 
 
 @dataclass(frozen=True)
@@ -26,6 +27,7 @@ class FrameSettings:
     shutter: float
     moments: int
     motion: bool
+    accumulate: int = 0
 
     def checked(self) -> FrameSettings:
         """Return the settings with all choices made. Raises EclatError if one is out of range."""
@@ -33,6 +35,8 @@ class FrameSettings:
             raise EclatError(f"shutter: expected a part of the time between two frames, 0 to 1, got {self.shutter!r}")
         if not 1 <= self.moments <= MOST_MOMENTS:
             raise EclatError(f"moments: expected 1 to {MOST_MOMENTS}, got {self.moments}")
+        if not 0 <= self.accumulate <= MOST_ACCUMULATED:
+            raise EclatError(f"accumulate: expected 0 to {MOST_ACCUMULATED} frames, got {self.accumulate}")
         denoise = self.denoise
         if denoise is None:
             denoise = denoiser.has_denoiser() and self.samples is None

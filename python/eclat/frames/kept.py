@@ -17,7 +17,7 @@ from eclat.images.image_files import read_png_metadata
 
 KEY = "frame"
 """The key of the metadata of a frame."""
-FORMAT = 2
+FORMAT = 3
 """Version of what a frame is made of, which is incremented whenever the same settings give another picture or file."""
 
 
