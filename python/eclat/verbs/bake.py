@@ -16,6 +16,7 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean
 from eclat.images.denoiser import require_denoiser
 from eclat.lightmap.atlas import Packing
+from eclat.lightmap.darkness import Dark, dark_texels, with_dark
 from eclat.lightmap.denoising import gather_denoised
 from eclat.lightmap.directional import gather_harmonics
 from eclat.lightmap.fitting import fitted_harmonics, fitted_pages
@@ -117,12 +118,15 @@ def bake(
     settings = Settings(component, samples, max_depth, seed, threads, progress)
     points = sample_points(layout.corners, layout.texels, supersampling)
     free = visible_points(scene, layout.solid, points, settings)
+    dark = dark_texels(scene, layout, points, free, settings)
+    lit = free & ~dark.mask[:, None]
     if denoise:
         charts, shape = layout.corners.charts[layout.texels.triangles], (layout.atlas.stack_height, layout.atlas.width)
-        gathered = gather_denoised(scene, source, points, free, settings, layout.texels, charts, shape)
+        gathered = gather_denoised(scene, source, points, lit, settings, layout.texels, charts, shape)
     else:
-        gathered = gather(scene, source, points, free, settings)
-    harmonics = gather_harmonics(scene, gathered, points, free, settings) if directional else None
+        gathered = gather(scene, source, points, lit, settings)
+    harmonics = gather_harmonics(scene, gathered, points, lit, settings) if directional else None
+    gathered = with_dark(gathered, dark, points, free)
     stage(progress, "fit")
     return Lightmap(
         scene=scene,
@@ -136,7 +140,7 @@ def bake(
         component=component,
         method=source.options.name,
         gutter=gutter,
-        statistics=_statistics(layout, gathered) | {"seconds": clock.perf_counter() - started},
+        statistics=_statistics(layout, gathered, dark) | {"seconds": clock.perf_counter() - started},
         settings=asdict(source.options)
         | {"samples": samples, "supersampling": supersampling, "max_depth": max_depth, "seed": seed}
         | {"charts": layout.atlas.method, "sides": sides, "denoise": denoise, "texel_sizes": dict(wishes.texel_sizes)},
@@ -158,10 +162,11 @@ def check_map(denoise: bool, sides: str, supersampling: int, gutter: int, max_si
         raise EclatError(f"max_size must be between 16 and {LARGEST_SIZE} texels, got {max_size}")
 
 
-def _statistics(layout: Layout, gathered: GatheredTexels) -> dict[str, float]:
+def _statistics(layout: Layout, gathered: GatheredTexels, dark: Dark) -> dict[str, float]:
     numbers = {
         "texels": len(layout.texels),
         "buried": int((~gathered.seen).sum()),
+        "dark": int(dark.mask.sum()),
         "charts": layout.charts,
         "pages": layout.atlas.pages,
         "area": layout.area,

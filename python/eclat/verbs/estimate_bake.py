@@ -8,17 +8,20 @@ import math
 import os
 import time as clock
 from collections.abc import Mapping
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, fields
 
 import numpy as np
+from numpy.typing import NDArray
 
 from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked_samples, checked_seed, thread_count
 from eclat.bridge.running import ProgressReport
 from eclat.gltf_export import encode_glb
 from eclat.lightmap.atlas import Packing
-from eclat.lightmap.gathering import Settings, gather, sample_points, visible_points
-from eclat.lightmap.layout import Layout, Wishes, lay_out
+from eclat.lightmap.darkness import dark_texels
+from eclat.lightmap.gathering import Settings, TexelPoints, gather, sample_points, visible_points
+from eclat.lightmap.layout import Wishes, lay_out
 from eclat.lightmap.sides import SidesChoice
+from eclat.lightmap.solids import Mask
 from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.scene import Scene
 from eclat.stage.staging import staged
@@ -104,26 +107,30 @@ def estimate_bake(
     started = clock.perf_counter()
     wishes = Wishes(texel_size, texel_sizes or {}, sides, Packing(gutter, max_size, charts_timeout))
     layout = lay_out(scene, wishes, threads, progress)
-    laid_out = clock.perf_counter() - started
     settings = Settings(component, samples, max_depth, seed, threads, progress)
-    count = len(layout.texels)
+    points = sample_points(layout.corners, layout.texels, supersampling)
+    free = visible_points(scene, layout.solid, points, settings)
+    dark = dark_texels(scene, layout, points, free, settings)
+    laid_out = clock.perf_counter() - started
+    lit = np.flatnonzero(~dark.mask)
+    count = len(lit)
     numbers = sorted({min(count, number) for number in TRIALS})
-    trials = [_trial(scene, source, layout, number, supersampling, settings) for number in numbers]
+    trials = [_trial(scene, source, points, free, lit, number, settings) for number in numbers]
     rays = extrapolated(numbers, [rays for rays, _ in trials], count)
     last_rays, last_seconds = trials[-1]
     height, width = layout.page_shape
     all_texels = layout.atlas.pages * height * width
     bare = len(encode_glb(scene, layout.parts(), lights=component == "indirect"))
     return BakeEstimate(
-        texels=count,
+        texels=len(layout.texels),
         charts=layout.charts,
         pages=layout.atlas.pages,
         width=width,
         height=height,
         texel_size=layout.texel_size,
         most_bytes=bare + math.ceil(all_texels * (PNG_BYTES + EXR_BYTES + (KTX2_BYTES if ktx2 else 0))),
-        rays=rays,
-        seconds=laid_out + last_seconds * rays / max(last_rays, 1.0) + FIT_SECONDS * count,
+        rays=rays + dark.rays,
+        seconds=laid_out + last_seconds * rays / max(last_rays, 1.0) + FIT_SECONDS * len(layout.texels),
     )
 
 
@@ -144,20 +151,17 @@ def extrapolated(numbers: list[int], rays: list[float], count: int) -> float:
 
 
 def _trial(
-    scene: Scene, source: Source, layout: Layout, number: int, supersampling: int, settings: Settings
+    scene: Scene,
+    source: Source,
+    points: TexelPoints,
+    free: Mask,
+    lit: NDArray[np.int64],
+    number: int,
+    settings: Settings,
 ) -> tuple[float, float]:
-    """Bake `number` texels, evenly spread over all; return the number of rays and the seconds."""
+    """Bake `number` of the `lit` texels, evenly spread over them; return the number of rays and the seconds."""
     started = clock.perf_counter()
-    which = np.linspace(0, len(layout.texels) - 1, number).astype(np.int64)
-    all_texels = layout.texels
-    texels = replace(
-        all_texels,
-        **{
-            name: getattr(all_texels, name)[which]
-            for name in ("rows", "columns", "triangles", "weights", "positions", "normals", "face_normals", "uvs")
-        },
-    )
-    points = sample_points(layout.corners, texels, supersampling)
-    free = visible_points(scene, layout.solid, points, settings)
-    gathered = gather(scene, source, points, free, settings)
+    which = lit[np.linspace(0, len(lit) - 1, number).astype(np.int64)]
+    chosen = TexelPoints(*(getattr(points, field.name)[which] for field in fields(TexelPoints)))
+    gathered = gather(scene, source, chosen, free[which], settings)
     return gathered.counts["rays"], clock.perf_counter() - started
