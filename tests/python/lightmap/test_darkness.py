@@ -23,9 +23,7 @@ def two_rooms(hole: float = 0.0) -> Scene:
     """Two cubes of 2 m, side by side; `hole` is the width in m of a slit between them, along their floors."""
 
     def sheet(corners: list[tuple[float, float, float]], name: str) -> Mesh:
-        return Mesh(
-            np.array(corners, np.float64), np.array([[0, 1, 2], [0, 2, 3]]), material=GREY, name=name
-        )
+        return Mesh(np.array(corners, np.float64), np.array([[0, 1, 2], [0, 2, 3]]), material=GREY, name=name)
 
     sheets = []
     for first, name in ((0.0, "lit"), (2.0, "unlit")):
@@ -37,8 +35,7 @@ def two_rooms(hole: float = 0.0) -> Scene:
             sheet([(a, 0, 2), (b, 0, 2), (b, 2, 2), (a, 2, 2)], f"{name} front"),
         ]
     sheets += [
-        sheet([(x, low, 0), (x, 2, 0), (x, 2, 2), (x, low, 2)], f"wall {x}")
-        for x, low in ((0, 0), (2, hole), (4, 0))
+        sheet([(x, low, 0), (x, 2, 0), (x, 2, 2), (x, low, 2)], f"wall {x}") for x, low in ((0, 0), (2, hole), (4, 0))
     ]
     furniture = mesh([box((2.5, 0, 0.5), (3.0, 0.5, 1.0))], GREY, "box")
     return staged(Scene((*sheets, furniture), (PointLight((1.0, 1.5, 1.0), (1.0, 1.0, 1.0)),), name="two rooms"))
