@@ -4,8 +4,10 @@
 
 Models of buildings have many surfaces that nobody sees: the outsides of rooms, what lies between two shells of a wall. Records
 are as dear there as anywhere, or dearer, since walls are close to each other. In the cathedral of Sibenik, with texels of half a
-metre, four paths find no light at 64 % of the texels. Texels are looked at in groups, which are neighbours in one chart. Each
-texel sends a few paths, and the groups that find no more than `DARK_SHARE` of the usual light send more, `GROUP_PATHS` at least. Those that still find no more are dark: their
+metre, four paths find no light at 64 % of the texels.
+
+Texels are looked at in groups, which are neighbours in one chart. Each texel sends a few paths, and the groups that find no
+more than `DARK_SHARE` of the usual light send more, `GROUP_PATHS` at least. Those that still find no more are dark: their
 texels take the mean of what all paths of the group found, which has no bias.
 """
 
