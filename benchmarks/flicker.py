@@ -50,6 +50,8 @@ MAX_ERROR, STATED_ERROR = 0.03, 0.05
 """The wanted error of records, and that of frames that state their error."""
 REACH = 2
 """The number of frames before and after a frame whose samples it takes as well."""
+BRIGHTER, ENLARGED = 20, 3
+"""Of stills: by what changes are multiplied, and the side of a pixel."""
 SEEDS = (0x0A000000, 0x0B000000)
 """The seeds of the references, far from those of pictures."""
 
@@ -280,6 +282,7 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     objects, motions = shot.motions()
     exact = truth(shot, objects, motions)
     found: dict[str, Any] = {}
+    stills: dict[str, Sequence[NDArray[Any]]] = {}
     for entrant, entry in entries(whole, shot, first, objects, motions).items():
         clean = [image if image.metadata["denoised"] else denoise(image) for image in entry.pictures]
         given = [image.layers.get("noisy", image.pixels) for image in entry.pictures]
@@ -290,8 +293,10 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
             "denoised_flicker": exact.flicker(shown), "denoised_error": exact.error(shown),
         }  # fmt: skip
         print(f"{name}: {entrant}: {found[entrant]}", flush=True)
-        if not settings.quick:
-            _keep_stills(name, entrant, clean, exact)
+        if entrant in ("over time", "a cache for each frame") or entrant.startswith("path"):
+            stills[entrant] = shown
+    if not settings.quick:
+        keep_stills(name, stills, exact)
     fresh, shared = found["a cache for each frame"]["rays"], found["over time"]["rays"]
     return {
         "frames": len(shot.moments), "frames_solved": len(whole.moments), "size": shot.size,
@@ -299,18 +304,22 @@ def run(name: str, place: BenchmarkScene, settings: Settings) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _keep_stills(name: str, entrant: str, pictures: Sequence[Image], exact: Truth) -> None:
-    """Keep the pixels of the frame in the middle, and by how much each pixel changes to the next one beyond the reference."""
+def keep_stills(name: str, shown: dict[str, Sequence[NDArray[Any]]], exact: Truth) -> None:
+    """Keep a picture of entrants, one below the other: the frame in the middle, denoised, and beside it, `BRIGHTER` times as
+    bright, by how much each pixel changes to the next frame beyond the reference. Nine tenths of the picture are below white.
+    """
     folder = FilePath(__file__).resolve().parent / "references" / "flicker"
     folder.mkdir(parents=True, exist_ok=True)
-    i = (len(pictures) - 1) // 2
-    change = pictures[i + 1].pixels - pictures[i].pixels
-    own = (exact.a[i + 1] + exact.b[i + 1] - exact.a[i] - exact.b[i]) / 2
-    np.savez(
-        folder / f"{name}-{entrant.replace(', ', '-').replace(' ', '-')}.npz",
-        picture=pictures[i].pixels,
-        change=change - own,
-    )
+    rows = []
+    for pictures in shown.values():
+        i = (len(pictures) - 1) // 2
+        own = (exact.a[i + 1] + exact.b[i + 1] - exact.a[i] - exact.b[i]) / 2
+        change = np.abs(pictures[i + 1] - pictures[i] - own)
+        rows.append(np.concatenate([pictures[i], BRIGHTER * change], axis=1))
+    whole = np.concatenate(rows, axis=0) / np.percentile(exact.a[0], 90)
+    whole = whole.repeat(ENLARGED, axis=0).repeat(ENLARGED, axis=1)
+    Image(whole.astype(np.float32), {}, {}).save(folder / f"{name}.png")
+    print(f"{name}: {folder / name}.png, from above: {', '.join(shown)}", flush=True)
 
 
 def tables(result: dict[str, Any]) -> str:

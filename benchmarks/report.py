@@ -16,6 +16,7 @@ import embree_rate
 import equal_error
 import far_end
 import farm_scaling
+import flicker
 import fly_through
 import glossy
 import lazy_fill
@@ -33,6 +34,7 @@ MODULES = (
     equal_error,
     glossy,
     fly_through,
+    flicker,
     max_error,
     scaling,
     radiosity_scaling,
