@@ -83,3 +83,39 @@ def test_a_measured_surface_is_shown_with_its_albedo(tmp_path: Path) -> None:
     expected = normal_albedo(brdf) / math.pi * (3, 2, 1)
     assert (expected > 0.01).all()
     np.testing.assert_allclose(middle(scene), expected, rtol=0.01)
+
+
+def test_a_pane_shows_what_is_behind_it_and_mirrors_what_is_before_it() -> None:
+    def wall(z: float, towards: int, material: Material) -> Mesh:
+        corners = np.array([[-9, -9, z], [9, -9, z], [9, 9, z], [-9, 9, z]], float)
+        triangles = np.array([[0, 1, 2], [0, 2, 3]])
+        return Mesh(corners, triangles if towards > 0 else triangles[:, ::-1], material, name=material.name)
+
+    black = {"reflectance": grey(0)}
+    behind = Material("diffuse", black, "behind", emission=rgb(3, 2, 1))
+    before = Material("diffuse", black, "before", emission=rgb(1, 4, 2))
+    pane = Material("thin_dielectric", {"ior": grey(1.5), "specular_transmittance": rgb(0.9, 0.8, 0.7)}, "pane")
+    camera = Camera(look_at((0, 0, 0), (0, 0, -1)), fov=6, size=SIZE)
+    scene = Scene((wall(-2, 1, behind), wall(-1, 1, pane), wall(3, -1, before)), (), cameras=(camera,))
+    mirrored = 2 * 0.04 / 1.04
+    expected = (1 - mirrored) * np.array((0.9, 0.8, 0.7)) * (3, 2, 1) + mirrored * np.array((1, 4, 2))
+    np.testing.assert_allclose(middle(scene), expected, rtol=0.01)
+    rendered = eclat.render(scene, eclat.Path(), size=SIZE, samples=256).pixels[12:20, 12:20].mean(axis=(0, 1))
+    np.testing.assert_allclose(rendered, expected, rtol=0.03)
+
+
+def test_glass_behind_a_wall_is_not_seen_and_glass_is_marked() -> None:
+    glow = Material("diffuse", {"reflectance": grey(0)}, "glow", emission=rgb(3, 2, 1))
+    glass = Material("dielectric", {"ior": grey(1.5)}, "glass")
+    camera = Camera(look_at((0, 3, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
+    marks = []
+    for height in (-0.5, 1.0):
+        scene = Scene((square(0, 4, True, glow), square(height, 4, True, glass)), (), cameras=(camera,))
+        solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.3), size=SIZE, check=False)
+        with eclat.view(scene, solution, texel_size=0.5, samples=16) as viewer:
+            page = look_at_page(viewer.url, [{"camera": 0, "width": SIZE[0], "height": SIZE[1]}])
+        assert page.message == "" and page.messages == []
+        share = 0 if height < 0 else 2 * 0.04 / 1.04
+        np.testing.assert_allclose(page.pictures[0][16, 16], (1 - share) * np.array((3, 2, 1)), rtol=0.01)
+        marks.append(page.approximated[0].mean())
+    assert marks == [0, 1]

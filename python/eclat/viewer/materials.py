@@ -6,7 +6,7 @@ A material of the page has the fields
 
     name, two_sided, culled, vertex_colors, emission_two_sided, cutoff (−1 for none)
     hidden                            whether the eye sees through it, while mirrors show it
-    diffuse, emission, opacity        values, see below
+    diffuse, emission, opacity        values, see below; of glass, `diffuse` is the colour of what passes
     metallic, transmission            values by which the diffuse reflectance is reduced: (1 − metallic) (1 − transmission)
     gloss                             "none", or what it is like: "rough", "mirror" or "glass"
     mirrored, alpha                   the reflectance of the gloss at these cosines (32 × 3 numbers, one after another)
@@ -172,6 +172,8 @@ def _diffuse(material: Material, parameters: dict[str, Value]) -> Value:
         return parameters["base_color"]
     if material.kind == "plastic":
         return parameters["diffuse_reflectance"]
+    if material.kind in ("dielectric", "thin_dielectric"):
+        return parameters["specular_transmittance"]
     return grey(0.0)
 
 

@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from eclat.gltf_export.textures import average, constant_of
-from eclat.scene import DEFAULTS, FloatArray, Material
+from eclat.scene import DEFAULTS, FloatArray, Material, grey
 
 COSINES = 32
 """Number of entries of the table of reflectances."""
@@ -26,6 +26,10 @@ def reflectance_of(material: Material) -> FloatArray:
         return color("specular_reflectance") * conductor_fresnel(cosines, color("eta"), color("k"))
     if material.kind == "plastic":
         return color("specular_reflectance") * dielectric_fresnel(cosines, color("ior"))
+    if material.kind in ("dielectric", "thin_dielectric"):
+        # What both faces of a pane mirror, to and fro between them; a solid is taken for one.
+        face = dielectric_fresnel(cosines, color("ior"))
+        return color("specular_reflectance") * 2 * face / (1 + face)
     if material.kind in ("phong", "ward"):
         return np.broadcast_to(color("specular_reflectance"), (COSINES, 3)).copy()
     if material.kind == "metallic_roughness":
@@ -41,6 +45,8 @@ def alpha_of(material: Material) -> float:
     def mean(name: str) -> float:
         return float(np.mean(constant_of(average(material.parameters.get(name, DEFAULTS[name])))))
 
+    if material.kind in ("dielectric", "thin_dielectric"):
+        return float(np.mean(constant_of(average(material.parameters.get("alpha_u", grey(0))))))
     if material.kind == "phong":
         return float(np.sqrt(2 / (mean("exponent") + 2)))
     return mean("roughness" if material.kind == "metallic_roughness" else "alpha_u")

@@ -12,6 +12,7 @@ import { displayFragment } from './shaders/display';
 import { unbendFragment } from './shaders/splat';
 import { divideFragment } from './shaders/screen';
 import { makeContext, precisionOf, Targets, type Precision } from './targets';
+import { shareWithoutRecords } from './missing';
 import { chosenPlanes, reflection, type Plane } from './mirrors';
 import { mirrorsFragment } from './shaders/mirrors';
 import { floatTexture, makeSurfaces, makeView, NO_CLIP, type ShadowView, type Surfaces, type View } from './surfaces';
@@ -62,12 +63,8 @@ export const USUAL_LOOK: Look = {
 const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
 const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4, clearance: 5, noise: 6, lobes: 7 };
 
-/** The kind of gloss of rough surfaces in the image of normals. */
-const ROUGH = 1;
-
-/** Lobes of this roughness α, seen at this cosine at least, can be held by harmonics of order 8 (docs/algorithms/radiance_cache.md). */
-const ROUGH_ENOUGH = 0.35;
-const STEEP_ENOUGH = 0.35;
+/** The images of what mirrors, in the order of the geometry pass. */
+const MIRROR_IMAGES = ['mirrorPositions', 'mirrorNormals', 'mirrorAlbedos', 'mirrorRadiances'];
 
 /** What splats add for the overlays that need a pass of their own. */
 const COUNTED = { density: 'count', records: 'outlines', clearance: 'clearance', noise: 'noise' } as const;
@@ -125,6 +122,8 @@ export class Renderer {
       ...view,
       picture: { value: null }, // without mirrors, unlike that of the inputs
       hasSky: hasSky!, sky: skyImage!, skyFromWorld: skyFromWorld!, size: size!, showIndirect: showIndirect!,
+      glass: { value: false },
+      ...Object.fromEntries(MIRROR_IMAGES.map((name) => [name, { value: null }])),
       alphas: { value: surfaces.alphas },
       mirror0: { value: null },
       mirror1: { value: null },
@@ -179,21 +178,9 @@ export class Renderer {
     this.drawLinear(pose, USUAL_LOOK, width, height);
     const [sums, glossSums] = [this.targets.sums, this.targets.glossSums].map((target) => this.read(target, width, height));
     const [positions, normals, albedos] = [0, 1, 2].map((number) => this.readSurface(number, width, height));
-    const eye = pose.eye();
-    const [away, n] = [new three.Vector3(), new three.Vector3()];
-    const lacks = (i: number) => {
-      const texel = (image: Float32Array | undefined, channel: number) => image?.[i + channel] ?? 0;
-      const matte = Math.max(texel(albedos, 0), texel(albedos, 1), texel(albedos, 2)) > 0;
-      if (matte && !(texel(sums, 3) > 0)) return true;
-      if (this.gloss.order === 0 || texel(normals, 3) !== ROUGH || texel(glossSums, 3) > 0) return false;
-      if (!(this.surfaces.roughness(texel(positions, 3) - 1) >= ROUGH_ENOUGH)) return false;
-      n.set(texel(positions, 0), texel(positions, 1), texel(positions, 2));
-      away.set(eye.x, eye.y, eye.z).addScaledVector(n, -eye.w).normalize();
-      return away.dot(n.set(texel(normals, 0), texel(normals, 1), texel(normals, 2))) >= STEEP_ENOUGH;
-    };
-    let missing = 0;
-    for (let i = 0; i < 4 * width * height; i += 4) if (lacks(i)) ++missing;
-    return missing / (width * height);
+    if (!sums || !glossSums || !positions || !normals || !albedos) return 0;
+    const images = { positions, normals, albedos, sums, glossSums };
+    return shareWithoutRecords(images, pose.eye(), this.gloss.order > 0, this.surfaces.roughness);
   }
 
   acceptGloss(message: Message<GlossHeader>): void {
@@ -283,11 +270,29 @@ export class Renderer {
       this.set(mirroring, `mirror${i}`, targets.mirrors[i]?.texture);
     });
     this.set(mirroring, 'planes', planes.length);
-    this.set(mirroring, 'picture', targets.base.texture);
     this.set(mirroring, 'showIndirect', look.indirect && look.mirrors);
     this.set(mirroring, 'pixelAngle', (2 * pose.extent(width / height)[1]) / height);
-    gl.setRenderTarget(targets.picture);
-    gl.render(this.mirror, this.camera);
+    const { glass, behindGlass } = targets;
+    this.drawMirrors(targets.surfaces, targets.base, behindGlass ?? targets.picture, false);
+    if (!glass || !behindGlass) return;
+    gl.setRenderTarget(glass);
+    gl.clear();
+    gl.render(this.surfaces.glass, this.camera);
+    this.drawMirrors(glass, behindGlass, targets.picture, true);
+  }
+
+  /** Adds what surfaces mirror to a picture. */
+  private drawMirrors(
+    surfaces: three.WebGLRenderTarget,
+    picture: three.WebGLRenderTarget,
+    into: three.WebGLRenderTarget,
+    glass: boolean,
+  ): void {
+    MIRROR_IMAGES.forEach((name, i) => this.set(this.mirroring, name, surfaces.textures[i]));
+    this.set(this.mirroring, 'picture', picture.texture);
+    this.set(this.mirroring, 'glass', glass);
+    this.gl.setRenderTarget(into);
+    this.gl.render(this.mirror, this.camera);
   }
 
   /** Draws the picture without mirrors: of the eye, or of what the eye sees in a plane. */
@@ -357,7 +362,7 @@ export class Renderer {
   private resize(width: number, height: number): void {
     if (this.targets.width === width && this.targets.height === height) return;
     this.targets.dispose();
-    this.targets = new Targets(width, height, this.precision);
+    this.targets = new Targets(width, height, this.precision, this.surfaces.glass.children.length > 0);
   }
 
   private bind(): void {

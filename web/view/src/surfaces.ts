@@ -44,10 +44,12 @@ export function makeView(): View {
 }
 
 export interface Surfaces {
-  /** For the geometry pass. */
+  /** For the geometry pass, without glass. */
   readonly seen: three.Scene;
   /** The same surfaces, without glass, as lights see them. */
   readonly shading: three.Scene;
+  /** Glass, which a pass of its own draws over the picture. */
+  readonly glass: three.Scene;
   readonly bounds: three.Box3;
   /** Names of the materials, by number. */
   readonly materials: readonly string[];
@@ -78,6 +80,7 @@ export async function makeSurfaces(
   const scale = { value: 1 / light.header.scale };
   const seen = new three.Scene();
   const shading = new three.Scene();
+  const glass = new three.Scene();
   const bounds = new three.Box3();
   const planes = new Planes(diagonalOf(message));
   let triangles = 0;
@@ -87,10 +90,10 @@ export async function makeSurfaces(
     const geometry = makeGeometry(message, entry);
     triangles += geometry.getAttribute('position').count / 3;
     bounds.union(geometry.boundingBox ?? new three.Box3());
-    // Glass shows what is behind it, without refraction, and no overlay marks it.
-    if (material.gloss === 'glass') continue;
+    const isGlass = material.gloss === 'glass';
     if (material.gloss !== 'none' && material.alpha < FLAT_MIRROR) {
-      planes.add(geometry.getAttribute('position').array as Float32Array, material.two_sided && !entry.front_only);
+      const bothSides = isGlass || (material.two_sided && !entry.front_only);
+      planes.add(geometry.getAttribute('position').array as Float32Array, bothSides);
     }
     const uniforms = surfaceUniforms(entry, material, textures);
     const shown = {
@@ -101,12 +104,12 @@ export async function makeSurfaces(
       lightScale: scale,
       hasLight: { value: entry.arrays.light_uvs !== undefined },
     };
-    seen.add(surface(geometry, surfaceFragment, shown));
-    shading.add(surface(geometry, shadowFragment, { ...uniforms, ...lamp }));
+    (isGlass ? glass : seen).add(surface(geometry, surfaceFragment, shown));
+    if (!isGlass) shading.add(surface(geometry, shadowFragment, { ...uniforms, ...lamp }));
   }
   const materials = header.materials.map((m) => m.name);
   const roughness = (material: number) => header.materials[material]?.alpha ?? 0;
-  return { seen, shading, bounds, materials, triangles, planes: planes.largest(), alphas: alphasOf(header.materials), roughness };
+  return { seen, shading, glass, bounds, materials, triangles, planes: planes.largest(), alphas: alphasOf(header.materials), roughness };
 }
 
 /** The length of the diagonal of the scene in metres. */

@@ -49,6 +49,9 @@ export class Targets {
   /** The linear picture before mirrors are added, and with them. */
   readonly base: three.WebGLRenderTarget;
   readonly picture: three.WebGLRenderTarget;
+  /** The same as `surfaces` of the nearest glass, and the picture without it; missing where there is no glass. */
+  readonly glass: three.WebGLRenderTarget | undefined;
+  readonly behindGlass: three.WebGLRenderTarget | undefined;
   /** The pictures of mirrored eyes, with smaller ones of themselves. */
   readonly mirrors: readonly three.WebGLRenderTarget[];
 
@@ -56,6 +59,7 @@ export class Targets {
     readonly width: number,
     readonly height: number,
     precision: Precision,
+    glass = false,
   ) {
     const depthTexture = new three.DepthTexture(width, height, three.FloatType);
     const blended = precision === 'float' ? three.FloatType : three.HalfFloatType;
@@ -70,6 +74,8 @@ export class Targets {
         ...(depth ? { depthTexture } : {}),
       });
     this.surfaces = make(three.FloatType, 4, true);
+    this.glass = glass ? glassTarget(width, height) : undefined;
+    this.behindGlass = glass ? make(three.FloatType) : undefined;
     this.light = make(blended);
     this.ways = make(blended, 1, true);
     this.splats = make(blended, 2, true);
@@ -93,7 +99,21 @@ export class Targets {
   }
 
   dispose(): void {
+    this.glass?.dispose();
+    this.behindGlass?.dispose();
     const { surfaces, light, ways, splats, sums, glossSums, counts, base, picture, mirrors } = this;
     for (const target of [surfaces, light, ways, splats, sums, glossSums, counts, base, picture, ...mirrors]) target.dispose();
   }
+}
+
+/** Images as those of surfaces, with a depth of their own. */
+function glassTarget(width: number, height: number): three.WebGLRenderTarget {
+  return new three.WebGLRenderTarget(width, height, {
+    count: 4,
+    type: three.FloatType,
+    format: three.RGBAFormat,
+    minFilter: three.NearestFilter,
+    magFilter: three.NearestFilter,
+    depthBuffer: true,
+  });
 }

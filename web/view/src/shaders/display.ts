@@ -68,8 +68,9 @@ void main() {
   if (seen && overlay == 3) {
     // Diffuse surfaces without a record, and gloss that is approximated: of what is rough, and of mirrors and the like.
     bool dark = weight <= 0.0 && any(greaterThan(texelFetch(albedos, pixel, 0).rgb, vec3(0.0)));
-    bool dull = gloss > 0.5 && texelFetch(picture, pixel, 0).w > 0.5;
-    vec3 mark = dark ? vec3(0.9, 0.15, 0.1) : gloss > 1.5 ? vec3(0.1, 0.7, 0.9) : vec3(0.95, 0.65, 0.1);
+    float approximated = texelFetch(picture, pixel, 0).w;
+    bool glass = approximated > 1.5, dull = glass || (gloss > 0.5 && approximated > 0.5);
+    vec3 mark = dark && !glass ? vec3(0.9, 0.15, 0.1) : glass || gloss > 1.5 ? vec3(0.1, 0.7, 0.9) : vec3(0.95, 0.65, 0.1);
     if (dark || dull) color = (pixel.x + pixel.y) % 12 < 6 ? mark : mix(vec3(light), mark, 0.3);
   }
   if (seen && overlay == 4) {

@@ -3,20 +3,22 @@
 
 // Adds what surfaces mirror where no record of radiance serves: from the picture of a mirrored eye where they lie in one of its
 // planes, otherwise from what the picture itself shows along the mirrored direction, otherwise from the sky. All of this is an
-// approximation, which an overlay marks.
+// approximation, which an overlay marks. The same pass draws glass over the picture: what is behind it, without refraction, and what
+// its faces mirror.
 
 import { unpacking } from './records';
 
 export const mirrorsFragment = /* glsl */ `#version 300 es
 precision highp float;
 precision highp int;
-layout(location = 0) out vec4 outRadiance;  // w: 1 where something is approximated
-uniform highp sampler2D positions, normals, albedos, radiances, sums, glossSums, picture;
+layout(location = 0) out vec4 outRadiance;  // w: 1 where something is approximated, 2 where glass is
+uniform highp sampler2D positions, normals, sums, glossSums, picture;
+uniform highp sampler2D mirrorPositions, mirrorNormals, mirrorAlbedos, mirrorRadiances;  // of what mirrors: the same surfaces, or glass
 uniform highp sampler2D alphas;  // of materials, by their number
 uniform highp sampler2D mirror0, mirror1, sky;
 uniform vec4 plane0, plane1;     // normal and offset
 uniform int planes;
-uniform bool hasSky, showIndirect;
+uniform bool hasSky, showIndirect, glass;
 uniform mat3 skyFromWorld;
 uniform mat4 viewProjection;
 uniform vec4 eye;
@@ -55,21 +57,32 @@ vec4 alongRay(vec3 p, vec3 direction) {
 }
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
-  vec3 base = texelFetch(picture, pixel, 0).rgb;
-  outRadiance = vec4(base, 0.0);
-  vec4 at = texelFetch(positions, pixel, 0), normal = texelFetch(normals, pixel, 0);
-  if (!showIndirect || at.w < 0.5 || normal.w < 0.5 || texelFetch(glossSums, pixel, 0).w > 0.0) return;
-  vec3 share = reflectance(texelFetch(radiances, pixel, 0).w);
+  vec4 before = texelFetch(picture, pixel, 0);
+  vec3 base = before.rgb;
+  outRadiance = vec4(base, glass ? before.w : 0.0);
+  vec4 at = texelFetch(mirrorPositions, pixel, 0), normal = texelFetch(mirrorNormals, pixel, 0);
+  if (!showIndirect || at.w < 0.5 || normal.w < 0.5) return;
+  vec3 share = reflectance(texelFetch(mirrorRadiances, pixel, 0).w);
+  if (glass) {
+    // Glass behind a surface is not seen.
+    vec4 shown = texelFetch(positions, pixel, 0);
+    vec3 forth = eye.w > 0.5 ? at.xyz - eye.xyz : -eye.xyz;
+    if (shown.w > 0.5 && dot(shown.xyz - at.xyz, forth) < 0.0) return;
+    base *= texelFetch(mirrorAlbedos, pixel, 0).rgb * (1.0 - share);
+    outRadiance = vec4(base, 2.0);
+  } else if (texelFetch(glossSums, pixel, 0).w > 0.0) {
+    return;
+  }
   if (share.r + share.g + share.b <= 0.0) return;
   float alpha = texelFetch(alphas, ivec2(int(at.w + 0.5) - 1, 0), 0).r;
-  float packed = texelFetch(albedos, pixel, 0).w;
+  float packed = texelFetch(mirrorAlbedos, pixel, 0).w;
   vec3 s = packed < 0.0 ? normal.xyz : unpacked(packed);
   vec3 towards = normalize(eye.xyz - eye.w * at.xyz);
   vec3 mirrored = reflect(-towards, s);
   // A rough mirror is a blurred one: what it shows is about as far behind it as the eye is in front.
   float blur = max(0.0, log2(max(1.0, 0.5 * alpha / pixelAngle)));
   vec2 place = gl_FragCoord.xy / size;
-  vec4 sum = texelFetch(sums, pixel, 0);
+  vec4 sum = glass ? vec4(0.0) : texelFetch(sums, pixel, 0);
   vec4 found;
   bool even = packed < 0.0 || dot(s, normal.xyz) > 0.9999;
   if (planes > 0 && even && lies(plane0, at.xyz, normal.xyz)) found = vec4(textureLod(mirror0, place, blur).rgb, 1.0);
@@ -79,6 +92,6 @@ void main() {
   vec3 mean = sum.w > 0.0 ? sum.rgb / sum.w / pi : vec3(0.0);
   vec3 light = found.w > 0.0 ? found.rgb : hasSky ? skyTowards(mirrored) : mean;
   if (sum.w > 0.0) light = mix(light, mean, smoothstep(0.25, 0.6, alpha));
-  outRadiance = vec4(base + share * light, 1.0);
+  outRadiance = vec4(base + share * light, glass ? 2.0 : 1.0);
 }
 `;

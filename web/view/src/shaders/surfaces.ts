@@ -5,7 +5,7 @@
 //
 //   positions    position; the number of the material + 1, or 0 where nothing is seen
 //   normals      geometric normal on the side of the eye; the kind of gloss (0 none, 1 rough, 2 mirror, 3 glass)
-//   albedos      diffuse albedo towards the eye; the shading normal, packed, or −1 where it is the geometric one
+//   albedos      diffuse albedo towards the eye (of glass, the colour of what passes); the shading normal, packed, or −1 where it is the geometric one
 //   radiances    emitted radiance and the reflected light of the light map; the mirrored share of light, packed
 
 export const surfaceVertex = /* glsl */ `#version 300 es
@@ -116,7 +116,8 @@ void main() {
   vec3 share = gloss > 0.5 ? mirroredAt(abs(dot(s, towards)), albedo, metal) : vec3(0.0);
   albedo *= (1.0 - metal) * (1.0 - valueOf(transmission, transmissionMap).r);
   albedo *= coatAt(abs(dot(s, towards))) / (1.0 - inside * (saturates ? albedo : vec3(1.0)));
-  if (!front && !twoSided) albedo = share = vec3(0.0);
+  if (gloss > 2.5) albedo = valueOf(diffuse, diffuseMap);  // of glass it is the colour of what passes
+  else if (!front && !twoSided) albedo = share = vec3(0.0);
   vec3 radiance = front || emissionTwoSided ? valueOf(emission, emissionMap) : vec3(0.0);
   if (hasLight) radiance += albedo * texture(lightMap, vLightUv).rgb * lightScale * ${1 / Math.PI};
   outPosition = vec4(vPosition, number);
