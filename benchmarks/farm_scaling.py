@@ -23,8 +23,8 @@ import numpy as np
 import eclat
 from eclat import _core
 from eclat.bridge.compiled import compiled
+from eclat.farm.shared_work import FEWEST_RAYS, RANGES_OF_THREAD, Digests
 from eclat.methods.records.laws import core_options
-from eclat.methods.records.shared_passes import FEWEST_GATHERS, RANGES_OF_THREAD, Pass, Passes
 from eclat.report.svg_plot import log_log_plot
 from eclat.verbs.tiles_on_farm import RANGES_OF_THREAD as TILE_RANGES_OF_THREAD
 from harness import document
@@ -36,6 +36,8 @@ RATE, BANDWIDTH, LATENCY, TASK = 1e6, 1.25e8, 1e-3, 1e-3
 WORKERS = (1, 3, 10, 30, 100, 300)
 PICTURE, SAMPLES, FRAMES, FRAME_BYTES = (3840, 2160), 64, 120, 1920 * 1080 * 60
 """60 bytes a pixel: the layers of an .exr file of 32-bit floats, compressed by about a half."""
+BLOCK = 16
+"""The number of gathers whose rays are counted together."""
 BYTES_OF_PIXEL = 96
 """The sums of a pixel of a film."""
 
@@ -60,24 +62,29 @@ def counted_passes(scene: eclat.Scene, size: tuple[int, int], threads: int) -> l
     """Solve records for the first camera, and count for each pass the rays before it, those of blocks of gathers, and bytes."""
     options = core_options(eclat.IrradianceCache(max_error=0.03), max_depth=-1, seed=0, threads=threads)
     found: list[dict[str, Any]] = []
-    counted, travelled, known = _core.Progress(), Passes(), set()
+    counted, travelled, known = _core.Progress(), Digests(), set()
     before = 0
 
-    def exchange(count: int, compute: Any) -> Pass:
+    def share(count: int, rays_of_item: int, compute: Any) -> list[bytes]:
         nonlocal before
         own = counted.rays - before
-        blocks = [compute(first, min(first + FEWEST_GATHERS, count)) for first in range(0, count, FEWEST_GATHERS)]
-        travelled.add(blocks)
-        sent = {n: len(content) for n, content in travelled.parcels().items() if n not in known}
-        known.update(sent)
+        blocks = [compute(first, min(first + BLOCK, count)) for first in range(0, count, BLOCK)]
         rays = [struct.unpack_from("<Q", block)[0] for block in blocks]
         found.append({
-            "own": own, "count": count, "rays": rays, "bytes": sum(map(len, blocks)), "sent": sum(sent.values()),
+            "own": own, "count": count, "parts": count * rays_of_item // FEWEST_RAYS, "rays": rays,
+            "bytes": sum(map(len, blocks)),
         })  # fmt: skip
         before = counted.rays
         return blocks
 
-    options.exchange_gathers(exchange)
+    def tell(digest: bytes) -> None:
+        # The digest travels with the ranges of the next step.
+        travelled.add(digest)
+        sent = {n: len(content) for n, content in travelled.parcels().items() if n not in known}
+        known.update(sent)
+        found[-1]["sent"] = sum(sent.values())
+
+    options.share_work(share, tell)
     prepared = compiled(scene)
     camera = prepared.camera(scene.cameras[0], size)
     _core.solve_for_cameras(prepared.core, [camera], options, _core.SolvedCaches(), counted)
@@ -107,7 +114,7 @@ def solve_seconds(passes: Sequence[dict[str, Any]], workers: int) -> tuple[float
     seconds = alone = 0.0
     for p in passes:
         gathered, own = sum(p["rays"]), p["own"] / RATE
-        parts = min(p["count"] // FEWEST_GATHERS, RANGES_OF_THREAD * workers)
+        parts = min(p["count"], p["parts"], RANGES_OF_THREAD * workers)
         alone += own
         if parts < 2:
             seconds += own + gathered / RATE

@@ -21,8 +21,8 @@
 #include "methods/radiance_cache/radiance_cache.h"
 #include "methods/irradiance_cache/solve_points.h"
 #include "methods/radiance_cache/record_lobes.h"
-#include "records/gather_exchange.h"
 #include "record_arrays.h"
+#include "shared_work.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -91,25 +91,6 @@ std::vector<std::tuple<const char*, size_t, size_t>> record_layout() {
             field("enclosed", offsetof(R, enclosed), sizeof(R::enclosed))};
 }
 
-std::string string_of(const nb::bytes& bytes) { return {bytes.c_str(), bytes.size()}; }
-
-void exchange_gathers(IrradianceCacheOptions& options, nb::object function) {
-    options.exchange = std::make_shared<GatherExchange>([function](size_t count, const GatherRange& compute) {
-        const nb::gil_scoped_acquire locked;
-        const nb::object range = nb::cpp_function([&compute](size_t first, size_t end) {
-            std::string found;
-            {
-                const nb::gil_scoped_release unlocked;
-                found = compute(first, end);
-            }
-            return nb::bytes(found.data(), found.size());
-        });
-        std::vector<std::string> out;
-        for (const nb::handle bytes : function(count, range)) out.push_back(string_of(nb::cast<nb::bytes>(bytes)));
-        return out;
-    });
-}
-
 void bind_record_options(nb::module_& m) {
     nb::class_<IrradianceCacheOptions> options(m, "IrradianceCacheOptions");
     options.def(nb::init<>())
@@ -132,11 +113,8 @@ void bind_record_options(nb::module_& m) {
             "maps"_a.none())
         .def_rw("max_depth", &IrradianceCacheOptions::max_depth)
         .def_rw("seed", &IrradianceCacheOptions::seed)
-        .def_rw("threads", &IrradianceCacheOptions::threads)
-        .def("exchange_gathers", &exchange_gathers, "exchange"_a,
-             "Lets a function share the gathers of each pass: it gets their number and a function that computes a "
-             "range of "
-             "them as bytes, and returns the bytes of ranges that are all of them, in order.");
+        .def_rw("threads", &IrradianceCacheOptions::threads);
+    def_share_work(options);
     def_cache_option<&CacheOptions::weight>(options, "weight");
     def_cache_option<&CacheOptions::relaxation>(options, "relaxation");
     def_cache_option<&CacheOptions::rotation_gradient>(options, "rotation_gradient");

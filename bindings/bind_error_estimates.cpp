@@ -11,6 +11,7 @@
 #include "arrays.h"
 #include "estimate/focused_light.h"
 #include "methods/radiance_cache/radiance_cache.h"
+#include "shared_work.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -19,13 +20,14 @@ using namespace nb::literals;
 namespace {
 
 void bind_error_types(nb::module_& m) {
-    nb::class_<ErrorCheck>(m, "ErrorCheck")
-        .def(nb::init<>())
+    nb::class_<ErrorCheck> check(m, "ErrorCheck");
+    check.def(nb::init<>())
         .def_rw("rays", &ErrorCheck::rays)
         .def_rw("wanted", &ErrorCheck::wanted)
         .def_rw("max_depth", &ErrorCheck::max_depth)
         .def_rw("seed", &ErrorCheck::seed)
         .def_rw("threads", &ErrorCheck::threads);
+    def_share_work(check);
     nb::class_<ErrorEstimate>(m, "ErrorEstimate")
         .def_ro("squared", &ErrorEstimate::squared)
         .def_ro("deviation", &ErrorEstimate::deviation)

@@ -12,6 +12,7 @@
 #include "arrays.h"
 #include "estimators.h"
 #include "methods/photon_map/solve_photons.h"
+#include "shared_work.h"
 #include "world_holder.h"
 
 using namespace eclat;
@@ -74,8 +75,8 @@ void bind_options(nb::module_& m) {
         .value("uniform", Kernel::uniform)
         .value("cone", Kernel::cone)
         .value("epanechnikov", Kernel::epanechnikov);
-    nb::class_<PhotonTracing>(m, "PhotonTracing")
-        .def(nb::init<>())
+    nb::class_<PhotonTracing> tracing(m, "PhotonTracing");
+    tracing.def(nb::init<>())
         .def_rw("caustic", &PhotonTracing::caustic)
         .def_rw("photons", &PhotonTracing::photons)
         .def_rw("most_paths", &PhotonTracing::most_paths)
@@ -83,6 +84,7 @@ void bind_options(nb::module_& m) {
         .def_rw("guided", &PhotonTracing::guided)
         .def_rw("seed", &PhotonTracing::seed)
         .def_rw("threads", &PhotonTracing::threads);
+    def_share_work(tracing);
     nb::class_<MapOptions>(m, "PhotonMapReading")
         .def(nb::init<>())
         .def_rw("nearest", &MapOptions::nearest)

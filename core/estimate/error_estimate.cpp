@@ -40,8 +40,9 @@ uint32_t first_places(uint64_t rays) {
     constexpr uint64_t rays_of_place = 3 * guess_paths + 3 * samples_first;
     return static_cast<uint32_t>(std::clamp<uint64_t>(rays / 3 / rays_of_place, 256, 16384));
 }
+constexpr uint64_t rays_of_path = 6;
 uint32_t paths_of_look(uint64_t rays) {
-    constexpr uint64_t rays_of_path = 6, paths = 2 * round_places * looks;
+    constexpr uint64_t paths = 2 * round_places * looks;
     return static_cast<uint32_t>(std::clamp<uint64_t>(rays / 6 / (paths * rays_of_path), 16, 256));
 }
 
@@ -80,20 +81,29 @@ class Estimator {
     }
 
   private:
+    /// Returns `f(i)` in index order, which several processes may compute.
+    template <class T, class F>
+    std::vector<T> shared(size_t count, uint64_t rays_of_item, const F& f) {
+        return shared_map<T>(check_.exchange.get(), count, rays_of_item, check_.threads, progress_, [&](size_t i) {
+            progress_.check();
+            return f(i);
+        });
+    }
+
     /// Chooses evenly distributed places, one in each cell of a grid, and computes the light that is shown there.
     void spread() {
         const uint32_t columns = probes_.columns(count_), rows = count_ / columns;
         const size_t count = size_t(rows) * columns;
-        std::vector<Color> shown(count);
         places_.resize(count);
-        parallel_for(count, check_.threads, [&](size_t i) {
-            progress_.check();
+        for (size_t i = 0; i < count; ++i) {
             const auto index = static_cast<uint32_t>(i);
             Sampler sampler(stream_seed(check_.seed, Stream::estimate_layout), index, 0);
             const Vec2 jitter = sampler.next_2d();
             places_[i].u = {(static_cast<float>(i % columns) + jitter.x) / static_cast<float>(columns),
                             (static_cast<float>(i / columns) + jitter.y) / static_cast<float>(rows)};
-            shown[i] = probes_.shown(places_[i].u, 0, index, samples_first, progress_);
+        }
+        const auto shown = shared<Color>(count, samples_first * rays_of_path, [&](size_t i) {
+            return probes_.shown(places_[i].u, 0, static_cast<uint32_t>(i), samples_first, progress_);
         });
         double square = 0;
         for (const Color& c : shown) square += channel_mean(c * c);
@@ -113,17 +123,22 @@ class Estimator {
 
     /// Computes the probability of each place in the second phase.
     void choose() {
-        const auto guesses = parallel_map<double>(places_.size(), check_.threads, [&](size_t i) {
-            progress_.check();
+        struct Guess {
+            double squared;
+            uint64_t served;
+        };
+        const auto guesses = shared<Guess>(places_.size(), guess_paths * rays_of_path, [&](size_t i) {
             const Probe probe = probes_.guess(places_[i].u, static_cast<uint32_t>(i), guess_paths, progress_);
-            places_[i].served = probe.served;
-            return channel_mean(probe.value * probe.value * places_[i].scale);
+            return Guess{channel_mean(probe.value * probe.value * places_[i].scale), probe.served};
         });
         double sum = 0;
-        for (double g : guesses) sum += g;
+        for (size_t i = 0; i < places_.size(); ++i) {
+            sum += guesses[i].squared;
+            places_[i].served = guesses[i].served != 0;
+        }
         const double even = 1 / static_cast<double>(places_.size());
         for (size_t i = 0; i < places_.size(); ++i)
-            places_[i].probability = sum > 0 ? even_chance * even + (1 - even_chance) * guesses[i] / sum : even;
+            places_[i].probability = sum > 0 ? even_chance * even + (1 - even_chance) * guesses[i].squared / sum : even;
     }
 
     /// Draws places by systematic sampling of the cumulative sum of their probabilities, and makes two gathers at each.
@@ -141,8 +156,7 @@ class Estimator {
             ErrorPlace place;
             double z;
         };
-        const auto found = parallel_map<Found>(drawn.size(), check_.threads, [&](size_t k) {
-            progress_.check();
+        const auto found = shared<Found>(drawn.size(), 2 * looks * paths_ * rays_of_path, [&](size_t k) {
             const Place& place = places_[drawn[k]];
             const uint32_t key = round * round_places + static_cast<uint32_t>(k);
             const Probe a = probes_.error(place.u, 2, key, looks, paths_, progress_);

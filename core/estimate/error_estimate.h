@@ -6,9 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
+#include "base/work_exchange.h"
 #include "records/record_passes.h"
 #include "scene/camera.h"
 #include "transport/point_irradiance.h"
@@ -21,6 +23,7 @@ struct ErrorCheck {
     int max_depth = -1;
     uint32_t seed = 0;
     int threads = 0;
+    std::shared_ptr<const WorkExchange> exchange;  // shares the probes with other processes
 };
 
 /// A place that a round examined, and the result there.

@@ -113,29 +113,47 @@ void FarCells::Table<Cell>::grow() {
         if (cell.key != 0) slots[slot(cell.key)] = cell;
 }
 
+CellKey CellKey::at(Vec3 position, Vec3 normal, float distance) {
+    const uint64_t key = key_of(position, normal, level_of(distance));
+    return {static_cast<uint32_t>(key), static_cast<uint32_t>(key >> 32)};
+}
+
 void FarCells::add(std::span<const CellSample> samples, int threads) {
-    std::vector<uint64_t> keys(samples.size());
-    parallel_blocks(samples.size(), 4096, threads, [&](size_t begin, size_t end) {
-        for (size_t i = begin; i < end; ++i)
-            keys[i] = key_of(samples[i].position, samples[i].normal, level_of(samples[i].distance));
-    });
     parallel_for(parts, threads, [&](size_t part) {
-        for (size_t i = 0; i < samples.size(); ++i) {
-            if (part_of(keys[i]) != part) continue;
-            Sum& sum = sums_[part].find_or_add(keys[i]);
+        for (const CellSample& sample : samples) {
+            const uint64_t key = sample.cell.number();
+            if (part_of(key) != part) continue;
+            Sum& sum = sums_[part].find_or_add(key);
             ++sum.count;
             for (size_t c = 0; c < 3; ++c)
-                sum.irradiance[c] += static_cast<double>(samples[i].irradiance[static_cast<int>(c)]);
+                sum.irradiance[c] += static_cast<double>(sample.irradiance[static_cast<int>(c)]);
             if (sum.count < least_count) continue;
-            Color& mean = means_[part].find_or_add(keys[i]).irradiance;
+            Color& mean = means_[part].find_or_add(key).irradiance;
             for (size_t c = 0; c < 3; ++c)
                 mean[static_cast<int>(c)] = static_cast<float>(sum.irradiance[c] / sum.count);
         }
     });
 }
 
+std::vector<CellMean> FarCells::means_of(std::span<const CellSample> samples) const {
+    std::vector<CellMean> out;
+    for (const CellSample& sample : samples)
+        if (const Mean* mean = means_[part_of(sample.cell.number())].find(sample.cell.number()))
+            out.push_back({sample.cell, mean->irradiance});
+    const auto number = [](const CellMean& mean) { return mean.cell.number(); };
+    std::ranges::sort(out, {}, number);
+    const auto repeated = std::ranges::unique(out, {}, number);
+    out.erase(repeated.begin(), repeated.end());
+    return out;
+}
+
+void FarCells::set(std::span<const CellMean> means) {
+    for (const CellMean& mean : means)
+        means_[part_of(mean.cell.number())].find_or_add(mean.cell.number()).irradiance = mean.irradiance;
+}
+
 std::optional<Color> FarCells::irradiance(Vec3 position, Vec3 normal, float distance) const {
-    const uint64_t key = key_of(position, normal, level_of(distance));
+    const uint64_t key = CellKey::at(position, normal, distance).number();
     if (const Mean* mean = means_[part_of(key)].find(key)) return mean->irradiance;
     return std::nullopt;
 }

@@ -17,18 +17,37 @@
 
 namespace eclat {
 
+/// The number of a cell, in two halves, so that what holds it needs no padding.
+struct CellKey {
+    uint32_t low, high;
+
+    /// Returns the cell of a point that a gather ray of length `distance` hit; `normal` is that of the shading, on the side of
+    /// the ray.
+    static CellKey at(Vec3 position, Vec3 normal, float distance);
+    uint64_t number() const { return uint64_t(high) << 32 | low; }
+};
+
 /// An estimate of the irradiance at a point that a gather ray hit, from the one path that continued there.
 struct CellSample {
-    Vec3 position;
-    Vec3 normal;       // of the shading, on the side of the ray
-    float distance;    // length of the gather ray, m
+    CellKey cell;
     Color irradiance;  // indirect, W m⁻²
+};
+
+/// What is read of a cell.
+struct CellMean {
+    CellKey cell;
+    Color irradiance;
 };
 
 class FarCells {
   public:
     /// Adds samples in their order.
     void add(std::span<const CellSample> samples, int threads);
+
+    /// Returns what is read of the cells of samples that were added: each cell once, in the order of their numbers.
+    std::vector<CellMean> means_of(std::span<const CellSample> samples) const;
+    /// Sets what is read of cells, without what is known of them.
+    void set(std::span<const CellMean> means);
 
     /// Returns the mean irradiance in the cell around a point that a ray of length `distance` hit, or nothing if too few
     /// samples are known there.

@@ -108,8 +108,9 @@ Sampled sample_hemisphere(const GatherTask& task, const Candidate& candidate, in
         samples.hit_normal.push_back(samples.frame.to_local(results[i].normal));
         samples.apart.push_back(stands_apart(candidate.shading_normal, rays[i].ray.direction, results[i].normal));
         if (results[i].irradiance)
-            out.found.push_back({rays[i].ray.origin + rays[i].ray.direction * results[i].distance, results[i].normal,
-                                 results[i].distance, *results[i].irradiance});
+            out.found.push_back({CellKey::at(rays[i].ray.origin + rays[i].ray.direction * results[i].distance,
+                                             results[i].normal, results[i].distance),
+                                 *results[i].irradiance});
     }
     out.enclosed = 2 * count_backs(world, rays, results, progress) > count;
     return out;

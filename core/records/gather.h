@@ -8,6 +8,7 @@
 #include <functional>
 #include <vector>
 
+#include "hemisphere/radiance_projection.h"
 #include "records/bright_places.h"
 #include "records/record_passes.h"
 
@@ -19,6 +20,7 @@ struct Gathered {
     std::vector<Sighting> sightings;  // hits that were too bright for single rays
     std::vector<CellSample> samples;  // irradiance that paths found at hits where no cache was read
     float reach = 0;                  // distance that the point sees, m; infinite if no ray hits a surface
+    RadianceCoefficients radiance;    // for radiance records: their coefficients
     float footprint = 0;              // width of a pixel there, m; without a camera, `pixel_share` times the reach
 };
 

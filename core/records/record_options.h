@@ -15,7 +15,7 @@
 
 namespace eclat {
 
-class GatherExchange;
+class WorkExchange;
 
 constexpr float usual_far_spacing = 0.3f;
 
@@ -40,7 +40,7 @@ struct IrradianceCacheOptions {
     int max_depth = -1;
     uint32_t seed = 0;
     int threads = 0;
-    std::shared_ptr<const GatherExchange> exchange;  // shares the gathers of passes with other processes
+    std::shared_ptr<const WorkExchange> exchange;  // shares the gathers of passes with other processes
 };
 
 }  // namespace eclat

@@ -24,7 +24,7 @@
 
 #include "base/parallel.h"
 #include "records/gather.h"
-#include "records/gather_exchange.h"
+#include "records/shared_gathers.h"
 
 namespace eclat {
 
@@ -66,16 +66,40 @@ void space_all(std::span<Gathered> gathered, float mean, const IrradianceCacheOp
     }
 }
 
+/// Computes the gathers of a pass, here or by several processes, and adds the estimates of far irradiance that they found to
+/// `cells`, if there are any. `rows` is about the number of rows of a gather.
+std::vector<Gathered> gather_all(const IrradianceCacheOptions& options, size_t count, int rows, Progress& progress,
+                                 FarCells* cells, const std::function<Gathered(size_t)>& one) {
+    const auto samples_of = [](std::span<const Gathered> gathered) {
+        std::vector<CellSample> samples;
+        for (const Gathered& g : gathered) samples.insert(samples.end(), g.samples.begin(), g.samples.end());
+        return samples;
+    };
+    if (!options.exchange) {
+        auto gathered = parallel_map<Gathered>(count, options.threads, one);
+        if (cells) cells->add(samples_of(gathered), options.threads);
+        return gathered;
+    }
+    const auto rays = static_cast<uint64_t>(rows) * static_cast<uint64_t>(columns_for(rows));
+    const SharedGathers shared(*options.exchange, count, rays, options.threads, progress, one);
+    if (shared.follows()) {
+        if (cells) cells->set(shared.means());
+        return shared.gathered();
+    }
+    const auto samples = samples_of(shared.gathered());
+    if (cells) cells->add(samples, options.threads);
+    shared.tell(cells ? cells->means_of(samples) : std::vector<CellMean>());
+    return shared.gathered();
+}
+
 template <class Rows>
 std::vector<Gathered> gather_each(const GatherTask& task, std::span<const Candidate> candidates, const Rows& rows,
-                                  float mean, float& usual) {
-    const auto one = [&](size_t i) {
+                                  float mean, float& usual, FarCells* cells = nullptr) {
+    const int usual_rows = candidates.empty() ? 1 : rows(candidates.front());
+    auto out = gather_all(task.options, candidates.size(), usual_rows, task.progress, cells, [&](size_t i) {
         task.progress.check();
         return gather(task, candidates[i], rows(candidates[i]));
-    };
-    const int threads = task.options.threads;
-    auto out = task.options.exchange ? exchanged(*task.options.exchange, candidates.size(), threads, task.progress, one)
-                                     : parallel_map<Gathered>(candidates.size(), threads, one);
+    });
     space_all(out, mean, task.options, usual);
     return out;
 }
@@ -86,16 +110,11 @@ std::vector<IrradianceRecord> records_of(std::span<const Gathered> gathered) {
     return out;
 }
 
-/// Collects the records of a pass, and what the next pass uses: sightings, and irradiance at hits.
-std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, RecordSolve& solve, int threads) {
+/// Collects the records of a pass, and the sightings at which the next pass aims.
+std::vector<IrradianceRecord> remembered(std::span<const Gathered> gathered, RecordSolve& solve) {
     std::vector<Sighting> sightings;
-    std::vector<CellSample> samples;
-    for (const Gathered& g : gathered) {
-        sightings.insert(sightings.end(), g.sightings.begin(), g.sightings.end());
-        samples.insert(samples.end(), g.samples.begin(), g.samples.end());
-    }
+    for (const Gathered& g : gathered) sightings.insert(sightings.end(), g.sightings.begin(), g.sightings.end());
     solve.bright.add(sightings);
-    solve.cells.add(samples, threads);
     return records_of(gathered);
 }
 
@@ -173,19 +192,23 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
         {world, far, none, options, stream, progress}, candidates, [&](const Candidate&) { return rows; }, 0, usual));
 }
 
-std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const FarEnd& far, const IrradianceCacheOptions& options,
-                                             const GatherPlan& plan, Progress& progress) {
+RadianceGathers gather_records(const World& world, std::span<const Candidate> candidates, const FarEnd& far,
+                               const IrradianceCacheOptions& options, const GatherPlan& plan, Progress& progress) {
     const BrightPlaces none;
     const GatherTask task{world, far, none, options, Stream::radiance_records, progress};
-    auto gathered = parallel_map<Gathered>(candidates.size(), options.threads, [&](size_t i) {
+    auto gathered = gather_all(options, candidates.size(), plan.count, progress, nullptr, [&](size_t i) {
         progress.check();
-        return gather(task, candidates[i], plan.count, plan.kind,
-                      [&](const HemisphereSamples& samples) { plan.keep(i, samples); });
+        RadianceCoefficients coefficients;
+        Gathered out = gather(task, candidates[i], plan.count, plan.kind,
+                              [&](const HemisphereSamples& samples) { coefficients = plan.project(samples); });
+        out.radiance = std::move(coefficients);
+        return out;
     });
     float usual = 0;
     space_all(gathered, plan.mean, options, usual);
-    return records_of(gathered);
+    RadianceGathers out{records_of(gathered), {}};
+    for (Gathered& g : gathered) out.coefficients.push_back(std::move(g.radiance));
+    return out;
 }
 
 void add_far(const World& world, std::span<const Candidate> candidates, const IrradianceCacheOptions& options,
@@ -196,8 +219,8 @@ void add_far(const World& world, std::span<const Candidate> candidates, const Ir
     float usual = 0;  // not used, because far records whose rays hit nothing are left out
     const auto gathered = gather_each(
         {world, none, solve.bright, coarse, Stream::far_records, progress}, wanted,
-        [&](const Candidate&) { return options.far_rows; }, 0, usual);
-    const auto records = remembered(gathered, solve, options.threads);
+        [&](const Candidate&) { return options.far_rows; }, 0, usual, &solve.cells);
+    const auto records = remembered(gathered, solve);
     std::vector<IrradianceRecord> seen;
     for (size_t i = 0; i < records.size(); ++i) {
         IrradianceRecord r = records[i];
@@ -256,8 +279,8 @@ size_t add_near(const World& world, std::span<const Candidate> candidates, const
     const auto records = remembered(gather_each(
                                         {world, far, solve.bright, options, Stream::near_records, progress}, wanted,
                                         [&](const Candidate& c) { return rows_for(c, caches.near, options, share); },
-                                        caches.near.mean_luminance(), solve.usual_footprint),
-                                    solve, options.threads);
+                                        caches.near.mean_luminance(), solve.usual_footprint, &solve.cells),
+                                    solve);
     caches.near.insert(records, options.spacing, options.threads);
     if (options.disagreement < infinity)
         caches.near.shrink_where_records_disagree(options.disagreement, options.spacing, options.threads);

@@ -11,6 +11,7 @@
 #include <span>
 #include <vector>
 
+#include "hemisphere/radiance_projection.h"
 #include "records/candidate.h"
 #include "records/far_end.h"
 #include "records/solved_caches.h"
@@ -26,18 +27,21 @@ std::vector<IrradianceRecord> gather_records(const World& world, std::span<const
                                              const FarEnd& far, const IrradianceCacheOptions& options, Stream stream,
                                              int rows, Progress& progress);
 
-/// A request for gathers of a given shape whose samples are used for more than irradiance.
+/// A request for gathers of a given shape whose samples make records of radiance, too.
 struct GatherPlan {
     Rows kind = Rows::balanced;
     int count = 0;   // number of rows
     float mean = 0;  // mean luminance of the irradiance in the scene, 0 while it is unknown
-    /// This is called with the samples of each candidate and its index, on any thread. The excess and distances that
-    /// are too small have been removed.
-    std::function<void(size_t, const HemisphereSamples&)> keep;
+    /// Makes the coefficients of the samples, on any thread. The excess and distances that are too small have been
+    /// removed.
+    std::function<RadianceCoefficients(const HemisphereSamples&)> project;
 };
-std::vector<IrradianceRecord> gather_records(const World& world, std::span<const Candidate> candidates,
-                                             const FarEnd& far, const IrradianceCacheOptions& options,
-                                             const GatherPlan& plan, Progress& progress);
+struct RadianceGathers {
+    std::vector<IrradianceRecord> records;
+    std::vector<RadianceCoefficients> coefficients;
+};
+RadianceGathers gather_records(const World& world, std::span<const Candidate> candidates, const FarEnd& far,
+                               const IrradianceCacheOptions& options, const GatherPlan& plan, Progress& progress);
 
 /// Returns the rule for the radii of near records.
 SpacingRule spacing_rule(const IrradianceCacheOptions& options);

@@ -685,9 +685,9 @@ class IrradianceCacheOptions:
     def threads(self) -> int: ...
     @threads.setter
     def threads(self, arg: int, /) -> None: ...
-    def exchange_gathers(self, exchange: object) -> None:
+    def share_work(self, share: object, tell: object) -> None:
         """
-        Lets a function share the gathers of each pass: it gets their number and a function that computes a range of them as bytes, and returns the bytes of ranges that are all of them, in order.
+        Lets functions share the work with other processes. `share` gets the number of items of a step, about how many rays each takes, and a function that computes a range of them as bytes. In the process that asks it returns the bytes of ranges that are all items, in order, and `tell` gets the digest of the step. In processes that follow `share` returns this digest.
         """
 
     @property
@@ -841,6 +841,10 @@ class ErrorCheck:
     def threads(self) -> int: ...
     @threads.setter
     def threads(self, arg: int, /) -> None: ...
+    def share_work(self, share: object, tell: object) -> None:
+        """
+        Lets functions share the work with other processes. `share` gets the number of items of a step, about how many rays each takes, and a function that computes a range of them as bytes. In the process that asks it returns the bytes of ranges that are all items, in order, and `tell` gets the digest of the step. In processes that follow `share` returns this digest.
+        """
 
 class ErrorEstimate:
     @property
@@ -998,6 +1002,10 @@ class PhotonTracing:
     def threads(self) -> int: ...
     @threads.setter
     def threads(self, arg: int, /) -> None: ...
+    def share_work(self, share: object, tell: object) -> None:
+        """
+        Lets functions share the work with other processes. `share` gets the number of items of a step, about how many rays each takes, and a function that computes a range of them as bytes. In the process that asks it returns the bytes of ranges that are all items, in order, and `tell` gets the digest of the step. In processes that follow `share` returns this digest.
+        """
 
 class PhotonMapReading:
     def __init__(self) -> None: ...

@@ -111,6 +111,18 @@ void EmissionGuide::split(Part part, double total, std::vector<Part>& out) {
     split(std::move(above), total, out);
 }
 
+void EmissionGuide::write(std::string& out) const {
+    write_bytes(out, static_cast<uint64_t>(boxes_.size()));
+    write_bytes(out, std::span<const Box>(boxes_));
+    write_bytes(out, std::span<const float>(cumulative_));
+}
+
+void EmissionGuide::read(ByteReader& reader) {
+    const auto count = reader.read<uint64_t>();
+    boxes_ = reader.read<Box>(count);
+    cumulative_ = reader.read<float>(count + 1);
+}
+
 void EmissionGuide::refine(std::span<const Result> results) {
     std::vector<Part> before(boxes_.size());
     for (size_t i = 0; i < boxes_.size(); ++i) before[i].box = boxes_[i];

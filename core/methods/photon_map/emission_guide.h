@@ -9,8 +9,10 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "base/work_exchange.h"
 #include "sampling/warp.h"
 
 namespace eclat {
@@ -43,6 +45,10 @@ class EmissionGuide {
     /// of boxes with large values. `results` must contain all results of numbers that this guide sampled, including
     /// those without a value.
     void refine(std::span<const Result> results);
+
+    /// These turn the guide into bytes and back.
+    void write(std::string& out) const;
+    void read(ByteReader& reader);
 
     size_t boxes() const { return boxes_.size(); }
     bool uniform() const { return boxes_.size() == 1; }

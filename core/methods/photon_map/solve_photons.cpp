@@ -11,7 +11,8 @@ TracedPhotons trace_map(const World& world, const PhotonTracing& tracing, Progre
     TraceOptions options{.stored = {.caustic = tracing.caustic, .indirect = !tracing.caustic},
                          .max_edges = tracing.max_edges,
                          .seed = tracing.seed,
-                         .threads = tracing.threads};
+                         .threads = tracing.threads,
+                         .exchange = tracing.exchange};
     if (tracing.guided) options.guide = learn_emission(world, options, progress);
     return trace_until(world, tracing.photons, tracing.most_paths, options, progress);
 }

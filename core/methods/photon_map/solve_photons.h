@@ -6,6 +6,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <span>
 
@@ -24,6 +25,7 @@ struct PhotonTracing {
     bool guided = true;       // whether a guide first learns where to emit
     uint32_t seed = 0;
     int threads = 0;
+    std::shared_ptr<const WorkExchange> exchange{};  // shares the paths with other processes
 };
 
 TracedPhotons trace_map(const World& world, const PhotonTracing& tracing, Progress& progress);

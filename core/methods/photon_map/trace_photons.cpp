@@ -242,6 +242,70 @@ std::vector<T> joined(const std::vector<std::vector<T>>& parts) {
     return out;
 }
 
+/// About the number of rays of a path from a light.
+constexpr uint64_t rays_of_path = 4;
+
+/// Learns from the emissions of `blocks` blocks that several processes trace. The others get the guide that this one learned.
+template <class Emitted, class Learn>
+bool learn_with_others(const WorkExchange& exchange, size_t blocks, Progress& progress, const Emitted& emitted,
+                       const Learn& learn, EmissionGuide& guide) {
+    const SharedStep step(exchange, blocks, block * rays_of_path, progress, [&](size_t from, size_t to) {
+        std::string out;
+        write_bytes(out, std::span<const EmissionGuide::Result>(emitted(from, to)));
+        return out;
+    });
+    if (step.digest()) {
+        ByteReader reader(*step.digest());
+        const bool enough = reader.read<uint64_t>() != 0;
+        guide.read(reader);
+        return enough;
+    }
+    std::vector<EmissionGuide::Result> results;
+    for (const std::string& range : step.ranges()) {
+        const auto part = ByteReader(range).rest<EmissionGuide::Result>();
+        results.insert(results.end(), part.begin(), part.end());
+    }
+    require(results.size() == blocks * block, "emissions: expected all of the round");
+    const bool enough = learn(results);
+    std::string digest;
+    write_bytes(digest, static_cast<uint64_t>(enough));
+    guide.write(digest);
+    step.tell(digest);
+    return enough;
+}
+
+/// The photons of a round, or only their number in a process that follows the one that has them.
+struct TracedRound {
+    std::vector<Photon> photons;
+    size_t count = 0;
+
+    static TracedRound of(std::vector<Photon> photons) {
+        const size_t count = photons.size();
+        return {std::move(photons), count};
+    }
+};
+
+TracedRound trace_with_others(const World& world, PhotonPaths paths, const TraceOptions& options, Progress& progress) {
+    const size_t blocks = (paths.end - paths.first + block - 1) / block;
+    const SharedStep step(*options.exchange, blocks, block * rays_of_path, progress, [&](size_t from, size_t to) {
+        const PhotonPaths range{paths.first + from * block, std::min(paths.end, paths.first + to * block)};
+        std::string out;
+        write_bytes(out, std::span<const Photon>(trace_photons(world, range, options, progress)));
+        return out;
+    });
+    if (step.digest()) return {{}, ByteReader(*step.digest()).read<uint64_t>()};
+    TracedRound out;
+    for (const std::string& range : step.ranges()) {
+        const auto part = ByteReader(range).rest<Photon>();
+        out.photons.insert(out.photons.end(), part.begin(), part.end());
+    }
+    out.count = out.photons.size();
+    std::string digest;
+    write_bytes(digest, static_cast<uint64_t>(out.count));
+    step.tell(digest);
+    return out;
+}
+
 }  // namespace
 
 std::vector<Photon> trace_photons(const World& world, PhotonPaths paths, const TraceOptions& options,
@@ -260,14 +324,24 @@ EmissionGuide learn_emission(const World& world, const TraceOptions& options, Pr
     learning.guide = EmissionGuide();
     uint64_t first = 0;
     for (int round = 0; round < rounds; ++round) {
-        std::vector<std::vector<EmissionGuide::Result>> parts(first_round / block);
-        trace_blocks(world, {first, first + first_round}, learning, Stream::emission_guides, progress,
-                     [&](Tracer& tracer, size_t b) { parts[b].swap(tracer.emitted); });
+        const uint64_t begin = first;
+        const auto emitted = [&](size_t from, size_t to) {
+            std::vector<std::vector<EmissionGuide::Result>> parts(to - from);
+            trace_blocks(world, {begin + from * block, begin + to * block}, learning, Stream::emission_guides, progress,
+                         [&](Tracer& tracer, size_t b) { parts[b].swap(tracer.emitted); });
+            return joined(parts);
+        };
+        const auto learn = [&](const std::vector<EmissionGuide::Result>& results) {
+            const auto hits = std::ranges::count_if(results, [](const auto& r) { return r.value > 0; });
+            const bool enough = round == 0 && static_cast<double>(hits) > often * static_cast<double>(results.size());
+            if (!enough) learning.guide.refine(results);
+            return enough;
+        };
+        const bool enough = options.exchange ? learn_with_others(*options.exchange, first_round / block, progress,
+                                                                 emitted, learn, learning.guide)
+                                             : learn(emitted(0, first_round / block));
         first += first_round;
-        const auto results = joined(parts);
-        const auto hits = std::ranges::count_if(results, [](const auto& r) { return r.value > 0; });
-        if (round == 0 && static_cast<double>(hits) > often * static_cast<double>(results.size())) break;
-        learning.guide.refine(results);
+        if (enough) break;
     }
     return learning.guide;
 }
@@ -276,23 +350,27 @@ TracedPhotons trace_until(const World& world, size_t wanted, uint64_t most_paths
                           Progress& progress) {
     constexpr uint64_t round = 16 * block;
     TracedPhotons out;
+    size_t stored = 0;  // also those that only another process has
     progress.begin(wanted);
-    while (out.photons.size() < wanted && out.paths < most_paths) {
+    while (stored < wanted && out.paths < most_paths) {
         // The number of paths is what is probably needed; its upper bound limits the memory if many photons are stored.
         uint64_t paths = round;
-        if (!out.photons.empty()) {
-            const double rate = static_cast<double>(out.photons.size()) / static_cast<double>(out.paths);
-            const double missing = static_cast<double>(wanted - out.photons.size()) / rate;
+        if (stored > 0) {
+            const double rate = static_cast<double>(stored) / static_cast<double>(out.paths);
+            const double missing = static_cast<double>(wanted - stored) / rate;
             paths = std::clamp<uint64_t>(static_cast<uint64_t>(missing / block + 1) * block, block, 16 * round);
         } else {
             paths =
                 std::clamp<uint64_t>(out.paths, block, 16 * round);  // nothing was stored yet, so the number is doubled
         }
         paths = std::min(paths, std::max(block, most_paths - out.paths));
-        const auto more = trace_photons(world, {out.paths, out.paths + paths}, options, progress);
-        out.photons.insert(out.photons.end(), more.begin(), more.end());
+        const PhotonPaths range{out.paths, out.paths + paths};
+        const TracedRound more = options.exchange ? trace_with_others(world, range, options, progress)
+                                                  : TracedRound::of(trace_photons(world, range, options, progress));
+        out.photons.insert(out.photons.end(), more.photons.begin(), more.photons.end());
+        stored += more.count;
         out.paths += paths;
-        progress.done = std::min(wanted, out.photons.size());
+        progress.done = std::min(wanted, stored);
     }
     return out;
 }

@@ -6,9 +6,11 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "base/progress.h"
+#include "base/work_exchange.h"
 #include "methods/photon_map/emission_guide.h"
 #include "methods/photon_map/photon_map.h"
 #include "transport/world.h"
@@ -33,6 +35,7 @@ struct TraceOptions {
     uint32_t seed = 0;
     int threads = 0;
     EmissionGuide guide{};
+    std::shared_ptr<const WorkExchange> exchange{};  // shares the paths of `learn_emission` and `trace_until`
 };
 
 /// Traces photons, which are returned in the order of their paths, so that they are the same with any number of

@@ -133,11 +133,10 @@ size_t add_radiance(const World& world, std::span<const GlossyCandidate> candida
         lobes.push_back(c.lobe);
         diffuse.push_back(c.diffuse);
     }
-    std::vector<RadianceCoefficients> coefficients(places.size());
     const IrradianceCacheOptions spaced = radiance_gathering(options);
     const GatherPlan plan{Rows::balanced, options.rows, caches.radiance.mean_luminance(),
-                          [&](size_t i, const HemisphereSamples& samples) { coefficients[i] = projection(samples); }};
-    const auto records =
+                          [&](const HemisphereSamples& samples) { return projection(samples); }};
+    auto [records, coefficients] =
         gather_records(world, places, far_end(world, caches, spaced, progress, &tables), spaced, plan, progress);
     std::vector<IrradianceRecord> near;
     for (size_t i = 0; i < records.size(); ++i) {

@@ -18,6 +18,7 @@ from eclat.bridge.running import ProgressReport, run
 from eclat.errors import EclatError, warn
 from eclat.methods.method import Method, PassEstimator, Prepared, Solved
 from eclat.methods.path import missing_caustics
+from eclat.methods.photon_tracing import PhotonRequest, trace_photons
 from eclat.methods.ranges import check_names, check_range, check_types, core_enum
 from eclat.methods.saved import Common, DamagedArrayError
 from eclat.methods.work import Care, Purpose, View, Work
@@ -25,12 +26,6 @@ from eclat.scene import FloatArray, Material, Scene
 
 COLUMNS = 13
 """Number of floats per photon: position (3), power (3), direction (3), normal (3) and number of edges (1)."""
-
-MOST_PATHS = 1 << 20
-"""Largest number of paths that are emitted for a map, in addition to `PATHS_PER_PHOTON` paths per wanted photon."""
-
-PATHS_PER_PHOTON = 64
-"""Largest number of paths that are emitted per wanted photon."""
 
 
 @dataclass(frozen=True)
@@ -287,12 +282,8 @@ def trace(scene: Scene, options: PhotonMap, work: Work) -> Photons:
     def traced(phase: str, caustic: bool, wanted: int) -> tuple[np.ndarray, int]:
         if max_edges in (0, 1) or (caustic and not _has_glossy_surfaces(scene)):
             return np.zeros((0, COLUMNS), np.float32), 0
-        tracing = _core.PhotonTracing()
-        tracing.caustic, tracing.photons = caustic, wanted
-        tracing.most_paths = MOST_PATHS + PATHS_PER_PHOTON * wanted
-        tracing.max_edges, tracing.guided = max_edges, options.guided
-        tracing.seed, tracing.threads = work.seed, work.threads
-        return run(phase, lambda p: _core.trace_photons(prepared.core, tracing, p), work.progress, counted)
+        request = PhotonRequest(caustic, wanted, max_edges, options.guided)
+        return trace_photons(scene, request, phase, work, counted)
 
     stored, paths = traced("photons", False, options.photons)
     caustic, caustic_paths = traced("caustic photons", True, options.caustic_photons)

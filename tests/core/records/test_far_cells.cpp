@@ -7,6 +7,8 @@
 
 #include <doctest/doctest.h>
 
+#include <span>
+#include <utility>
 #include <vector>
 
 #include "records/record_passes.h"
@@ -19,11 +21,25 @@ using namespace eclat;
 namespace {
 
 CellSample sample(Vec3 position, Vec3 normal, float value, float distance = 1) {
-    return {position, normal, distance, Color(value, 2 * value, 0)};
+    return {CellKey::at(position, normal, distance), Color(value, 2 * value, 0)};
 }
 
 std::vector<CellSample> repeated(const CellSample& one, int count) {
     return std::vector<CellSample>(static_cast<size_t>(count), one);
+}
+
+/// Places on a floor and the lengths of rays to them, and a sample of each.
+std::pair<std::vector<std::pair<Vec3, float>>, std::vector<CellSample>> many_samples() {
+    std::vector<std::pair<Vec3, float>> places;
+    std::vector<CellSample> samples;
+    for (uint32_t i = 0; i < 100000; ++i) {
+        Rng rng(1, i);
+        const Vec3 p{rng.next(), rng.next(), rng.next()};
+        const float value = rng.next(), distance = 1 + 4 * rng.next();
+        places.emplace_back(p, distance);
+        samples.push_back(sample(p, {0, 1, 0}, value, distance));
+    }
+    return {places, samples};
 }
 
 /// A closed room with a lamp and coloured walls.
@@ -105,25 +121,41 @@ TEST_CASE("points of a wall on a border of a grid share cells, however they are 
 }
 
 TEST_CASE("cells do not depend on the number of threads") {
-    std::vector<CellSample> samples;
-    for (uint32_t i = 0; i < 100000; ++i) {
-        Rng rng(1, i);
-        const Vec3 p{rng.next(), rng.next(), rng.next()};
-        samples.push_back(sample(p, {0, 1, 0}, rng.next(), 1 + 4 * rng.next()));
-    }
+    const auto [places, samples] = many_samples();
     FarCells one, many;
     one.add(samples, 1);
     many.add(samples, 4);
     size_t read = 0;
-    for (const CellSample& s : samples) {
-        const auto a = one.irradiance(s.position, s.normal, s.distance),
-                   b = many.irradiance(s.position, s.normal, s.distance);
+    for (const auto& [position, distance] : places) {
+        const auto a = one.irradiance(position, {0, 1, 0}, distance),
+                   b = many.irradiance(position, {0, 1, 0}, distance);
         REQUIRE(a.has_value() == b.has_value());
         if (!a) continue;
         ++read;
         CHECK(a->r == b->r);
     }
     CHECK(read > 1000);
+}
+
+TEST_CASE("cells that get the means of others are read like them, also as the means change") {
+    const auto [places, samples] = many_samples();
+    FarCells known, told;
+    size_t sent = 0;
+    for (const size_t first : {size_t(0), samples.size() / 2}) {
+        const auto some = std::span(samples).subspan(first, samples.size() / 2);
+        known.add(some, 1);
+        const auto means = known.means_of(some);
+        told.set(means);
+        sent += means.size();
+        for (const auto& [position, distance] : places) {
+            const auto a = known.irradiance(position, {0, 1, 0}, distance),
+                       b = told.irradiance(position, {0, 1, 0}, distance);
+            REQUIRE(a.has_value() == b.has_value());
+            if (a) CHECK(a->r == b->r);
+        }
+    }
+    CHECK(sent > 0);
+    CHECK(10 * sent < samples.size());
 }
 
 TEST_CASE("records of gathers that end in cells have the irradiance of records whose paths go on") {

@@ -70,6 +70,28 @@ def test_a_picture_is_continued(client: Any) -> None:
     assert np.array_equal(continued.pixels, eclat.render("cornell-box", "path", size=(40, 40), samples=4).pixels)
 
 
+@pytest.mark.parametrize(
+    ("method", "for_view"),
+    [
+        (eclat.PhotonMap(photons=20_000), {}),
+        (eclat.IrradianceCache(max_error=0.2), {"size": (48, 32)}),
+        (eclat.RadianceCache(max_error=0.2), {"size": (48, 32)}),
+    ],
+)
+def test_solutions_and_their_stated_errors_are_the_same(
+    client: Any, method: eclat.Method, for_view: dict[str, Any]
+) -> None:
+    common: dict[str, Any] = {"seed": 2, **for_view}
+    here = eclat.solve("glossy-box", method, **common)
+    with Farm(client) as farm:
+        there = eclat.solve("glossy-box", method, **common)
+        assert farm.ranges_sent >= 4
+    for name, values in here.arrays().items():
+        assert np.array_equal(values, there.arrays()[name]), name
+    statistics = [{k: v for k, v in one.statistics.items() if k != "seconds"} for one in (here, there)]
+    assert statistics[0] == statistics[1]
+
+
 def test_samples_that_are_not_finite_are_counted_once_and_the_first_are_kept() -> None:
     film = _core.Film(4, 2)
     film.add_bad(2, [(3, 1, 7), (0, 0, 9)])

@@ -14,6 +14,7 @@ from eclat.bridge.compiled import compiled
 from eclat.bridge.running import run
 from eclat.errors import EclatError, warn
 from eclat.farm.farm import current_farm
+from eclat.farm.shared_work import Share, SharedWork, Sharing, Tell
 from eclat.measure.error_estimate import CHECK_SHARE, ErrorEstimate, light_by_chance, with_light_by_chance
 from eclat.methods.photon_map import PhotonMap, trace
 from eclat.methods.records import laws
@@ -21,7 +22,6 @@ from eclat.methods.records.cache_functions import CacheFunctions, functions_for
 from eclat.methods.records.laws import CHECK_SHARE_OF_REFINEMENT, core_options, core_radiance_options, finer
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
-from eclat.methods.records.shared_passes import SharedSolve, share_passes
 from eclat.methods.records.solution import Solution, solved_from_core
 from eclat.methods.work import Care, Purpose, Work
 from eclat.scene import Scene
@@ -60,30 +60,45 @@ class Job:
         """The functions that fill and check caches for the purpose."""
         return functions_for(self.scene, self.purpose)
 
-    def _fill(
-        self, options: RecordOptions, caches: _core.SolvedCaches, photons: _core.PhotonMaps | None
+    def fill(
+        self,
+        options: RecordOptions,
+        caches: _core.SolvedCaches,
+        photons: _core.PhotonMaps | None,
+        exchange: tuple[Share, Tell] | None,
     ) -> Callable[[_core.Progress], None]:
+        """Make the function that fills caches. Its passes go out by `exchange`, if there is one."""
         common = {"max_depth": self.work.max_depth, "seed": self.work.seed, "threads": self.work.threads}
-        fill_radiance, tables = self.functions.fill_radiance, self._tables(options)
+        fill_radiance, tables = self.functions.fill_radiance, self.tables(options)
         if isinstance(options, RadianceOptions) and fill_radiance is not None and tables is not None:
             with_radiance = core_radiance_options(options, **common)
             with_radiance.irradiance.far_photons = photons
+            if exchange is not None:
+                with_radiance.irradiance.share_work(*exchange)
             return lambda p: fill_radiance(caches, tables, with_radiance, p)
         settings = core_options(options, **common)
         settings.far_photons = photons
-        farm = current_farm()
+        if exchange is not None:
+            settings.share_work(*exchange)
+        return lambda p: self.functions.fill(caches, settings, p)
 
-        def fill(progress: _core.Progress) -> None:
-            if farm is not None and photons is None:
-                share_passes(farm, SharedSolve(self.scene, self.purpose, options, self.work), settings)
-            self.functions.fill(caches, settings, progress)
-
-        return fill
-
-    def _tables(self, options: RecordOptions) -> _core.RadianceTables | None:
+    def tables(self, options: RecordOptions) -> _core.RadianceTables | None:
+        """Return the tables of lobes that radiance caching reads, or None for other options and purposes."""
         if not isinstance(options, RadianceOptions) or self.functions.fill_radiance is None:
             return None
         return radiance_tables(self.scene, options, threads=self.work.threads or None, progress=self.work.progress)
+
+    def _alone(self) -> Work:
+        """Return the work without what concerns this process only."""
+        return replace(self.work, progress=None, threads=0)
+
+    def _exchange(self, work: SharedWork) -> tuple[Share, Tell] | None:
+        """Return the two functions by which the farm whose block is entered shares a computation; None without a farm."""
+        farm = current_farm()
+        if farm is None:
+            return None
+        sharing = Sharing(farm, work)
+        return sharing.share, sharing.tell
 
     def _photons(self, options: RecordOptions) -> tuple[_core.PhotonMaps | None, float]:
         """Trace the photons from which gather rays read the light at their ends, if `far_photons` requests them; return
@@ -129,7 +144,12 @@ class Job:
             )
 
         try:
-            run("solve", self._fill(options, caches, photons), self.work.progress, counted)
+            exchange = (
+                self._exchange(SharedSolve(self.scene, self.purpose, options, self._alone()))
+                if photons is None
+                else None
+            )
+            run("solve", self.fill(options, caches, photons, exchange), self.work.progress, counted)
         except KeyboardInterrupt as stop:
             if self.keep_partial and caches.near_count:
                 stop.partial = solution(False)  # type: ignore[attr-defined]
@@ -152,8 +172,11 @@ class Job:
         check.rays = int(share * solution.statistics["rays"])
         check.wanted = solution.options.max_error if max_error is None else max_error
         check.max_depth, check.seed, check.threads = self.work.max_depth, self.work.seed, self.work.threads
+        shared = SharedCheck(self.scene, self.purpose, solution, self._alone(), check.rays, check.wanted)
+        if (exchange := self._exchange(shared)) is not None:
+            check.share_work(*exchange)
         read = solution.core() if caches is None else caches
-        tables = self._tables(solution.options)
+        tables = self.tables(solution.options)
         try:
             found = run("check", lambda p: self.functions.estimate(read, check, p, tables), self.work.progress, counted)
         except KeyboardInterrupt as stop:
@@ -203,3 +226,38 @@ class Job:
             seconds += solution.statistics["seconds"]
         total = {"rays": rays, "seconds": seconds, "refinements": float(refinements)}
         return replace(solution, statistics=solution.statistics | total)
+
+
+@dataclass(frozen=True, eq=False)
+class SharedSolve(SharedWork):
+    """A solve whose passes are shared."""
+
+    scene: Scene
+    purpose: Purpose
+    options: RecordOptions
+    work: Work
+
+    def follow(self, share: Share, tell: Tell, threads: int) -> None:
+        job = Job(self.scene, self.purpose, replace(self.work, threads=threads))
+        job.fill(self.options, _core.SolvedCaches(), None, (share, tell))(_core.Progress())
+
+
+@dataclass(frozen=True, eq=False)
+class SharedCheck(SharedWork):
+    """An estimate of the error of a solution, of which the probes are shared."""
+
+    scene: Scene
+    purpose: Purpose
+    solution: Solution
+    work: Work
+    rays: int
+    wanted: float
+
+    def follow(self, share: Share, tell: Tell, threads: int) -> None:
+        job = Job(self.scene, self.purpose, replace(self.work, threads=threads))
+        check = _core.ErrorCheck()
+        check.rays, check.wanted = self.rays, self.wanted
+        check.max_depth, check.seed, check.threads = self.work.max_depth, self.work.seed, threads
+        check.share_work(share, tell)
+        tables = job.tables(self.solution.options)
+        job.functions.estimate(self.solution.core(), check, _core.Progress(), tables)
