@@ -134,21 +134,25 @@ def test_a_light_map_is_the_same(client: Any) -> None:
         assert np.array_equal(here.irradiance, eclat.bake("cornell-box", **common).irradiance)
 
 
-def test_a_picture_is_the_same_when_workers_are_killed(client: Any) -> None:
-    common: dict[str, Any] = {"size": (96, 64), "samples": 16, "denoise": False, "check": False}
-    here = eclat.render("cornell-box", eclat.IrradianceCache(max_error=0.1), **common)
-    left = 3
-    phases = set()
+@pytest.mark.slow
+@pytest.mark.parametrize(
+    "method", [eclat.IrradianceCache(max_error=0.1), eclat.RadianceCache(max_error=0.2), eclat.PhotonMap(photons=50_000)]
+)
+def test_a_picture_is_the_same_when_workers_are_killed_at_random(client: Any, method: eclat.Method) -> None:
+    common: dict[str, Any] = {"size": (96, 64), "samples": 16, "denoise": False}
+    here = eclat.render("glossy-box", method, **common)
+    chance = np.random.default_rng(5)
+    killed: list[str] = []
 
     def kill(phase: str, share: float, statistics: dict[str, float]) -> None:
-        nonlocal left
-        phases.add(phase)
-        victims = list(client.run(os.getpid, on_error="ignore").values()) if left and share > 0 else []
+        if len(killed) == 3 or share <= 0 or chance.random() > 0.3:
+            return
+        victims = list(client.run(os.getpid, on_error="ignore").values())
         if victims:
-            left -= 1
-            os.kill(victims[0], signal.SIGKILL)
+            killed.append(phase)
+            os.kill(victims[chance.integers(len(victims))], signal.SIGKILL)
 
     with Farm(client):
-        there = eclat.render("cornell-box", eclat.IrradianceCache(max_error=0.1), progress=kill, **common)
-    assert left < 3 and "solve" in phases
+        there = eclat.render("glossy-box", method, progress=kill, **common)
+    assert killed
     assert same(here, there)
