@@ -136,7 +136,8 @@ def test_a_light_map_is_the_same(client: Any) -> None:
 
 @pytest.mark.slow
 @pytest.mark.parametrize(
-    "method", [eclat.IrradianceCache(max_error=0.1), eclat.RadianceCache(max_error=0.2), eclat.PhotonMap(photons=50_000)]
+    "method",
+    [eclat.IrradianceCache(max_error=0.1), eclat.RadianceCache(max_error=0.2), eclat.PhotonMap(photons=50_000)],
 )
 def test_a_picture_is_the_same_when_workers_are_killed_at_random(client: Any, method: eclat.Method) -> None:
     common: dict[str, Any] = {"size": (96, 64), "samples": 16, "denoise": False}
