@@ -11,7 +11,7 @@ import { Records, type Weighting } from './records';
 import { displayFragment } from './shaders/display';
 import { unbendFragment } from './shaders/splat';
 import { divideFragment } from './shaders/screen';
-import { makeContext, precisionOf, Targets, type Precision } from './targets';
+import { makeContext, precisionOf, Targets, texelsOf, type Precision } from './targets';
 import { shareWithoutRecords } from './missing';
 import { chosenPlanes, reflection, type Plane } from './mirrors';
 import { mirrorsFragment } from './shaders/mirrors';
@@ -176,8 +176,8 @@ export class Renderer {
   missing(pose: Pose, aspect: number): number {
     const [width, height] = [96, Math.max(1, Math.round(96 / aspect))];
     this.drawLinear(pose, USUAL_LOOK, width, height);
-    const [sums, glossSums] = [this.targets.sums, this.targets.glossSums].map((target) => this.read(target, width, height));
-    const [positions, normals, albedos] = [0, 1, 2].map((number) => this.readSurface(number, width, height));
+    const [sums, glossSums] = [this.targets.sums, this.targets.glossSums].map((target) => texelsOf(this.gl, target));
+    const [positions, normals, albedos] = [0, 1, 2].map((number) => texelsOf(this.gl, this.targets.surfaces, number));
     if (!sums || !glossSums || !positions || !normals || !albedos) return 0;
     const images = { positions, normals, albedos, sums, glossSums };
     return shareWithoutRecords(images, pose.eye(), this.gloss.order > 0, this.surfaces.roughness);
@@ -209,7 +209,7 @@ export class Renderer {
   /** Draws the picture and returns its linear radiance (height, width, 4), the first row at the bottom. */
   readLinear(pose: Pose, look: Look, width: number, height: number): Float32Array {
     this.drawLinear(pose, look, width, height);
-    return this.read(this.targets.picture, width, height);
+    return texelsOf(this.gl, this.targets.picture);
   }
 
   /** Counts, for a picture, the fragments of splats and those of them that serve their pixel, both per pixel. */
@@ -220,7 +220,7 @@ export class Renderer {
       this.gl.setRenderTarget(this.targets.counts);
       this.gl.clear(true, false, false);
       this.gl.render(this.records.splats, this.camera);
-      const texels = this.read(this.targets.counts, width, height);
+      const texels = texelsOf(this.gl, this.targets.counts);
       let sum = 0;
       for (let i = 0; i < texels.length; i += 4) sum += texels[i] ?? 0;
       return sum / (width * height);
@@ -229,8 +229,8 @@ export class Renderer {
   }
 
   /** Returns the positions and normals (height, width, 4) of the picture that was drawn last, the first row at the bottom. */
-  readSurfaces(width: number, height: number): [Float32Array, Float32Array] {
-    return [this.readSurface(0, width, height), this.readSurface(1, width, height)];
+  readSurfaces(): [Float32Array, Float32Array] {
+    return [texelsOf(this.gl, this.targets.surfaces), texelsOf(this.gl, this.targets.surfaces, 1)];
   }
 
   /** Returns the sums (height, width, 4) of (w E, w) over the records at points with normals, (height · width, 3) each. */
@@ -247,7 +247,7 @@ export class Renderer {
     this.set(this.inputs, 'normals', texture(normals, 0));
     this.set(this.inputs, 'albedos', texture(normals, -1));
     this.sumRecords(this.records.everywhere, look, targets);
-    const sums = this.read(targets.sums, width, height);
+    const sums = texelsOf(this.gl, targets.sums);
     targets.dispose();
     return sums;
   }
@@ -378,24 +378,6 @@ export class Renderer {
   private set(uniforms: Record<string, three.IUniform>, name: string, value: unknown): void {
     const uniform = uniforms[name];
     if (uniform) uniform.value = value;
-  }
-
-  /** Reads an image of the geometry pass. */
-  private readSurface(number: number, width: number, height: number): Float32Array {
-    const texels = new Float32Array(width * height * 4);
-    this.gl.readRenderTargetPixels(this.targets.surfaces, 0, 0, width, height, texels, undefined, number);
-    return texels;
-  }
-
-  private read(target: three.WebGLRenderTarget, width: number, height: number): Float32Array {
-    if (target.texture.type === three.FloatType) {
-      const pixels = new Float32Array(width * height * 4);
-      this.gl.readRenderTargetPixels(target, 0, 0, width, height, pixels);
-      return pixels;
-    }
-    const halves = new Uint16Array(width * height * 4);
-    this.gl.readRenderTargetPixels(target, 0, 0, width, height, halves);
-    return Float32Array.from(halves, (half) => three.DataUtils.fromHalfFloat(half));
   }
 }
 

@@ -117,3 +117,11 @@ function glassTarget(width: number, height: number): three.WebGLRenderTarget {
     depthBuffer: true,
   });
 }
+
+/** Reads an image (height, width, 4), the first row at the bottom: the one with that number, if the target has several. */
+export function texelsOf(gl: three.WebGLRenderer, target: three.WebGLRenderTarget, number = 0): Float32Array {
+  const { width, height } = target;
+  const texels = target.texture.type === three.FloatType ? new Float32Array(width * height * 4) : new Uint16Array(width * height * 4);
+  gl.readRenderTargetPixels(target, 0, 0, width, height, texels, undefined, number);
+  return texels instanceof Float32Array ? texels : Float32Array.from(texels, (half) => three.DataUtils.fromHalfFloat(half));
+}

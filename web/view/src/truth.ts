@@ -128,7 +128,7 @@ export class Truth {
     const [x, y] = [place % SIDE, Math.floor(place / SIDE)].map((i) => (i + 0.5) / SIDE - 0.5) as [number, number];
     shifted.shift = [pose.shift[0] + x / width, pose.shift[1] + y / height];
     const picture = this.renderer.readLinear(shifted, look, width, height);
-    this.away ??= awayFromEdges(...this.renderer.readSurfaces(width, height), pose.eye().toArray(), width, height);
+    this.away ??= awayFromEdges(...this.renderer.readSurfaces(), pose.eye().toArray(), width, height);
     picture.forEach((value, i) => (this.sum[i] = (this.sum[i] ?? 0) + value));
     ++this.taken;
     if (this.textures) {
