@@ -149,7 +149,8 @@ def test_a_picture_is_the_same_when_workers_are_killed_at_random(client: Any, me
         if len(killed) == 3 or share <= 0 or chance.random() > 0.3:
             return
         victims = list(client.run(os.getpid, on_error="ignore").values())
-        if victims:
+        # Dask gives up a worker that dies while it starts, so that both could be lost for ever.
+        if len(victims) == 2:
             killed.append(phase)
             os.kill(victims[chance.integers(len(victims))], signal.SIGKILL)
 
