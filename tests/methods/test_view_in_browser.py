@@ -32,6 +32,7 @@ from eclat.scenes.geometry import box as solid_box
 from eclat.scenes.geometry import mesh
 from eclat.viewer.contents import GLOSS
 from eclat.viewer.messages import decode_message, encode_message
+from eclat.viewer.showing import Viewer
 from support.browser import ViewedPage, look_at_page, require_browser, require_node, require_page
 
 SIZE = (160, 120)
@@ -82,6 +83,11 @@ def points_near(solution: Solution, rng: np.random.Generator) -> tuple[FloatArra
     return local.astype(np.float32), turned.astype(np.float32)
 
 
+def keep_records(viewer: Viewer) -> None:
+    """Make the page show the records that were solved, without a live server that adds those which its views lack."""
+    viewer._files.update(viewer.contents.files())
+
+
 @pytest.fixture(scope="module")
 def cornell_box() -> Shown:
     require_node(), require_browser(), require_page()
@@ -90,6 +96,7 @@ def cornell_box() -> Shown:
     points, normals = points_near(solution, np.random.default_rng(1))
     picture = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
     with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
+        keep_records(viewer)
         page = look_at_page(viewer.url, [picture], points, normals, looks=[{}, *SWITCHED])
         origin = viewer.url.rsplit("/", 2)[0]
     return Shown(scene, solution, points, normals, page, origin)
@@ -181,6 +188,7 @@ def test_lamps_and_sky_are_those_of_render() -> None:
     solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.02), size=SIZE, check=False)
     asked = {"camera": 0, "width": 3 * SIZE[0], "height": 3 * SIZE[1]}
     with eclat.view(scene, solution) as viewer:
+        keep_records(viewer)
         page = look_at_page(viewer.url, [asked])
     assert page.message == "" and page.messages == []
     a, b = (eclat.render(scene, solution, size=SIZE, samples=SAMPLES, seed=seed) for seed in (1, 2))
@@ -203,8 +211,7 @@ def test_gloss_is_that_of_render() -> None:
     solution = eclat.solve(scene, eclat.RadianceCache(max_error=0.02), size=SIZE, check=False)
     asked = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
     with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
-        # Without a live server the page keeps to these files, so that no record is added between its pictures.
-        viewer._files.update(viewer.contents.files())
+        keep_records(viewer)
         page = look_at_page(viewer.url, [asked, {**asked, "look": {"order": 3}}])
         keep_orders(viewer._files, 3)
         lower = look_at_page(viewer.url, [asked])
