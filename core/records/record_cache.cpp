@@ -8,8 +8,7 @@
 // A record extrapolates along its tangent, which lies above the field on both sides where the field bends down: under a
 // window of cloth all records erred alike, and pictures of a room were 2 to 3 % too bright. Gradients tell how the field bends
 // by how they differ, so the covariance is what the second-order terms around the mean way leave out, exactly for a quadratic
-// field [KraaijpoelLeeuwen10]. A bump or a smooth normal that bends n to s, by an angle
-// α, turns each term into
+// field [KraaijpoelLeeuwen10]. A bump or a smooth normal that bends n to s, by an angle α, turns each term into
 //   (1 + cos α) / 2 · E + (1 − α / π) (n × s) · ∇_r E .
 // Inserting records may shrink others: a neighbour that is closer to an obstacle, or that disagrees, shows that a record
 // reaches too far [Krivanek06].
@@ -19,13 +18,14 @@
 //   s          shading                its shading normal
 //   P_i, n_i   position, normal       those of record i
 //   E_i        irradiance             irradiance there, without excess                                 W m⁻²
-//   X_i        shared_excess_         excess, shared with surroundings                                 W m⁻²
+//   X_i        member.excess          excess, shared with surroundings                                 W m⁻²
 //   ∇_r, ∇_t   rotation, translation  gradients by turning (W m⁻² rad⁻¹) and by moving (W m⁻³)
 //   w_i        weight_of              weight, records/weight.h                                         1
 //   R_i        distance               the length that the radius follows, records/spacing.cpp          m
 //   κ          relaxation             how much farther a record is read than it keeps others away      1
 //
-// References   [WardHeckbert92], [KraaijpoelLeeuwen10] half of the first order, [Tabellion04] strict and relaxed tests, [Krivanek06] neighbour clamping, disagreement
+// References   [WardHeckbert92], [KraaijpoelLeeuwen10] half of the first order, [Tabellion04] strict and relaxed tests,
+//              [Krivanek06] neighbour clamping, disagreement
 // Departures   Neighbours are clamped in one exact round over all records instead of whenever one is inserted, so that the
 //              order of records does not matter. Extrapolation is bounded. Bends are integrated, see `Bend`.
 // Held to      tests/core/records/test_record_cache.cpp

@@ -31,9 +31,10 @@ struct RenderRange {
 };
 
 /// Adds samples [first, end) of each pixel of the crop to `film`.
-/// The picture is divided into tiles of 32 × 32 pixels, and each batch has one sample of each pixel of a tile. A batch,
-/// and therefore its bits, does not depend on the crop or on the numbers of samples and threads. If pixels take
-/// different numbers of samples, samples with consecutive numbers share a batch of about as many paths.
+/// The picture is divided into tiles of 32 × 32 pixels, and these into blocks of 8 × 8. A batch has up to 16 samples of each
+/// pixel of a block, and of further blocks if there are fewer samples. If all pixels take the same samples, rays that are
+/// traced together have the same sample number, so that bits do not depend on the crop, on the range of samples or on the
+/// number of threads.
 void render(const Camera& camera, const Estimator& estimate, const RenderRange& range, Film& film, Progress& progress);
 
 }  // namespace eclat
