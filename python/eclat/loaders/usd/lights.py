@@ -16,7 +16,7 @@ in lux.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -28,7 +28,7 @@ from eclat.loaders.mitsuba import primitives
 from eclat.loaders.triangles import LARGEST
 from eclat.loaders.usd.shaping import Shaping, read_shaping
 from eclat.loaders.usd.stages import Stage, pxr
-from eclat.loaders.usd.textures import read_environment
+from eclat.loaders.usd.textures import read_linear_image
 from eclat.scene import (
     DirectionalLight,
     Environment,
@@ -38,6 +38,7 @@ from eclat.scene import (
     PointLight,
     ProfileLight,
     SpotLight,
+    Texture,
     Value,
     grey,
 )
@@ -173,16 +174,20 @@ def _dome(lamp: _Lamp) -> Made:
     form = str(lamp.stage.value(lamp.schema.GetTextureFormatAttr(), "automatic"))
     if form not in ("automatic", "latlong"):
         warn(f"{lamp.where}: expected a texture of the format latlong, got {form!r}; it is read as latlong")
-    image = read_environment(lamp.stage, lamp.schema.GetTextureFileAttr(), lamp.where)
+    image = read_linear_image(lamp.stage, lamp.schema.GetTextureFileAttr(), lamp.where)
     scaled = np.asarray(image * lamp.luminance, dtype=np.float32)
     return Made(environment=Environment(scaled, turned, lamp.prim.GetName()))
 
 
 def _rect(lamp: _Lamp) -> Made:
     width, height = lamp.length("Width", 1.0), lamp.length("Height", 1.0)
-    if str(getattr(lamp.stage.value(lamp.schema.GetTextureFileAttr()), "path", "") or ""):
-        warn(f"{lamp.where}: the texture of a RectLight is not supported; the light is even")
-    return _area_light(lamp, primitives.rectangle(), (width / 2, height / 2, 1.0), facing=True)
+    image = read_linear_image(lamp.stage, lamp.schema.GetTextureFileAttr(), lamp.where)
+    texture = None if image.shape[:2] == (1, 1) and (image == 1).all() else _picture(image, lamp.prim.GetName())
+    return _area_light(lamp, primitives.rectangle(), (width / 2, height / 2, 1.0), facing=True, texture=texture)
+
+
+def _picture(image: NDArray[np.float32], name: str) -> Texture:
+    return Texture(image, wrap_u="clamp", wrap_v="clamp", name=name)
 
 
 def _disk(lamp: _Lamp) -> Made:
@@ -231,8 +236,18 @@ def _sphere(lamp: _Lamp) -> Made:
     return Made(light=ProfileLight((x, y, z), shaping.profile(name), (red, green, blue), u @ vt, name))
 
 
-def _area_light(lamp: _Lamp, surface: primitives.Surface, scale: tuple[float, ...], *, facing: bool) -> Made:
-    """Make a glowing mesh of a surface in the light's coordinates, which faces −z with `facing`, and else outwards."""
+def _area_light(
+    lamp: _Lamp,
+    surface: primitives.Surface,
+    scale: tuple[float, ...],
+    *,
+    facing: bool,
+    texture: Texture | None = None,
+) -> Made:
+    """Make a glowing mesh of a surface in the light's coordinates, which faces −z with `facing`, and else outwards.
+
+    The `texture` multiplies its light. Seen from the side that shines, with +y above, the image stands upright.
+    """
     positions, normals = surface.positions * scale, surface.normals
     if facing:
         # A half turn about y.
@@ -250,7 +265,8 @@ def _area_light(lamp: _Lamp, surface: primitives.Surface, scale: tuple[float, ..
         triangles=surface.triangles.astype(np.int32),
         normals=normals.astype(np.float32),
         tangents=None,
-        uvs=None,
+        # Row 0 of a texture lies at v = 0, and here at the largest y.
+        uvs=None if texture is None else (surface.uvs * [1, -1] + [0, 1]).astype(np.float32),
         uvs2=None,
         colors=None,
     )
@@ -267,6 +283,6 @@ def _area_light(lamp: _Lamp, surface: primitives.Surface, scale: tuple[float, ..
         dark.name,
         two_sided=False,
         back_culled=facing,
-        emission=Value((red, green, blue)),
+        emission=Value((red, green, blue), texture),
     )
-    return Made(mesh=Mesh(mesh.positions, mesh.triangles, glowing, mesh.normals, name=mesh.name, lamp=mesh.name))
+    return Made(mesh=replace(mesh, material=glowing, lamp=mesh.name))

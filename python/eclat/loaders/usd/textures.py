@@ -263,7 +263,7 @@ def _shifted(image: NDArray[Any], srgb: bool, scale: Rgba, bias: Rgba) -> Textur
     return Texture((values * scale[:count] + bias[:count]).astype(np.float32))
 
 
-def read_environment(stage: Stage, attribute: Any, where: str) -> NDArray[np.float32]:
+def read_linear_image(stage: Stage, attribute: Any, where: str) -> NDArray[np.float32]:
     """Return the linear image (H, W, 3) that an attribute names; one white texel, with a warning, if it cannot be read."""
     asset = stage.value(attribute)
     name, resolved = (str(getattr(asset, part, "") or "") for part in ("path", "resolvedPath"))

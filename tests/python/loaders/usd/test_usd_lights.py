@@ -77,6 +77,32 @@ def test_a_rectangle_shines_along_minus_z_in_nits(tmp_path: Path, head: str | No
     assert lux(tmp_path, body, (0.0, 0.0, 1.5 * unit), (0, 0, -1), head) == 0
 
 
+def test_the_texture_of_a_rectangle_stands_upright_and_multiplies_its_light(tmp_path: Path) -> None:
+    """Seen from the side that shines, with +y above, row 0 is on top and column 0 on the left, at +x."""
+    image = np.zeros((2, 2, 3), np.float32)
+    image[0, 0], image[0, 1], image[1, 0] = (3, 0, 0), (0, 2, 0), (0, 0, 1)
+    image = image.repeat(32, axis=0).repeat(
+        32, axis=1
+    )  # Texels are interpolated, so the quarters blend over one of 64.
+    eclat.Image(image).save(tmp_path / "colours.exr")
+    inputs = "float inputs:width = 2\nfloat inputs:height = 2\nfloat inputs:intensity = 5\n"
+    scene = load_usda(tmp_path, lamp("RectLight", inputs + "asset inputs:texture:file = @colours.exr@"))
+    near = [(x, y, -0.01) for x, y in ((0.5, 0.5), (-0.5, 0.5), (0.5, -0.5), (-0.5, -0.5))]
+    found = eclat.irradiance(scene, near, [(0, 0, 1)] * 4, "direct", samples=256)
+    assert found == pytest.approx(
+        5 * math.pi * np.array([(3, 0, 0), (0, 2, 0), (0, 0, 1), (0, 0, 0)]), rel=0.03, abs=0.15
+    )
+    far = eclat.irradiance(scene, [(0, 0, -1.5)], [(0, 0, 1)], "direct", samples=65536)[0]
+    assert far == pytest.approx(np.array([3, 2, 1]) / 4 * rectangle_lux(5, 2, 2, 1.5), rel=0.02)
+
+
+def test_a_rectangle_whose_texture_is_missing_is_even(tmp_path: Path) -> None:
+    with pytest.warns(EclatWarning, match="none.exr"):
+        scene = load_usda(tmp_path, lamp("RectLight", "asset inputs:texture:file = @none.exr@"))
+    emission = scene.meshes[0].material.emission
+    assert emission is not None and emission.texture is None
+
+
 def test_a_disk_and_a_scaled_disk(tmp_path: Path) -> None:
     """E = π L r² / (r² + d²)."""
     body = lamp("DiskLight", "float inputs:radius = 0.5\nfloat inputs:intensity = 7")
