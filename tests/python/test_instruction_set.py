@@ -6,7 +6,6 @@ a wheel; tests/python/test_wheel.py builds a real one."""
 from __future__ import annotations
 
 import os
-import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -14,7 +13,7 @@ from pathlib import Path
 import pytest
 
 import eclat
-from eclat import _core
+from support.standin_wheel import paths_with, standin_wheel
 
 ONLY = "this machine cannot run x86-64-v4, only x86-64-v2, x86-64-v3"
 RENDER = """
@@ -27,22 +26,12 @@ print(eclat.render(scene, eclat.Path(), samples=1, size=(4, 4)).width, eclat._co
 
 @pytest.fixture(scope="module")
 def wheel(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with a package like that of a wheel, on a machine that runs x86-64-v3."""
-    root = tmp_path_factory.mktemp("wheel")
-    core = Path(_core.__file__)
-    source = Path(eclat.__file__).parent
-    shutil.copytree(source, root / "eclat", ignore=shutil.ignore_patterns("_core*.so", "_cores", "__pycache__"))
-    for level in ("x86-64-v2", "x86-64-v3", "x86-64-v4"):
-        folder = root / "eclat/_cores" / level
-        folder.mkdir(parents=True)
-        shutil.copy(core, folder / core.name)
-    (root / "eclat/_processor.py").write_text("import os\ndef supported_level(): return int(os.environ['LEVEL'])\n")
-    return root
+    """A wheel on a machine that runs x86-64-v3."""
+    return standin_wheel(tmp_path_factory.mktemp("wheel"))
 
 
 def run(wheel: Path, before: str = "", level: int = 3, **variables: str) -> subprocess.CompletedProcess[str]:
-    paths = os.pathsep.join([str(wheel), *(os.path.abspath(path) for path in sys.path if path)])
-    environment = {**os.environ, "PYTHONPATH": paths, "LEVEL": str(level), **variables}
+    environment = {**os.environ, "PYTHONPATH": paths_with(wheel), "LEVEL": str(level), **variables}
     command = [sys.executable, "-c", RENDER.format(before=before)]
     return subprocess.run(command, env=environment, cwd=wheel, capture_output=True, text=True, timeout=120)
 

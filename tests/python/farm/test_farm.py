@@ -9,9 +9,6 @@ from __future__ import annotations
 
 import os
 import signal
-import socket
-import subprocess
-import sys
 import time
 from collections.abc import Iterator
 from contextlib import ExitStack
@@ -23,7 +20,7 @@ import pytest
 import eclat
 from eclat.errors import EclatError, EclatWarning, warn
 from eclat.farm.farm import Farm, current_farm
-from support.clusters import local_client
+from support.clusters import Cluster, local_client
 
 
 @pytest.fixture(scope="module")
@@ -176,32 +173,6 @@ def test_what_is_no_client_and_schedulers_that_do_not_answer_are_refused() -> No
         Farm.local(0)
 
 
-class Cluster:
-    """A scheduler and a worker as processes, as on machines of their own."""
-
-    def __init__(self, stack: ExitStack) -> None:
-        self._stack = stack
-        with socket.socket() as free:
-            free.bind(("127.0.0.1", 0))
-            self.port = free.getsockname()[1]
-        self.address = f"tcp://127.0.0.1:{self.port}"
-        self.scheduler = self.start()
-
-    def start(self) -> subprocess.Popen[bytes]:
-        common = ["--no-dashboard"]
-        at = ["--host", "127.0.0.1", "--port", str(self.port), "--no-jupyter"]
-        scheduler = self._run("dask_scheduler", *at, *common)
-        self._run("dask_worker", self.address, "--nthreads", "1", "--no-nanny", *common)
-        return scheduler
-
-    def _run(self, program: str, *arguments: str) -> subprocess.Popen[bytes]:
-        command = [sys.executable, "-m", f"distributed.cli.{program}", *arguments]
-        process = subprocess.Popen(command, stderr=subprocess.DEVNULL)
-        self._stack.callback(process.wait)
-        self._stack.callback(process.kill)
-        return process
-
-
 @pytest.mark.slow
 @pytest.mark.parametrize("comes_back", [True, False])
 def test_a_scheduler_that_is_lost_and_started_again(comes_back: bool) -> None:
@@ -211,6 +182,7 @@ def test_a_scheduler_that_is_lost_and_started_again(comes_back: bool) -> None:
 
     with ExitStack() as stack:
         cluster = Cluster(stack)
+        cluster.add_worker()
         with Farm.connect(cluster.address, patience=30) as farm:
             farm.workers.patience = 30 if comes_back else 1
             ranges = farm.each(slow, "", range(8))
@@ -218,7 +190,8 @@ def test_a_scheduler_that_is_lost_and_started_again(comes_back: bool) -> None:
             cluster.scheduler.kill()
             cluster.scheduler.wait()
             if comes_back:
-                cluster.start()
+                cluster.start_scheduler()
+                cluster.add_worker()
                 found += ranges
                 assert sorted(found) == [(n, n) for n in range(8)]
             else:
