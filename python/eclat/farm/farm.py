@@ -79,10 +79,13 @@ class Farm:
 
     @classmethod
     def connect(cls, scheduler: str, patience: float = PATIENCE) -> Farm:
-        """Connect to the scheduler at an address such as tcp://192.168.1.10:8786. Raises EclatError if none answers."""
+        """Connect to the scheduler at an address such as tcp://192.168.1.10:8786. Raises EclatError if none answers within
+        10 s, or within `patience` if this is less."""
         distributed = _distributed()
         try:
-            client = distributed.Client(scheduler, timeout=min(patience, 10), set_as_default=False)
+            distributed.Client(scheduler, timeout=min(patience, 10), set_as_default=False).close()
+            # For a scheduler that is lost, a client waits as long as when it connects, and then it closes for good.
+            client = distributed.Client(scheduler, timeout=patience, set_as_default=False)
         except (OSError, ValueError, TimeoutError, TypeError) as error:
             raise EclatError(f"scheduler: no scheduler answers at {scheduler}: {error}") from None
         farm = cls(client, patience)

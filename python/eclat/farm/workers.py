@@ -72,9 +72,10 @@ class Workers:
 
     def _why_nobody_computes(self) -> str:
         if self.client.status != "running":
+            waited = "the time that its client waits" if self.client.status == "closed" else f"{self.patience:g} s"
             return (
-                f"the scheduler was lost and did not come back within {self.patience:g} s; start it again, and then this "
-                "command: finished frames are kept"
+                f"the scheduler was lost and did not come back within {waited}; start it again, and then this command: "
+                "finished frames are kept"
             )
         if self._refused:
             worker, reason = next(iter(self._refused.items()))

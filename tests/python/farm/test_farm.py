@@ -190,6 +190,7 @@ def test_a_scheduler_that_is_lost_and_started_again(comes_back: bool) -> None:
             cluster.scheduler.kill()
             cluster.scheduler.wait()
             if comes_back:
+                time.sleep(11)  # By default, clients close after 10 s.
                 cluster.start_scheduler()
                 cluster.add_worker()
                 found += ranges
