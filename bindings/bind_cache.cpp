@@ -22,6 +22,7 @@
 #include "methods/irradiance_cache/solve_points.h"
 #include "methods/radiance_cache/record_lobes.h"
 #include "record_arrays.h"
+#include "records/estimated_error.h"
 #include "shared_work.h"
 #include "world_holder.h"
 
@@ -168,6 +169,15 @@ auto read_near_records(const SolvedCaches& caches, const Points& positions, cons
     return std::pair(color_array(values), std::move(sums));
 }
 
+/// Returns the estimated error of what `read_near_records` gives (points,), or a negative number where no record serves.
+auto estimated_errors_of_near(const SolvedCaches& caches, const Points& positions, const Points& normals) {
+    const auto points = points_with_normals(positions, normals);
+    return float_array({points.size()}, [&](float* data) {
+        for (const PointNormal& p : points)
+            *data++ = estimated_error(caches.near, p.position, p.normal).value_or(-1.0f);
+    });
+}
+
 /// Returns the excess of each record of a cache, averaged over the records around it (records, 3).
 template <class Cache>
 auto shared_excess(const Cache& cache) {
@@ -243,6 +253,8 @@ void bind_solved_caches(nb::module_& m) {
         .def("read_near", &read_near_records, "positions"_a, "normals"_a,
              "The irradiance (points, 3) that near records give, and the sum of their weights (points,); 0 if none "
              "serves.")
+        .def("estimated_errors", &estimated_errors_of_near, "positions"_a, "normals"_a,
+             "The estimated error of what `read_near` gives, relative to it (points,); negative if no record serves.")
         .def_prop_ro("near_count", [](const SolvedCaches& c) { return c.near.records().size(); })
         .def_ro("left_to_paths", &SolvedCaches::left_to_paths)
         .def_prop_ro("far_count", [](const SolvedCaches& c) { return c.far.records().size(); });

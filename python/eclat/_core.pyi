@@ -786,6 +786,15 @@ class SolvedCaches:
         The irradiance (points, 3) that near records give, and the sum of their weights (points,); 0 if none serves.
         """
 
+    def estimated_errors(
+        self,
+        positions: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+        normals: Annotated[NDArray[numpy.float32], dict(shape=(None, 3), order="C", device="cpu", writable=False)],
+    ) -> NDArray[numpy.float32]:
+        """
+        The estimated error of what `read_near` gives, relative to it (points,); negative if no record serves.
+        """
+
     @property
     def near_count(self) -> int: ...
     @property

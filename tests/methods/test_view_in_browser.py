@@ -119,6 +119,17 @@ def test_weights_and_values_are_those_of_the_core(cornell_box: Shown) -> None:
     assert (sums[weights == 0, 3] < 1e-5).all()
 
 
+def test_estimated_errors_are_those_of_the_core(cornell_box: Shown) -> None:
+    caches, errors = cornell_box.solution.core(), cornell_box.page.errors
+    points, normals = cornell_box.points[: len(errors)], cornell_box.normals[: len(errors)]
+    expected, weights = caches.estimated_errors(points, normals), caches.read_near(points, normals)[1]
+    assert len(errors) == 2000 and ((expected >= 0) == (weights > 0)).all()
+    clear = weights > 0.02
+    assert (errors[clear, 3] == 1).all() and (errors[weights == 0, 3] == 0).mean() > 0.99
+    assert np.quantile(expected[clear], 0.1) < 0.7 * np.quantile(expected[clear], 0.9)
+    np.testing.assert_allclose(errors[clear, 0], expected[clear], rtol=3e-4)
+
+
 def switched_core(solution: Solution, look: dict[str, object]) -> _core.SolvedCaches:
     """The records of the core, read as a page with that look reads them."""
     options = core_options(solution.options)

@@ -85,6 +85,15 @@ def test_a_measured_surface_is_shown_with_its_albedo(tmp_path: Path) -> None:
     np.testing.assert_allclose(middle(scene), expected, rtol=0.01)
 
 
+def test_a_plate_close_above_a_wide_floor_hides_it() -> None:
+    black = {"reflectance": grey(0)}
+    floor = Material("diffuse", black, "floor", emission=rgb(1, 4, 2))
+    plate = Material("diffuse", black, "plate", emission=rgb(3, 2, 1))
+    camera = Camera(look_at((0, 20, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
+    scene = Scene((square(0, 30, True, floor), square(0.002, 2, True, plate)), (), cameras=(camera,))
+    np.testing.assert_allclose(middle(scene), (3, 2, 1), rtol=1e-3)
+
+
 def test_a_pane_shows_what_is_behind_it_and_mirrors_what_is_before_it() -> None:
     def wall(z: float, towards: int, material: Material) -> Mesh:
         corners = np.array([[-9, -9, z], [9, -9, z], [9, 9, z], [-9, 9, z]], float)

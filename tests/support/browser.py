@@ -191,6 +191,8 @@ class ViewedPage:
     """(H, W) where these show gloss by an approximation."""
     sums: NDArray[np.float32]
     """(looks · N, 4) sums of (w E, w) over the records at the points that were asked for, with each look."""
+    errors: NDArray[np.float32]
+    """(M, 4) at the first 2000 points: the estimated error relative to the irradiance, and 1 where a record serves."""
     shot: NDArray[np.uint8] | None
     """(H, W, 3) the page as it looks."""
     message: str
@@ -236,11 +238,11 @@ def look_at_page(
     png = answer.get("shot")
     page = None if png is None else np.array(Image.open(io.BytesIO(base64.b64decode(png))).convert("RGB"))
     sums = np.concatenate([decoded(of_look) for of_look in answer.get("sums") or [None]])
+    errors = decoded(answer.get("errors"))
     told = (answer["message"], answer["messages"], answer["requests"])
     colors, marks = [p[..., :3] for p in made], [p[..., 3] > 0.5 for p in made]
-    return ViewedPage(
-        colors, marks, sums, page, *told, answer.get("work", []), answer.get("seconds", []), answer.get("result")
-    )
+    work = (answer.get("work", []), answer.get("seconds", []), answer.get("result"))
+    return ViewedPage(colors, marks, sums, errors, page, *told, *work)
 
 
 def use_page(url: str) -> dict[str, Any]:

@@ -3,9 +3,9 @@
 
 // Asks the page of `eclat view` for pictures and sums of records: node view.mjs CHROMIUM < request.json > answer.json
 // The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, looks, shot }: float32 arrays in base64,
-// or no points, and the looks with which sums are asked for. The answer is { pictures, work, seconds, sums, shot, result, records,
-// precision, message, messages, requests }: linear pictures, for those with `work` its counts and the seconds of a picture, and sums of
-// each look, one after another, as float32 in base64; a PNG of the page if a shot was asked for; the global variable that the shot names
+// or no points, and the looks with which sums are asked for. The answer is { pictures, work, seconds, sums, errors, shot, result, records,
+// precision, message, messages, requests }: linear pictures, for those with `work` its counts and the seconds of a picture, sums of
+// each look, one after another, and estimated errors at the first 2000 points, as float32 in base64; a PNG of the page if a shot was asked for; the global variable that the shot names
 // as its `result`; what the page shows instead of a picture; what it said on its console; and the addresses that it asked for.
 
 import { text } from 'node:stream/consumers';
@@ -36,6 +36,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
           return {
             pictures: pictures.map((p) => encoded(eclatView.linear(p.camera, p.width, p.height, p.look))),
             sums: points && looks.map((look) => encoded(eclatView.sums(decoded(points), decoded(normals), look))),
+            errors: points && encoded(eclatView.errors(decoded(points).subarray(0, 6000), decoded(normals).subarray(0, 6000))),
             work: pictures.map((p) => p.work && eclatView.work(p.camera, p.width, p.height)),
             seconds: pictures.map((p) => {
               if (!p.work) return undefined;

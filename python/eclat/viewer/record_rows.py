@@ -12,8 +12,8 @@ A row has 13 groups of four numbers, which are texels of a texture in the page (
     5, 6, 7  ∇_r E of a channel; x, y or z of the first channel of ∇_t E
     8        the second channel of ∇_t E, x of the third
     9..11    clearance in each of the twelve sectors around n
-    12       length ℓ that the radius follows, relative noise of the value, radius before neighbours bound it, sign of
-             the z of n (for −0)
+    12       length ℓ that the radius follows, relative noise of the value, radius before neighbours bound it (with the sign
+             of the z of n, for −0), curvature λ
 
 Radii and excess are those of the core, which clamps a radius to those of the neighbours, and shares the excess with
 them, whenever it takes records in.
@@ -81,7 +81,6 @@ def rows_of(records: np.ndarray, shared_excess: np.ndarray, spacing: float) -> t
     turning = field["rotation_gradients"].reshape(-1, 3, 3)
     moving = field["translation_gradients"].reshape(-1, 3, 3)
     clearance = field["clearances"]
-    sign = np.copysign(np.float32(1), normal[:, 2:])
     alone = np.clip(spacing * field["distances"], field["least_radii"], field["largest_radii"])
     rows = np.concatenate(
         [
@@ -95,7 +94,7 @@ def rows_of(records: np.ndarray, shared_excess: np.ndarray, spacing: float) -> t
             turning[:, 2], moving[:, 0, 2:],
             moving[:, 1], moving[:, 2, :1],
             clearance,
-            field["distances"], field["noises"], alone, sign,
+            field["distances"], field["noises"], np.copysign(alone, normal[:, 2:]), field["curvatures"],
         ],
         axis=1,
     ).astype(np.float32)  # fmt: skip

@@ -46,8 +46,6 @@ export class Lamps {
 
 /** A pass over the whole picture. */
 export function screenPass(fragment: string, uniforms: Record<string, three.IUniform>, adds = false): three.Scene {
-  const triangle = new three.BufferGeometry();
-  triangle.setAttribute('position', new three.BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
   const material = new three.RawShaderMaterial({
     glslVersion: three.GLSL3,
     vertexShader: withoutVersion(screenVertex),
@@ -57,6 +55,25 @@ export function screenPass(fragment: string, uniforms: Record<string, three.IUni
     depthWrite: false,
     ...(adds ? adding : { blending: three.NoBlending }),
   });
+  return overPicture(material);
+}
+
+/** A pass over the whole picture that sets depths. */
+export function depthPass(fragment: string, uniforms: Record<string, three.IUniform>): three.Scene {
+  const material = new three.RawShaderMaterial({
+    glslVersion: three.GLSL3,
+    vertexShader: withoutVersion(screenVertex),
+    fragmentShader: withoutVersion(fragment),
+    uniforms,
+    depthFunc: three.AlwaysDepth,
+    colorWrite: false,
+  });
+  return overPicture(material);
+}
+
+function overPicture(material: three.Material): three.Scene {
+  const triangle = new three.BufferGeometry();
+  triangle.setAttribute('position', new three.BufferAttribute(new Float32Array([-1, -1, 0, 3, -1, 0, -1, 3, 0]), 3));
   const mesh = new three.Mesh(triangle, material);
   mesh.frustumCulled = false;
   const scene = new three.Scene();

@@ -10,7 +10,8 @@ import { Navigation } from './navigation';
 import { fillPanel, type Panel } from './panel';
 import { Pose } from './pose';
 import { irradianceShown, radianceShown, recordFacts } from './record_facts';
-import { Renderer, USUAL_LOOK, type Look } from './renderer';
+import { USUAL_LOOK, type Look } from './look';
+import { Renderer } from './renderer';
 import { Truth } from './truth';
 
 /** What tests and other pages may ask of this page. */
@@ -26,6 +27,8 @@ export interface EclatView {
   work(camera: number, width: number, height: number): ReturnType<Renderer['work']>;
   /** The sums (n, 4) of (w E, w) at n points with normals. */
   sums(points: Float32Array, normals: Float32Array, look?: Partial<Look>): Float32Array;
+  /** The estimated errors (n, 4) of what is read there: relative, and 1 where a record serves the point. */
+  errors(points: Float32Array, normals: Float32Array): Float32Array;
 }
 
 declare global {
@@ -206,6 +209,7 @@ function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, 
     pose.follow(camera);
     return pose;
   };
+  const rowsOf = (points: Float32Array) => Math.ceil(points.length / 3 / 64);
   return {
     precision: renderer.precision,
     get records() {
@@ -220,11 +224,9 @@ function interfaceOf(renderer: Renderer, header: SceneHeader, diagonal: number, 
     linear: (number, width, height, look = {}) =>
       renderer.readLinear(poseOf(number), { ...USUAL_LOOK, ...look }, width, height),
     work: (number, width, height) => renderer.work(poseOf(number), width, height),
-    sums: (points, normals, look = {}) => {
-      const width = 64;
-      const height = Math.ceil(points.length / 3 / width);
-      return renderer.readRecords(points, normals, width, height, { ...USUAL_LOOK, ...look }).subarray(0, (points.length / 3) * 4);
-    },
+    sums: (points, normals, look = {}) =>
+      renderer.readRecords(points, normals, 64, rowsOf(points), { ...USUAL_LOOK, ...look }).subarray(0, (points.length / 3) * 4),
+    errors: (points, normals) => renderer.readErrors(points, normals, 64, rowsOf(points)).subarray(0, (points.length / 3) * 4),
   };
 }
 

@@ -6,7 +6,7 @@
 import { HemisphereView } from './hemisphere';
 import type { Mode } from './navigation';
 import type { Weighting } from './records';
-import type { Look, Overlay, ToneMapping } from './renderer';
+import type { Look, Overlay, ToneMapping } from './look';
 import type { Way } from './truth';
 
 export interface PanelActions {
@@ -38,6 +38,7 @@ const OVERLAYS: readonly [Overlay, string][] = [
   ['records', 'Records and their radii'],
   ['clearance', 'Distance to the nearest obstacle'],
   ['noise', 'Noise of the records, up to 10 %'],
+  ['error', 'Estimated error of the light from records'],
   ['left-out', 'What is approximated'],
   ['lobes', 'Lobes from records, and traced'],
 ];
@@ -48,6 +49,9 @@ const LEGENDS: Record<Overlay, string> = {
   records: 'Yellow: the places of records. Blue: the ellipses of their radii.',
   clearance: 'From dark blue to yellow: a thousandth of the diagonal of the scene to all of it.',
   noise: 'From dark blue to yellow: standard errors of irradiance from 0 to 10 %.',
+  error:
+    'From dark blue (0.1 %) over green (1 %) to yellow (10 % and more), by logarithm: how wrong irradiance may be as far as its records ' +
+    'know, from their curvature, the distance to them, and their noise. Red: no record serves the place.',
   'left-out': 'Stripes. Red: matte surfaces without records. Orange: rough gloss. Blue: mirrors and glass.',
   lobes:
     'Green: matte light from records. Blue: gloss from records. Turquoise: both. Orange, also in stripes: gloss that eclat ' +

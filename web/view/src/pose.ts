@@ -68,6 +68,11 @@ export class Pose {
     return projection.multiply(this.toWorld.clone().invert());
   }
 
+  /** The depth at which a perspective view begins, as a logarithm of 2, and one over the logarithm of how much deeper it ends. */
+  get depths(): three.Vector2 {
+    return new three.Vector2(Math.log2(NEAR * this.diagonal), 1 / Math.log2(FAR / NEAR));
+  }
+
   /** The position and 1, or the direction towards an eye at infinity and 0. */
   eye(): three.Vector4 {
     const p = this.orthographic ? this.backward : this.position;

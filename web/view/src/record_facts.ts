@@ -60,6 +60,7 @@ export function recordFacts(records: WithRows, number: number, header: SceneHead
     ['Shared excess', `${vector(15, 16, 17)} ${unit}`],
     ['Green per metre', `${digits(length(32, 33, 34))} ${unit}/m`],
     ['Green per radian', `${digits(length(24, 25, 26))} ${unit}/rad`],
+    ['Curvature', `${digits(at(51))} ${unit}/m²`],
     ['Noise', `${digits(100 * at(49))} %`],
   ];
 }

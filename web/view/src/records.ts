@@ -5,14 +5,14 @@
 
 import * as three from 'three';
 import { arrayOf, type Message, type Reading, type RecordsHeader } from './messages';
-import { nearestRow, Rows } from './rows';
+import { FLOATS, nearestRow, Rows } from './rows';
 import { everywhereVertex, splatFragment, splatVertex } from './shaders/splat';
 import { withoutVersion } from './surfaces';
 
 const WEIGHTS: Record<Reading['weight'], number> = { tabellion: 0, ward: 1, 'split-sphere': 2 };
 
 /** What splats add, by the numbers of `overlay` in shaders/splat.ts. */
-const ADDED = ['light', 'count', 'outlines', 'fragments', 'clearance', 'noise', 'ways'] as const;
+const ADDED = ['light', 'count', 'outlines', 'fragments', 'clearance', 'noise', 'ways', 'errors'] as const;
 
 /** Switches of the page. */
 export interface Switches {
@@ -88,6 +88,16 @@ export class Records {
     return this.rows.count;
   }
 
+  /** The mean luminance of the irradiance of all records. */
+  get meanLuminance(): number {
+    const { values, count } = this.rows;
+    let sum = 0;
+    for (let i = 12; i < count * FLOATS; i += FLOATS) {
+      sum += 0.2126 * (values[i] ?? 0) + 0.7152 * (values[i + 1] ?? 0) + 0.0722 * (values[i + 2] ?? 0);
+    }
+    return count > 0 ? sum / count : 0;
+  }
+
   /** Takes in a message: its records replace those of the same numbers, or are appended. */
   accept(message: Message<RecordsHeader>): void {
     const { first, count, reading } = message.header;
@@ -98,7 +108,7 @@ export class Records {
 
   /**
    * Sets how the records are read, and what splats add: their light, the number that serve a pixel, outlines of that width at distance 1, the number
-   * of fragments, values of the records with their weights, or the ways from them.
+   * of fragments, values of the records with their weights, the ways from them, or what their estimated error consists of.
    */
   switch(switches: Switches, adds: (typeof ADDED)[number] = 'light', pixelAngle = 1): void {
     if (!this.reading) return;

@@ -4,13 +4,14 @@
 // The passes of a picture: surfaces, lamps, splats, division, display.
 
 import * as three from 'three';
-import { Lamps, screenPass } from './lamps';
+import { depthPass, Lamps, screenPass } from './lamps';
 import { Gloss } from './gloss';
 import type { GlossHeader, LightHeader, Message, RecordsHeader, SceneHeader } from './messages';
-import { Records, type Weighting } from './records';
+import { OVERLAYS, TONE_MAPPINGS, USUAL_LOOK, type Look } from './look';
+import { Records } from './records';
 import { displayFragment } from './shaders/display';
-import { unbendFragment } from './shaders/splat';
-import { divideFragment } from './shaders/screen';
+import { errorFragment, unbendFragment } from './shaders/splat';
+import { depthFragment, divideFragment } from './shaders/screen';
 import { makeContext, precisionOf, Targets, texelsOf, type Precision } from './targets';
 import { shareWithoutRecords } from './missing';
 import { chosenPlanes, reflection, type Plane } from './mirrors';
@@ -19,55 +20,11 @@ import { floatTexture, makeSurfaces, makeView, NO_CLIP, type ShadowView, type Su
 import type { Pose } from './pose';
 import type { Beside } from './truth';
 
-export type ToneMapping = 'none' | 'filmic' | 'agx';
-export type Overlay = 'none' | 'weights' | 'density' | 'left-out' | 'records' | 'clearance' | 'noise' | 'lobes';
-
-/** What the picture shows. */
-export interface Look {
-  exposure: number;
-  toneMapping: ToneMapping;
-  overlay: Overlay;
-  direct: boolean;
-  indirect: boolean;
-  gradients: boolean;
-  clearance: boolean;
-  /** Whether radii are bounded by those of neighbours. */
-  clamping: boolean;
-  weight: Weighting;
-  /** The greatest order of harmonics of radiance that is read, at most that of the records. */
-  order: number;
-  /** Whether mirrors, and gloss without records, are shown by approximations. */
-  mirrors: boolean;
-  /** Where the picture of the server begins beside that of the page, as a share of the width from the left. */
-  wipe: number;
-  /** Whether the difference of both is shown instead of them. */
-  difference: boolean;
-}
-
-export const USUAL_LOOK: Look = {
-  exposure: 0,
-  toneMapping: 'none',
-  overlay: 'none',
-  direct: true,
-  indirect: true,
-  gradients: true,
-  clearance: true,
-  clamping: true,
-  weight: 'solved',
-  order: Infinity,
-  mirrors: true,
-  wipe: 0.5,
-  difference: false,
-};
-
-const TONE_MAPPINGS: Record<ToneMapping, number> = { none: 0, filmic: 1, agx: 2 };
-const OVERLAYS: Record<Overlay, number> = { none: 0, weights: 1, density: 2, 'left-out': 3, records: 4, clearance: 5, noise: 6, lobes: 7 };
-
 /** The images of what mirrors, in the order of the geometry pass. */
 const MIRROR_IMAGES = ['mirrorPositions', 'mirrorNormals', 'mirrorAlbedos', 'mirrorRadiances'];
 
 /** What splats add for the overlays that need a pass of their own. */
-const COUNTED = { density: 'count', records: 'outlines', clearance: 'clearance', noise: 'noise' } as const;
+const COUNTED = { density: 'count', records: 'outlines', clearance: 'clearance', noise: 'noise', error: 'errors' } as const;
 
 export class Renderer {
   readonly precision: Precision;
@@ -83,6 +40,9 @@ export class Renderer {
   private readonly mirroring: Record<string, three.IUniform>;
   private readonly unbending: Record<string, three.IUniform> = { firstOrder: { value: null }, bendings: { value: null } };
   private readonly unbend = screenPass(unbendFragment, this.unbending);
+  private readonly estimating: Record<string, three.IUniform>;
+  private readonly estimate: three.Scene;
+  private readonly setDepths: three.Scene;
   private readonly divide: three.Scene;
   private readonly mirror: three.Scene;
   private readonly display: three.Scene;
@@ -136,6 +96,7 @@ export class Renderer {
     this.displaying = {
       ...this.inputs,
       toneMapping: { value: 0 },
+      errors: { value: null },
       overlay: { value: 0 },
       scale: { value: 1 },
       toneMappingExposure: { value: 1 },
@@ -147,6 +108,9 @@ export class Renderer {
       showDifference: { value: false },
       differenceFloor: { value: 0 },
     };
+    this.estimating = { counts: { value: null }, sums: { value: null }, meanLuminance: { value: 0 } };
+    this.setDepths = depthPass(depthFragment, { positions: this.inputs['positions']!, viewProjection: view.viewProjection });
+    this.estimate = screenPass(errorFragment, this.estimating);
     this.divide = screenPass(divideFragment, this.dividing);
     this.mirror = screenPass(mirrorsFragment, this.mirroring);
     this.display = screenPass(displayFragment, this.displaying);
@@ -194,6 +158,7 @@ export class Renderer {
     this.set(this.displaying, 'diagonal', pose.diagonal);
     this.set(this.displaying, 'toneMapping', TONE_MAPPINGS[look.toneMapping]);
     this.set(this.displaying, 'overlay', OVERLAYS[look.overlay]);
+    this.set(this.displaying, 'errors', this.targets.errors.texture);
     this.set(this.displaying, 'scale', 2 ** look.exposure);
     this.set(this.displaying, 'toneMappingExposure', 2 ** look.exposure);
     this.set(this.displaying, 'comparing', beside !== undefined);
@@ -217,9 +182,7 @@ export class Renderer {
     const mean = (adds: 'fragments' | 'count') => {
       this.drawLinear(pose, USUAL_LOOK, width, height);
       this.records.switch(USUAL_LOOK, adds);
-      this.gl.setRenderTarget(this.targets.counts);
-      this.gl.clear(true, false, false);
-      this.gl.render(this.records.splats, this.camera);
+      this.drawSplats(this.records.splats, this.targets.counts);
       const texels = texelsOf(this.gl, this.targets.counts);
       let sum = 0;
       for (let i = 0; i < texels.length; i += 4) sum += texels[i] ?? 0;
@@ -235,6 +198,29 @@ export class Renderer {
 
   /** Returns the sums (height, width, 4) of (w E, w) over the records at points with normals, (height · width, 3) each. */
   readRecords(points: Float32Array, normals: Float32Array, width: number, height: number, look = USUAL_LOOK): Float32Array {
+    return this.atPoints(points, normals, width, height, (targets) => {
+      this.sumRecords(this.records.everywhere, look, targets);
+      return texelsOf(this.gl, targets.sums);
+    });
+  }
+
+  /** Returns at such points the estimated error relative to the irradiance there, and 1, or zeros where no record serves (height, width, 4). */
+  readErrors(points: Float32Array, normals: Float32Array, width: number, height: number, look = USUAL_LOOK): Float32Array {
+    return this.atPoints(points, normals, width, height, (targets) => {
+      this.sumRecords(this.records.everywhere, look, targets);
+      this.drawErrors(this.records.everywhere, look, targets);
+      return texelsOf(this.gl, targets.errors);
+    });
+  }
+
+  /** Does something with images of these points in place of those of surfaces. */
+  private atPoints(
+    points: Float32Array,
+    normals: Float32Array,
+    width: number,
+    height: number,
+    read: (targets: Targets) => Float32Array,
+  ): Float32Array {
     const targets = new Targets(width, height, this.precision);
     const texture = (values: Float32Array, fill: number) => {
       const data = new Float32Array(width * height * 4).fill(fill);
@@ -246,10 +232,9 @@ export class Renderer {
     this.set(this.inputs, 'positions', texture(points, 1));
     this.set(this.inputs, 'normals', texture(normals, 0));
     this.set(this.inputs, 'albedos', texture(normals, -1));
-    this.sumRecords(this.records.everywhere, look, targets);
-    const sums = texelsOf(this.gl, targets.sums);
+    const found = read(targets);
     targets.dispose();
-    return sums;
+    return found;
   }
 
   /** The place that the picture shows at a pixel, counted from its bottom left, or nothing. */
@@ -305,6 +290,7 @@ export class Renderer {
     this.view.eye.value.copy(pose.eye()).applyMatrix4(mirrored);
     // The mirror itself, and what lies in its plane, is not in the way of the mirrored eye.
     this.view.clip.value.copy(plane ? new three.Vector4(...plane.normal.toArray(), plane.offset + 1e-4 * pose.diagonal) : NO_CLIP);
+    this.view.depths.value.copy(pose.depths);
     this.view.inMirror.value = plane !== undefined;
     this.gloss.switch(gl, look);
     for (const splats of [this.records.splats, this.gloss.splats]) turned(splats, plane !== undefined);
@@ -312,13 +298,13 @@ export class Renderer {
     gl.setRenderTarget(targets.surfaces);
     gl.clear();
     gl.render(this.surfaces.seen, this.camera);
+    gl.setRenderTarget(targets.ways);
+    gl.render(this.setDepths, this.camera);
     gl.setRenderTarget(targets.light);
     gl.clear(true, false, false);
     for (const pass of this.lamps.passes) gl.render(pass, this.camera);
     this.sumRecords(this.records.splats, look, targets);
-    gl.setRenderTarget(targets.glossSums);
-    gl.clear(true, false, false);
-    gl.render(this.gloss.splats, this.camera);
+    this.drawSplats(this.gloss.splats, targets.glossSums);
     if (!plane) this.drawCounts(pose, look, width, height);
     this.set(this.dividing, 'showDirect', look.direct);
     this.set(this.dividing, 'showIndirect', look.indirect);
@@ -333,14 +319,10 @@ export class Renderer {
     const { gl } = this;
     this.set(this.inputs, 'ways', null); // nothing may be read where it is drawn
     this.records.switch(look, 'ways');
-    gl.setRenderTarget(targets.ways);
-    gl.clear(true, false, false);
-    gl.render(splats, this.camera);
+    this.drawSplats(splats, targets.ways);
     this.set(this.inputs, 'ways', targets.ways.texture);
     this.records.switch(look);
-    gl.setRenderTarget(targets.splats);
-    gl.clear(true, false, false);
-    gl.render(splats, this.camera);
+    this.drawSplats(splats, targets.splats);
     this.set(this.unbending, 'firstOrder', targets.splats.textures[0]);
     this.set(this.unbending, 'bendings', targets.splats.textures[1]);
     gl.setRenderTarget(targets.sums);
@@ -349,14 +331,32 @@ export class Renderer {
 
   /** Draws what overlays count. */
   private drawCounts(pose: Pose, look: Look, width: number, height: number): void {
-    const { gl, targets } = this;
-    if (look.overlay in COUNTED) {
-      const pixelAngle = (2 * pose.extent(width / height)[1]) / height;
-      this.records.switch(look, COUNTED[look.overlay as keyof typeof COUNTED], pixelAngle);
-      gl.setRenderTarget(targets.counts);
-      gl.clear(true, false, false);
-      gl.render(this.records.splats, this.camera);
-    }
+    const { targets } = this;
+    if (!(look.overlay in COUNTED)) return;
+    if (look.overlay === 'error') return this.drawErrors(this.records.splats, look, targets);
+    const pixelAngle = (2 * pose.extent(width / height)[1]) / height;
+    this.records.switch(look, COUNTED[look.overlay as keyof typeof COUNTED], pixelAngle);
+    this.drawSplats(this.records.splats, targets.counts);
+  }
+
+  /** Draws the estimated errors of the sums of the records' light. */
+  private drawErrors(splats: three.Scene, look: Look, targets: Targets): void {
+    const { gl } = this;
+    this.records.switch(look, 'errors');
+    this.drawSplats(splats, targets.counts);
+    this.set(this.estimating, 'counts', targets.counts.texture);
+    this.set(this.estimating, 'sums', targets.sums.texture);
+    this.set(this.estimating, 'meanLuminance', this.records.meanLuminance);
+    gl.setRenderTarget(targets.errors);
+    gl.clear(true, false, false);
+    gl.render(this.estimate, this.camera);
+  }
+
+  /** Adds splats to an image that is black before. */
+  private drawSplats(splats: three.Scene, into: three.WebGLRenderTarget): void {
+    this.gl.setRenderTarget(into);
+    this.gl.clear(true, false, false);
+    this.gl.render(splats, this.camera);
   }
 
   private resize(width: number, height: number): void {

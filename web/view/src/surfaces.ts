@@ -32,6 +32,8 @@ export interface View {
   readonly eye: { value: three.Vector4 };
   /** Nothing is drawn behind this plane: its normal and offset. */
   readonly clip: { value: three.Vector4 };
+  /** The depth at which perspective views begin, m, as a logarithm of 2, and one over the logarithm of how much deeper they end. */
+  readonly depths: { value: three.Vector2 };
   /** Whether a mirrored eye sees, which sees what is hidden from the camera. */
   readonly inMirror: { value: boolean };
 }
@@ -40,7 +42,7 @@ export interface View {
 export const NO_CLIP = new three.Vector4(0, 0, 0, -1);
 
 export function makeView(): View {
-  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() }, clip: { value: NO_CLIP.clone() }, inMirror: { value: false } };
+  return { viewProjection: { value: new three.Matrix4() }, eye: { value: new three.Vector4() }, clip: { value: NO_CLIP.clone() }, depths: { value: new three.Vector2(0, 1) }, inMirror: { value: false } };
 }
 
 export interface Surfaces {

@@ -32,7 +32,7 @@ export function makeContext(canvas: HTMLCanvasElement): three.WebGLRenderer {
 
 /** The images of one size. */
 export class Targets {
-  /** positions, normals, albedos, radiances; see shaders/surfaces.ts. */
+  /** positions, normals, albedos, radiances; see shaders/surfaces.ts. The images of splats share another depth. */
   readonly surfaces: three.WebGLRenderTarget;
   /** The light of lamps. */
   readonly light: three.WebGLRenderTarget;
@@ -46,6 +46,8 @@ export class Targets {
   readonly glossSums: three.WebGLRenderTarget;
   /** The number of splats, for an overlay. */
   readonly counts: three.WebGLRenderTarget;
+  /** The estimated errors, for an overlay. */
+  readonly errors: three.WebGLRenderTarget;
   /** The linear picture before mirrors are added, and with them. */
   readonly base: three.WebGLRenderTarget;
   readonly picture: three.WebGLRenderTarget;
@@ -73,8 +75,8 @@ export class Targets {
         depthBuffer: depth,
         ...(depth ? { depthTexture } : {}),
       });
-    this.surfaces = make(three.FloatType, 4, true);
-    this.glass = glass ? glassTarget(width, height) : undefined;
+    this.surfaces = ownDepth(width, height);
+    this.glass = glass ? ownDepth(width, height) : undefined;
     this.behindGlass = glass ? make(three.FloatType) : undefined;
     this.light = make(blended);
     this.ways = make(blended, 1, true);
@@ -82,6 +84,7 @@ export class Targets {
     this.sums = make(blended);
     this.glossSums = make(blended, 1, true);
     this.counts = make(blended, 1, true);
+    this.errors = make(three.FloatType);
     this.base = make(three.FloatType);
     this.picture = make(three.FloatType);
     this.mirrors = Array.from(
@@ -101,13 +104,13 @@ export class Targets {
   dispose(): void {
     this.glass?.dispose();
     this.behindGlass?.dispose();
-    const { surfaces, light, ways, splats, sums, glossSums, counts, base, picture, mirrors } = this;
-    for (const target of [surfaces, light, ways, splats, sums, glossSums, counts, base, picture, ...mirrors]) target.dispose();
+    const { surfaces, light, ways, splats, sums, glossSums, counts, errors, base, picture, mirrors } = this;
+    for (const target of [surfaces, light, ways, splats, sums, glossSums, counts, errors, base, picture, ...mirrors]) target.dispose();
   }
 }
 
-/** Images as those of surfaces, with a depth of their own. */
-function glassTarget(width: number, height: number): three.WebGLRenderTarget {
+/** Images of surfaces, with a depth of their own. */
+function ownDepth(width: number, height: number): three.WebGLRenderTarget {
   return new three.WebGLRenderTarget(width, height, {
     count: 4,
     type: three.FloatType,

@@ -9,7 +9,8 @@ import { awayFromEdges, compared, floorOf, type Figures, type Halves } from './c
 import type { Live } from './live';
 import { arrayOf, type Message, type TruthHeader } from './messages';
 import type { Pose } from './pose';
-import type { Look, Renderer } from './renderer';
+import type { Look } from './look';
+import type { Renderer } from './renderer';
 
 /** How the server renders: not at all, by paths, or as `eclat render` with the records so far. */
 export type Way = 'off' | 'paths' | 'records';

@@ -10,9 +10,9 @@ export const displayFragment = /* glsl */ `#version 300 es
 precision highp float;
 precision highp int;
 layout(location = 0) out vec4 outColor;
-uniform highp sampler2D picture, positions, normals, albedos, sums, glossSums, counts;
+uniform highp sampler2D picture, positions, normals, albedos, sums, glossSums, counts, errors;
 uniform int toneMapping;  // 0: none, 1: filmic, 2: AgX
-uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records, 5: nearest obstacle, 6: noise, 7: lobes
+uniform int overlay;      // 0: none, 1: weights, 2: density of splats, 3: what is approximated, 4: records, 5: nearest obstacle, 6: noise, 7: lobes, 8: estimated error
 uniform float diagonal;   // of the scene, m
 uniform float scale;      // 2 to the power of the exposure
 uniform bool comparing, showDifference;
@@ -95,6 +95,11 @@ void main() {
     float value = sum.r / max(sum.w, 1e-30);
     float share = overlay == 5 ? 1.0 + log2(max(value / diagonal, 1e-6)) / 10.0 : 10.0 * value;
     if (sum.w > 0.0) color = mix(vec3(light), ramp(share), 0.8);
+  }
+  if (seen && overlay == 8) {
+    // By logarithm, from a thousandth to a tenth.
+    vec4 error = texelFetch(errors, pixel, 0);
+    color = error.w > 0.0 ? mix(vec3(light), ramp(0.5 * (3.0 + log(max(error.r, 1e-6)) / log(10.0))), 0.8) : vec3(0.85, 0.1, 0.1);
   }
   outColor = vec4(color, 1.0);
 }

@@ -70,7 +70,7 @@ void main() {
   vec3 towards = normalize(eye.xyz - eye.w * at.xyz);
   vec3 mirrored = reflect(-towards, s);
   vec3 turned = 2.0 * dot(recordNormal, mirrored) * recordNormal - mirrored;
-  float signZ = recordTexel(vRecord, 12).w;
+  float signZ = signZOf(vRecord);
   float a = -1.0 / (signZ + recordNormal.z), b = recordNormal.x * recordNormal.y * a;
   vec3 u = vec3(1.0 + signZ * recordNormal.x * recordNormal.x * a, signZ * b, -signZ * recordNormal.x);
   vec3 v = vec3(b, signZ + recordNormal.y * recordNormal.y * a, -recordNormal.y);

@@ -11,6 +11,9 @@ export const TEXELS = 13;
 /** Records side by side in a row of the texture. */
 export const RECORDS_A_ROW = 128;
 
+/** The luminance of a colour is its product with this vector of a shader. */
+export const LUMINANCE = 'vec3(0.2126, 0.7152, 0.0722)';
+
 export const fetching = /* glsl */ `
 uniform highp sampler2D records;
 
@@ -28,7 +31,9 @@ const float sqrtOneMinusCos10 = 0.12326, largestTurn = 1.146, planeTolerance = 0
 const float pi = 3.14159265358979;
 
 // The radius of a record, with or without the bounds by its neighbours, of its first texel.
-float radiusOf(int record, vec4 t0) { return neighborClamping ? t0.w : recordTexel(record, 12).z; }
+float radiusOf(int record, vec4 t0) { return neighborClamping ? t0.w : abs(recordTexel(record, 12).z); }
+// The sign of the z of its normal, for −0.
+float signZOf(int record) { return sign(recordTexel(record, 12).z); }
 // The core's safe_sqrt.
 float safeSqrt(float x) { return sqrt(max(x, 0.0)); }
 
@@ -77,7 +82,7 @@ int sectorOf(vec3 n, float signZ, vec3 d) {
 // Whether geometry lies between the record and the point.
 bool outOfSight(int record, vec3 n, float leastClearance, vec3 d) {
   if (weightKind == 2 || !clearanceTest || dot(d, d) <= leastClearance * leastClearance) return false;
-  int sector = sectorOf(n, recordTexel(record, 12).w, d);
+  int sector = sectorOf(n, signZOf(record), d);
   float clearance = recordTexel(record, 9 + sector / 4)[sector % 4];
   return dot(d, d) > clearance * clearance;
 }

@@ -10,6 +10,17 @@ in vec3 position;
 void main() { gl_Position = vec4(position.xy, 0.0, 1.0); }
 `;
 
+/** Sets depths as the graphics card computes them, because splats are compared with these: surfaces have other ones. */
+export const depthFragment = /* glsl */ `#version 300 es
+precision highp float;
+uniform highp sampler2D positions;
+uniform mat4 viewProjection;
+void main() {
+  vec4 at = texelFetch(positions, ivec2(gl_FragCoord.xy), 0), clip = viewProjection * vec4(at.xyz, 1.0);
+  gl_FragDepth = at.w > 0.5 ? 0.5 + 0.5 * clip.z / clip.w : 1.0;
+}
+`;
+
 /** Adds the light of a lamp that diffuse surfaces reflect. */
 export const lampFragment = /* glsl */ `#version 300 es
 precision highp float;

@@ -7,7 +7,7 @@
 // ways from the records is taken away from the quotient: a first pass adds (w d, w) for the mean way, and the second also adds
 // what gradients change beside it, which a pass over the picture subtracts (`unbendFragment`).
 
-import { fetching, reading, unpacking } from './records';
+import { fetching, LUMINANCE, reading, unpacking } from './records';
 
 export const splatVertex = /* glsl */ `#version 300 es
 precision highp float;
@@ -25,7 +25,7 @@ void main() {
   vec3 n = recordTexel(vRecord, 1).xyz;
   vec4 t2 = recordTexel(vRecord, 2);
   // As radiusOf of shaders/records.ts.
-  float radius = neighborClamping ? t0.w : recordTexel(vRecord, 12).z;
+  float radius = neighborClamping ? t0.w : abs(recordTexel(vRecord, 12).z);
   float reach = radius * relaxation, far = reach * t2.w;
   // As height_read of core/records/weight.h says.
   float height = weightKind == 2 ? far : 0.015 * radius + 0.2 * far;
@@ -56,12 +56,14 @@ layout(location = 0) out vec4 weighted;
 layout(location = 1) out vec4 bending;  // only where light is added
 uniform highp sampler2D positions, normals, albedos, ways;
 uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellipses of the radii and places of records, 3: the number of fragments,
-                      // 4: the distance to the nearest obstacle, 5: the relative noise of the record, 6: the way from the record
+                      // 4: the distance to the nearest obstacle, 5: the relative noise of the record, 6: the way from the record,
+                      // 7: the error of extrapolation, and the variance of its noise
 uniform vec4 eye;
 uniform float pixelAngle;  // width of a pixel at distance 1, or of a parallel view
 ${fetching}
 ${reading}
 ${unpacking}
+const vec3 luminance = ${LUMINANCE};
 void main() {
   bending = vec4(0.0);
   if (overlay == 3) {
@@ -92,6 +94,13 @@ void main() {
     weighted = vec4(w * d, w);
     return;
   }
+  if (overlay == 7) {
+    vec4 t3 = recordTexel(vRecord, 3), t12 = recordTexel(vRecord, 12);
+    float along = dot(d, recordTexel(vRecord, 2).xyz), distance2 = max(dot(d, d) - along * along, 0.0);
+    float noise = w * t12.y * dot(t3.rgb + vec3(t3.w, recordTexel(vRecord, 4).xy), luminance);
+    weighted = vec4(w * 0.5 * t12.w * distance2, noise * noise, 0.0, w);
+    return;
+  }
   if (overlay >= 4) {
     weighted = vec4(w * (overlay == 4 ? t1.w : recordTexel(vRecord, 12).y), 0.0, 0.0, w);
     return;
@@ -114,5 +123,20 @@ void main() {
   vec4 sum = texelFetch(firstOrder, pixel, 0);
   vec3 E = sum.rgb - 0.5 * texelFetch(bendings, pixel, 0).rgb;
   weighted = vec4(clamp(E, 0.05 * sum.rgb, 20.0 * sum.rgb), sum.w);
+}
+`;
+
+/** Makes estimated errors, relative to what is read, of the sums that splats add for them (core/records/estimated_error.cpp). */
+export const errorFragment = /* glsl */ `#version 300 es
+precision highp float;
+layout(location = 0) out vec4 outError;
+uniform highp sampler2D counts, sums;
+uniform float meanLuminance;  // of all records
+void main() {
+  ivec2 pixel = ivec2(gl_FragCoord.xy);
+  vec4 parts = texelFetch(counts, pixel, 0), sum = texelFetch(sums, pixel, 0);
+  if (parts.w <= 0.0 || sum.w <= 0.0) discard;
+  float light = dot(sum.rgb, ${LUMINANCE}) / sum.w, judged = sqrt(light * light + 0.01 * meanLuminance * meanLuminance);
+  outError = vec4(judged > 0.0 ? sqrt(parts.x * parts.x + parts.y) / (parts.w * judged) : 0.0, 0.0, 0.0, 1.0);
 }
 `;

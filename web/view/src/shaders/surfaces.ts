@@ -79,6 +79,7 @@ uniform float coat[32];
 uniform vec3 mirrored[32];
 uniform vec4 clip;  // a plane, behind which nothing is drawn: normal and offset
 uniform float lightScale;
+uniform vec2 depths;  // of perspective views
 
 float packed(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
@@ -120,6 +121,8 @@ void main() {
   else if (!front && !twoSided) albedo = share = vec3(0.0);
   vec3 radiance = front || emissionTwoSided ? valueOf(emission, emissionMap) : vec3(0.0);
   if (hasLight) radiance += albedo * texture(lightMap, vLightUv).rgb * lightScale * ${1 / Math.PI};
+  // Floats between 0 and 1 tell near depths apart far better than distant ones, which their logarithms make alike.
+  gl_FragDepth = eye.w > 0.5 ? (-log2(gl_FragCoord.w) - depths.x) * depths.y : gl_FragCoord.z;
   outPosition = vec4(vPosition, number);
   outNormal = vec4(n, gloss);
   outAlbedo = vec4(albedo, bends ? packed(s) : -1.0);
