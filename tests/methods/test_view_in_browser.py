@@ -30,7 +30,7 @@ from eclat.scene import (
 from eclat.scenes import glossy_box
 from eclat.scenes.geometry import box as solid_box
 from eclat.scenes.geometry import mesh
-from eclat.viewer.contents import GLOSS
+from eclat.viewer.contents import GLOSS, RECORDS
 from eclat.viewer.messages import decode_message, encode_message
 from eclat.viewer.showing import Viewer
 from support.browser import ViewedPage, look_at_page, require_browser, require_node, require_page
@@ -41,6 +41,12 @@ SAMPLES = 64
 """Paths a pixel of each of two references, so that their noise cancels from the error."""
 
 POINTS = 10_000
+
+BRIGHTER = 1e5
+"""Factor of light that half floats could not hold."""
+
+LIGHT_OF_A_ROW = [*range(12, 36), 51]
+"""The numbers of a row of a record that are proportional to its light."""
 
 SWITCHED: tuple[dict[str, object], ...] = (
     {"weight": "ward"},
@@ -97,7 +103,8 @@ def cornell_box() -> Shown:
     picture = {"camera": 0, "width": SIZE[0], "height": SIZE[1]}
     with eclat.view(scene, solution, texel_size=0.03, samples=64) as viewer:
         keep_records(viewer)
-        page = look_at_page(viewer.url, [picture], points, normals, looks=[{}, *SWITCHED])
+        pictures = [picture, {**picture, "look": {"direct": False}}]
+        page = look_at_page(viewer.url, pictures, points, normals, looks=[{}, *SWITCHED])
         origin = viewer.url.rsplit("/", 2)[0]
     return Shown(scene, solution, points, normals, page, origin)
 
@@ -171,6 +178,20 @@ def test_the_picture_is_that_of_render(cornell_box: Shown) -> None:
     assert inside.mean() > 0.5
     error = relative_rmse(cornell_box.page.pictures[0], a.pixels, b.pixels, mask=inside)
     assert error < 0.02, f"{error:.4f}"
+
+
+def test_half_floats_cost_little_whatever_the_unit_of_light(cornell_box: Shown) -> None:
+    picture = {"camera": 0, "width": SIZE[0], "height": SIZE[1], "look": {"direct": False}}
+    with eclat.view(cornell_box.scene, cornell_box.solution, texel_size=0.3, samples=4) as viewer:
+        keep_records(viewer)
+        header, arrays = decode_message(viewer._files[RECORDS])
+        rows = arrays["rows"].copy()
+        rows[:, LIGHT_OF_A_ROW] *= BRIGHTER
+        viewer._files[RECORDS] = encode_message(header.pop("kind"), header, {"rows": rows})
+        page = look_at_page(viewer.url, [picture], halves=True)
+    assert page.message == "" and page.messages == []
+    halves, floats = page.pictures[0] / BRIGHTER, cornell_box.page.pictures[1]
+    assert 0 < np.sqrt(np.square(halves - floats).mean() / np.square(floats).mean()) < 0.003
 
 
 def lamps_over_a_table() -> Scene:

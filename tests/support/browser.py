@@ -216,15 +216,17 @@ def look_at_page(
     normals: NDArray[np.floating] | None = None,
     shot: dict[str, Any] | None = None,
     looks: Sequence[dict[str, Any]] = ({},),
+    halves: bool = False,
 ) -> ViewedPage:
-    """Open the page of `eclat view` and ask it for pictures and for sums of records; web/tests/view.mjs says how."""
+    """Open the page of `eclat view` and ask it for pictures and for sums of records; web/tests/view.mjs says how. With
+    `halves` its graphics card seems to blend half floats only."""
 
     def encoded(array: NDArray[np.floating] | None) -> str | None:
         return None if array is None else base64.b64encode(np.asarray(array, "<f4").tobytes()).decode()
 
     node, chromium = require_node(), require_browser()
     request = {"page": url, "pictures": list(pictures), "points": encoded(points), "normals": encoded(normals)}
-    request["looks"] = list(looks)
+    request |= {"looks": list(looks), "halves": halves}
     command = [node, str(WEB / "tests/view.mjs"), chromium]
     answer = _node(command, json.dumps(request | ({"shot": shot} if shot else {})))
 

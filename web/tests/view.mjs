@@ -2,8 +2,9 @@
 // SPDX-License-Identifier: Apache-2.0
 
 // Asks the page of `eclat view` for pictures and sums of records: node view.mjs CHROMIUM < request.json > answer.json
-// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, looks, shot }: float32 arrays in base64,
-// or no points, and the looks with which sums are asked for. The answer is { pictures, work, seconds, sums, errors, shot, result, records,
+// The request is { page: URL, pictures: [{ camera, width, height, look, work }], points, normals, looks, shot, halves }: float32 arrays in base64,
+// or no points, the looks with which sums are asked for, and
+// whether the graphics card shall blend no floats. The answer is { pictures, work, seconds, sums, errors, shot, result, records,
 // precision, message, messages, requests }: linear pictures, for those with `work` its counts and the seconds of a picture, sums of
 // each look, one after another, and estimated errors at the first 2000 points, as float32 in base64; a PNG of the page if a shot was asked for; the global variable that the shot names
 // as its `result`; what the page shows instead of a picture; what it said on its console; and the addresses that it asked for.
@@ -11,13 +12,21 @@
 import { text } from 'node:stream/consumers';
 import { inBrowser } from './browser.mjs';
 
-const { page: url, pictures = [], points, normals, looks = [{}], shot } = JSON.parse(await text(process.stdin));
+const { page: url, pictures = [], points, normals, looks = [{}], shot, halves } = JSON.parse(await text(process.stdin));
 
 const answer = await inBrowser(process.argv[2], async (page, messages) => {
   const requests = [];
   page.on('request', (request) => requests.push(request.url()));
   // What the page itself draws meanwhile is small, because software WebGL is slow.
   await page.setViewportSize(shot ? { width: shot.width, height: shot.height } : { width: 480, height: 120 });
+  if (halves) {
+    await page.addInitScript(() => {
+      const { getExtension } = WebGL2RenderingContext.prototype;
+      WebGL2RenderingContext.prototype.getExtension = function (name) {
+        return name === 'EXT_float_blend' ? null : getExtension.call(this, name);
+      };
+    });
+  }
   await page.goto(url);
   await page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
   const message = await page.evaluate(() => document.getElementById('message').textContent);

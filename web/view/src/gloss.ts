@@ -97,6 +97,11 @@ export class Gloss {
     return this.coefficients.subarray(record * size, (record + 1) * size);
   }
 
+  /** Has all images made anew: they depend on `lightScale`. */
+  remake(): void {
+    this.stale = [0, this.count];
+  }
+
   switch(renderer: three.WebGLRenderer, switches: GlossSwitches): void {
     if (!this.reading) return;
     // As RadianceCache::relaxed_reach of the core: radiance is read half as far beyond the radius as irradiance.
@@ -151,6 +156,7 @@ export class Gloss {
       shownOrder2: { value: this.shownOrder ** 2 },
       grid: { value: this.grid },
       recordsARow: { value: recordsARow },
+      lightScale: this.uniforms['lightScale']!,
     });
     renderer.render(pass, new three.Camera());
     coefficients.dispose();

@@ -38,8 +38,10 @@ export class Renderer {
   private readonly dividing: Record<string, three.IUniform>;
   private readonly displaying: Record<string, three.IUniform>;
   private readonly mirroring: Record<string, three.IUniform>;
-  private readonly unbending: Record<string, three.IUniform> = { firstOrder: { value: null }, bendings: { value: null } };
-  private readonly unbend = screenPass(unbendFragment, this.unbending);
+  private readonly unbending: Record<string, three.IUniform>;
+  private readonly unbend: three.Scene;
+  /** What the light in sums is multiplied with, a power of 2: their mean is about 1 then. Set when the first records come. */
+  private readonly lightScale = { value: 1 };
   private readonly estimating: Record<string, three.IUniform>;
   private readonly estimate: three.Scene;
   private readonly setDepths: three.Scene;
@@ -61,6 +63,7 @@ export class Renderer {
     this.inputs = Object.fromEntries(
       ['positions', 'normals', 'albedos', 'radiances', 'lampLight', 'ways', 'sums', 'glossSums', 'counts', 'picture'].map((name) => [name, { value: null }]),
     );
+    this.inputs['lightScale'] = this.lightScale;
     this.records = new Records({ ...this.inputs, ...view });
     this.gloss = new Gloss({ ...this.inputs, ...view });
     this.lamps = new Lamps(gl, scene.header.lights, surfaces, lamp, this.inputs);
@@ -108,7 +111,9 @@ export class Renderer {
       showDifference: { value: false },
       differenceFloor: { value: 0 },
     };
-    this.estimating = { counts: { value: null }, sums: { value: null }, meanLuminance: { value: 0 } };
+    this.estimating = { counts: { value: null }, sums: { value: null }, meanLuminance: { value: 0 }, lightScale: this.lightScale };
+    this.unbending = { firstOrder: { value: null }, bendings: { value: null }, lightScale: this.lightScale };
+    this.unbend = screenPass(unbendFragment, this.unbending);
     this.setDepths = depthPass(depthFragment, { positions: this.inputs['positions']!, viewProjection: view.viewProjection });
     this.estimate = screenPass(errorFragment, this.estimating);
     this.divide = screenPass(divideFragment, this.dividing);
@@ -131,6 +136,11 @@ export class Renderer {
 
   acceptRecords(message: Message<RecordsHeader>): void {
     this.records.accept(message);
+    const mean = this.lightScale.value === 1 ? this.records.meanLuminance : 0;
+    if (mean > 0) {
+      this.lightScale.value = 2 ** -Math.round(Math.log2(mean));
+      this.gloss.remake();
+    }
   }
 
   /**

@@ -81,7 +81,7 @@ export class Targets {
     this.light = make(blended);
     this.ways = make(blended, 1, true);
     this.splats = make(blended, 2, true);
-    this.sums = make(blended);
+    this.sums = make(three.FloatType);
     this.glossSums = make(blended, 1, true);
     this.counts = make(blended, 1, true);
     this.errors = make(three.FloatType);

@@ -17,6 +17,7 @@ layout(location = 0) out vec4 outValue;   // radiance, with the excess; the widt
 layout(location = 1) out vec4 outAlongU;  // derivatives along u and v of the frame around the normal
 layout(location = 2) out vec4 outAlongV;
 uniform highp sampler2D coefficients, lobes;
+uniform float lightScale;  // of the light in images and sums, so that half floats hold them
 uniform int first, count, order2, shownOrder2, grid, recordsARow;  // of the records whose coefficients these are
 ${fetching}
 void main() {
@@ -35,9 +36,9 @@ void main() {
   }
   vec4 lobe = texelFetch(lobes, ivec2(order2, row), 0);
   vec3 excess = vec3(recordTexel(record, 3).w, recordTexel(record, 4).xy);
-  outValue = vec4(value + lobe.rgb * excess / 3.14159265358979, lobe.a);
-  outAlongU = vec4(alongU, 0.0);
-  outAlongV = vec4(alongV, 0.0);
+  outValue = vec4(lightScale * (value + lobe.rgb * excess / 3.14159265358979), lobe.a);
+  outAlongU = vec4(lightScale * alongU, 0.0);
+  outAlongV = vec4(lightScale * alongV, 0.0);
 }
 `;
 

@@ -31,6 +31,7 @@ uniform highp samplerCube cube;
 uniform highp sampler2D flatMap;
 uniform int kind;  // 0: point or spot, 1: sun
 uniform vec3 lampPosition, lampDirection, power;
+uniform float lightScale;  // of the light in sums, so that half floats hold them
 uniform float cosInner, cosOuter, innerAngle, outerAngle;
 uniform int falloff;  // 0: none, 1: smooth, 2: linear
 uniform mat4 toMap;   // of a sun
@@ -48,38 +49,33 @@ float spotFactor(float cosine) {
   }
   return clamp((outerAngle - acos(clamp(cosine, -1.0, 1.0))) / max(outerAngle - innerAngle, 1e-6), 0.0, 1.0);
 }
-// The depth along the sun's light that the map has at an offset in metres from a place, and that of the plane at p.
-float mapDepth(vec2 place, vec2 offset) {
-  ivec2 size = textureSize(flatMap, 0);
-  return texelFetch(flatMap, clamp(ivec2(place + offset / texel), ivec2(0), size - 1), 0).r;
-}
-float planeDepth(float depth, vec3 n, vec2 offset) {
-  float slope = max(-dot(n, lampDirection), 0.05);
-  return depth + dot(n, mapX * offset.x + mapY * offset.y) / slope;
+// What the map of a sun holds beside a point p, at a texel near an offset in metres: where the middle of that texel is beside p, how far what
+// is there is before p along the sun's light, and how high above the plane through p; all in metres. The plane is evaluated at
+// the middle of the texel as well, so that a surface does not shade itself however slanted it is, and p need not be moved off it.
+vec4 inTheWay(vec2 place, float depth, vec3 n, vec2 offset) {
+  ivec2 texels = textureSize(flatMap, 0), at = clamp(ivec2(floor(place + offset / texel)), ivec2(0), texels - 1);
+  vec2 middle = (vec2(at) + 0.5 - place) * texel;
+  float before = depth - texelFetch(flatMap, at, 0).r;
+  return vec4(middle, before, dot(n, mapX * middle.x + mapY * middle.y) - dot(n, lampDirection) * before);
 }
 vec2 disc(int i, int count) {  // Vogel's spiral
   float angle = 2.39996323 * float(i);
   return sqrt((float(i) + 0.5) / float(count)) * vec2(cos(angle), sin(angle));
 }
 // The share of a sun's disc that a point sees: the mean distance of what is in the way gives the width of the penumbra.
-float sunVisibility(vec3 p, vec3 n, float wide) {
+float sunVisibility(vec3 p, vec3 n) {
   vec2 place = ((toMap * vec4(p, 1.0)).xy * 0.5 + 0.5) * vec2(textureSize(flatMap, 0));
-  float depth = dot(lampDirection, p), sum = 0.0, count = 0.0;
+  float depth = dot(lampDirection, p), sum = 0.0, count = 0.0, least = 0.25 * texel;
   float widest = tangent * min(farthest, 400.0 * texel / max(tangent, 1e-6));
   for (int i = 0; i < 32 && tangent > 0.0; ++i) {
     // Denser towards the middle, so that also what is near is found: its cone is narrow.
     vec2 spread = disc(i, 32);
-    vec2 offset = widest * dot(spread, spread) * spread;
-    float near = mapDepth(place, offset);
+    vec4 found = inTheWay(place, depth, n, widest * dot(spread, spread) * spread);
     // Only what is in the cone from the point to the sun's disc is in its way.
-    float before = planeDepth(depth, n, offset) - near;
-    if (before > wide && length(offset) < tangent * before + wide) sum += before, count += 1.0;
+    if (found.w > least && length(found.xy) < tangent * found.z + texel) sum += found.z, count += 1.0;
   }
-  float radius = max(wide, count > 0.0 ? tangent * sum / count : 0.0), visible = 0.0;
-  for (int i = 0; i < 32; ++i) {
-    vec2 offset = radius * disc(i, 32);
-    visible += mapDepth(place, offset) > planeDepth(depth, n, offset) - wide ? 1.0 : 0.0;
-  }
+  float radius = max(texel, count > 0.0 ? tangent * sum / count : 0.0), visible = 0.0;
+  for (int i = 0; i < 32; ++i) visible += inTheWay(place, depth, n, radius * disc(i, 32)).w > least ? 0.0 : 1.0;
   return visible / 32.0;
 }
 void main() {
@@ -94,15 +90,13 @@ void main() {
   towards /= reach;
   float facing = dot(s, towards), flatFacing = dot(n, towards);
   if (facing <= 0.0 || flatFacing <= 0.0) discard;
-  // Points are moved off the surface by as much as a texel of the map, seen at this slant, may span.
-  float wide = kind == 1 ? texel : texel * reach;
-  float slant = sqrt(max(0.0, 1.0 - flatFacing * flatFacing));
-  vec3 p = at.xyz + n * (wide * (1.5 * slant + 0.25));
   float visible = 0.0;
   if (kind == 1) {
-    visible = sunVisibility(p, n, wide);
+    visible = sunVisibility(at.xyz, n);
   } else {
-    vec3 from = p - lampPosition;
+    // The point is moved off its surface by as much as a texel of the map, seen at this slant, may span.
+    float wide = texel * reach, slant = sqrt(max(0.0, 1.0 - flatFacing * flatFacing));
+    vec3 from = at.xyz + n * (wide * (1.5 * slant + 0.25)) - lampPosition;
     float depth = length(from);
     vec3 side = normalize(cross(from, abs(from.y) < 0.9 * depth ? vec3(0.0, 1.0, 0.0) : vec3(1.0, 0.0, 0.0)));
     vec3 other = cross(from / depth, side);
@@ -113,7 +107,7 @@ void main() {
     }
   }
   float fall = kind == 1 ? 1.0 : spotFactor(dot(-towards, lampDirection)) / (reach * reach);
-  outRadiance = vec4(albedo.rgb / pi * power * (facing * fall * visible), 0.0);
+  outRadiance = vec4(albedo.rgb / pi * power * (lightScale * facing * fall * visible), 0.0);
 }
 `;
 
@@ -125,6 +119,7 @@ layout(location = 0) out vec4 outRadiance;
 uniform highp sampler2D positions, normals, albedos, radiances, lampLight, sums, glossSums;
 uniform highp sampler2D sky;
 uniform bool hasSky, showDirect, showIndirect;
+uniform float lightScale;  // of the light in lampLight and glossSums
 uniform mat3 skyFromWorld;
 uniform mat4 worldFromScreen;
 uniform vec4 eye;
@@ -165,10 +160,10 @@ void main() {
     return;
   }
   vec4 sum = sumAt(sums, pixel);
-  vec3 radiance = showDirect ? texelFetch(radiances, pixel, 0).rgb + texelFetch(lampLight, pixel, 0).rgb : vec3(0.0);
+  vec3 radiance = showDirect ? texelFetch(radiances, pixel, 0).rgb + texelFetch(lampLight, pixel, 0).rgb / lightScale : vec3(0.0);
   if (showIndirect && sum.w > 0.0) radiance += texelFetch(albedos, pixel, 0).rgb / pi * sum.rgb / sum.w;
   vec4 gloss = texelFetch(normals, pixel, 0).w > 0.5 ? sumAt(glossSums, pixel) : vec4(0.0);
-  if (showIndirect && gloss.w > 0.0) radiance += gloss.rgb / gloss.w;
+  if (showIndirect && gloss.w > 0.0) radiance += gloss.rgb / (gloss.w * lightScale);
   outRadiance = vec4(min(radiance, 60000.0), 1.0); // the largest half float of mirrored pictures
 }
 `;

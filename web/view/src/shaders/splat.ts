@@ -60,6 +60,7 @@ uniform int overlay;  // instead of irradiance 1: the number of splats, 2: ellip
                       // 7: the error of extrapolation, and the variance of its noise
 uniform vec4 eye;
 uniform float pixelAngle;  // width of a pixel at distance 1, or of a parallel view
+uniform float lightScale;  // of the light in sums, so that half floats hold them
 ${fetching}
 ${reading}
 ${unpacking}
@@ -98,7 +99,8 @@ void main() {
     vec4 t3 = recordTexel(vRecord, 3), t12 = recordTexel(vRecord, 12);
     float along = dot(d, recordTexel(vRecord, 2).xyz), distance2 = max(dot(d, d) - along * along, 0.0);
     float noise = w * t12.y * dot(t3.rgb + vec3(t3.w, recordTexel(vRecord, 4).xy), luminance);
-    weighted = vec4(w * 0.5 * t12.w * distance2, noise * noise, 0.0, w);
+    noise *= lightScale;
+    weighted = vec4(w * 0.5 * t12.w * distance2 * lightScale, noise * noise, 0.0, w);
     return;
   }
   if (overlay >= 4) {
@@ -107,22 +109,23 @@ void main() {
   }
   float packed = texelFetch(albedos, pixel, 0).w;
   vec3 s = packed < 0.0 ? n : unpacked(packed);
-  weighted = vec4(w * extrapolated(vRecord, d, n, s, t1.xyz), w);
+  weighted = vec4(w * lightScale * extrapolated(vRecord, d, n, s, t1.xyz), w);
   vec4 way = texelFetch(ways, pixel, 0);
-  bending = vec4(w * evenShare(n, s) * alongGradients(vRecord, d - way.xyz / way.w), 0.0);
+  bending = vec4(w * lightScale * evenShare(n, s) * alongGradients(vRecord, d - way.xyz / way.w), 0.0);
 }
 `;
 
-/** Subtracts half of the covariance of gradients and ways from the sums of splats. */
+/** Subtracts half of the covariance of gradients and ways from the sums of splats, which are of light as it is then. */
 export const unbendFragment = /* glsl */ `#version 300 es
 precision highp float;
 layout(location = 0) out vec4 weighted;
 uniform highp sampler2D firstOrder, bendings;
+uniform float lightScale;
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 sum = texelFetch(firstOrder, pixel, 0);
   vec3 E = sum.rgb - 0.5 * texelFetch(bendings, pixel, 0).rgb;
-  weighted = vec4(clamp(E, 0.05 * sum.rgb, 20.0 * sum.rgb), sum.w);
+  weighted = vec4(clamp(E, 0.05 * sum.rgb, 20.0 * sum.rgb) / lightScale, sum.w);
 }
 `;
 
@@ -131,12 +134,12 @@ export const errorFragment = /* glsl */ `#version 300 es
 precision highp float;
 layout(location = 0) out vec4 outError;
 uniform highp sampler2D counts, sums;
-uniform float meanLuminance;  // of all records
+uniform float meanLuminance, lightScale;  // of all records; of the light in counts
 void main() {
   ivec2 pixel = ivec2(gl_FragCoord.xy);
   vec4 parts = texelFetch(counts, pixel, 0), sum = texelFetch(sums, pixel, 0);
   if (parts.w <= 0.0 || sum.w <= 0.0) discard;
   float light = dot(sum.rgb, ${LUMINANCE}) / sum.w, judged = sqrt(light * light + 0.01 * meanLuminance * meanLuminance);
-  outError = vec4(judged > 0.0 ? sqrt(parts.x * parts.x + parts.y) / (parts.w * judged) : 0.0, 0.0, 0.0, 1.0);
+  outError = vec4(judged > 0.0 ? sqrt(parts.x * parts.x + parts.y) / (parts.w * judged * lightScale) : 0.0, 0.0, 0.0, 1.0);
 }
 `;
