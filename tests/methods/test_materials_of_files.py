@@ -89,6 +89,64 @@ def test_a_glossy_second_bsdf_of_twosided_looks_as_it_does_alone(glossy: str, me
     np.testing.assert_allclose(found, wanted, rtol=0.02)
 
 
+def diffuse(albedo: float) -> dict[str, Any]:
+    return {"type": "twosided", "bsdf": {"type": "diffuse", "reflectance": {"type": "rgb", "value": albedo}}}
+
+
+HALF_OPEN = {"type": "mask", "opacity": 0.4, "bsdf": diffuse(0.9)}
+BOARD = {"type": "checkerboard", "color0": 0.0, "color1": 1.0, "to_uv": np.diag([8.0, 8.0, 1.0, 1.0])}
+OPEN: dict[str, tuple[dict[str, Any], float]] = {
+    # Under a sky of 1 a mask of opacity o and albedo ρ has the radiance o ρ + 1 − o, and a blend the mean of its parts.
+    "a mask in a blend": (
+        {"type": "blendbsdf", "weight": 0.3, "a": HALF_OPEN, "b": diffuse(0.2)},
+        0.7 * (0.4 * 0.9 + 0.6) + 0.3 * 0.2,
+    ),
+    "null in a blend": (
+        {"type": "blendbsdf", "weight": 0.3, "a": {"type": "null"}, "b": diffuse(0.2)},
+        0.7 + 0.3 * 0.2,
+    ),
+    "a board of holes": ({"type": "blendbsdf", "weight": BOARD, "a": diffuse(0.2), "b": {"type": "null"}}, 0.6),
+    "a mask of a blend of masks": (
+        {"type": "mask", "opacity": 0.5, "bsdf": {"type": "blendbsdf", "weight": 0.3, "a": HALF_OPEN, "b": HALF_OPEN}},
+        0.5 * (0.4 * 0.9 + 0.6) + 0.5,
+    ),
+}
+
+
+@pytest.mark.parametrize("method", list(QUICK))
+@pytest.mark.parametrize("kind", list(OPEN))
+def test_the_sky_is_seen_through_what_a_part_of_a_blend_leaves_open(kind: str, method: str) -> None:
+    bsdf, wanted = OPEN[kind]
+    wall = {"type": "rectangle", "to_world": np.diag([3.0, 3.0, 3.0, 1.0]), "bsdf": bsdf}
+    scene = eclat.load_dict({"type": "scene", "camera": CAMERA, "sky": SKY, "wall": wall})
+    np.testing.assert_allclose(mean_radiance(scene, method), wanted, atol=0.02)
+
+
+@pytest.mark.parametrize("method", list(QUICK))
+def test_a_mask_does_not_thin_what_a_lamp_emits(method: str) -> None:
+    # As Mitsuba has it: the whole emission, what the opaque part reflects of a sky of 1, and the sky behind the rest.
+    lamp = {"type": "area", "radiance": {"type": "rgb", "value": 0.7}}
+    wall = {"type": "rectangle", "to_world": np.diag([3.0, 3.0, 3.0, 1.0]), "bsdf": HALF_OPEN, "emitter": lamp}
+    scene = eclat.load_dict({"type": "scene", "camera": CAMERA, "sky": SKY, "wall": wall})
+    np.testing.assert_allclose(mean_radiance(scene, method), 0.7 + 0.4 * 0.9 + 0.6, atol=0.03)
+
+
+@pytest.mark.parametrize("method", list(QUICK))
+def test_half_of_the_light_goes_through_principledthin_with_a_diff_trans_of_1(method: str) -> None:
+    # White and thin, under a sky of 1 on one side only: half of the diffuse light goes through. The rest of this bsdf, a
+    # gloss of at most a twentieth, is reflected.
+    sheet = {"type": "rectangle", "to_world": np.diag([3.0, 3.0, 3.0, 1.0])}
+    thin = {"type": "principledthin", "base_color": {"type": "rgb", "value": 1.0}, "roughness": 1.0, "diff_trans": 1.0}
+    behind = {
+        "type": "rectangle",
+        "to_world": np.diag([30.0, 30.0, 1.0, 1.0]),
+        "emitter": {"type": "area", "radiance": 1.0},
+    }
+    behind["to_world"][2, 3] = -0.5
+    scene = eclat.load_dict({"type": "scene", "camera": CAMERA, "sheet": sheet | {"bsdf": thin}, "lamp": behind})
+    assert 0.45 < mean_radiance(scene, method)[1] < 0.5
+
+
 BOX = """mtllib o.mtl
 usemtl m
 v -.5 -.5 -.5\nv .5 -.5 -.5\nv .5 .5 -.5\nv -.5 .5 -.5\nv -.5 -.5 .5\nv .5 -.5 .5\nv .5 .5 .5\nv -.5 .5 .5

@@ -127,6 +127,11 @@ def triangles_with_area(
     return keep
 
 
+def any_has_area(positions: FloatArray, triangles: IntArray) -> bool:
+    """Tell whether at least one of the (T, 3) `triangles` of (V, 3) `positions` has an area."""
+    return any((_length(_cross(edges[0], edges[1])) > 0).any() for _, edges in _edges_by_parts(positions, triangles))
+
+
 def face_normals(positions: FloatArray, triangles: IntArray) -> NDArray[np.float64]:
     """Return the unit normals (T, 3) of triangles, on the side from which the corners appear counter-clockwise.
 

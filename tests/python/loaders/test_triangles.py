@@ -66,6 +66,11 @@ def test_only_slivers_is_an_error() -> None:
         triangles.triangles_with_area(BENT, np.array([(1, 1, 2)]), "test")
 
 
+def test_whether_any_triangle_has_an_area() -> None:
+    assert triangles.any_has_area(BENT, np.array([(1, 1, 2), (0, 1, 2)]))
+    assert not triangles.any_has_area(BENT, np.array([(1, 1, 2)]))
+
+
 @pytest.mark.parametrize("value", [np.nan, np.inf, -np.inf, 1e39])
 def test_positions_must_be_finite_in_single_precision(value: float) -> None:
     positions = BENT.copy()

@@ -19,6 +19,7 @@ from eclat.loaders.gltf.element import Element
 from eclat.loaders.gltf.skins import read_skinning
 from eclat.loaders.gltf.topology import read_triangles
 from eclat.loaders.sheets import bounding_triangles
+from eclat.loaders.triangles import any_has_area
 from eclat.scene import Material, Mesh
 
 Floats = NDArray[np.float32]
@@ -84,6 +85,8 @@ def read_primitive(
     triangles = read_triangles(element, accessors, reader.count)
     if triangles is None:
         return None
+    if not any_has_area(reader.positions, triangles):
+        warn(f"{element.where}: no triangle of the primitive has an area, so nothing of it is seen")
     normals = reader.read("NORMAL", ("VEC3",))
     # The specification requires that tangents are ignored if there are no normals.
     tangents = None if normals is None else reader.tangents()

@@ -201,7 +201,6 @@ _PRINCIPLED_IGNORED = (
     "clearcoat",
     "clearcoat_gloss",
     "flatness",
-    "diff_trans",
 )
 
 
@@ -220,6 +219,11 @@ def _principled(materials: Materials, node: Node) -> Material:
         "ior": grey(_principled_ior(node)),
         "transmission": transmission,
     }
+    if thin:
+        # Mitsuba counts from 0 to 2: from 0, where all of the diffuse light is reflected, to 2, where all goes through.
+        through = materials.scalar(node, "diff_trans", default=0.0)
+        parameters["diffuse_transmission"] = _scaled(through, 0.5)
+        parameters["diffuse_transmission_color"] = parameters["base_color"]
     return Material("metallic_roughness", parameters, two_sided=transparent or thin, thin_walled=thin)
 
 

@@ -48,14 +48,13 @@ def _warn_about_integrator(node: Node) -> None:
         for _, inner in node.of_tag("integrator"):
             _warn_about_integrator(inner)
         return
-    if node.type not in PLUGINS["integrator"]:
-        return  # there is a warning already that its type is unknown
+    known = node.type in PLUGINS["integrator"]
     if node.type == "direct":
         warn(
             f"{node.where}: the integrator is not read from scene files; images include indirect light, "
             "unless you choose the method direct or set max_depth to 2"
         )
-    elif node.type in _PATHS:
+    elif node.type in _PATHS or not known:  # another warning says that a type is unknown
         depth = node.integer("max_depth", default=-1)
         if depth >= 0:
             warn(

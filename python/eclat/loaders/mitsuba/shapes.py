@@ -19,7 +19,7 @@ from eclat.loaders.mitsuba.placement import transform_mesh
 from eclat.loaders.mitsuba.primitives import SEGMENTS
 from eclat.loaders.mitsuba.tessellation import Tessellation
 from eclat.loaders.mitsuba.transforms import Matrix, is_singular, normalize
-from eclat.scene import Material, Mesh, grey
+from eclat.scene import Material, Mesh, Value, grey
 
 _MAX_COORDINATE = 1e18
 """The largest absolute value of a coordinate. The square of a distance must not overflow float32."""
@@ -134,6 +134,8 @@ class Shapes:
         matrix = node.transform("to_world")
         if is_singular(matrix) and node.type not in ("rectangle", "disk"):
             warn(f"{node.where}, to_world: the matrix is singular, so the shape becomes flat")
+        elif not np.any(np.cross(matrix[:3, 0], matrix[:3, 1])):
+            warn(f"{node.where}, to_world: the matrix leaves no area of the shape, so nothing of it is seen")
         return matrix
 
     def _bsdf(self, node: Node) -> Material:
@@ -161,8 +163,20 @@ class Shapes:
                     f"{node.where}: an emitter with a null BSDF is not supported; the surface becomes opaque and black"
                 )
                 material = replace(material, opacity=grey(1.0), two_sided=False)
+            radiance = _unmasked(radiance, material.opacity, node)
             self.lit[key] = replace(material, emission=radiance, hidden_from_camera=self.hide_emitters), original
         return self.lit[key][0]
+
+
+def _unmasked(radiance: Value, opacity: Value, node: Node) -> Value:
+    """Return the radiance that a lamp with this opacity must have to shine with `radiance`: in Mitsuba a mask thins what a
+    surface reflects, but not what it emits, and here it thins both.
+    """
+    if opacity.texture is not None:
+        warn(f"{node.where}: the lamp shines only where its mask is opaque, unlike in Mitsuba, where holes shine, too")
+        return radiance
+    r, g, b = (channel / opacity.constant[0] for channel in radiance.constant)
+    return replace(radiance, constant=(r, g, b))
 
 
 def _lamp(node: Node) -> str:

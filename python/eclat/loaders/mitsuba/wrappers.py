@@ -88,13 +88,11 @@ def _mask(materials: MaterialReader, node: Node) -> Material:
     inner = materials.of(_one(node))
     other = inner.opacity
     if other.texture is None:
-        r, g, b = (x * y for x, y in zip(opacity.constant, other.constant, strict=True))
-        return replace(inner, opacity=replace(opacity, constant=(r, g, b)))
+        return replace(inner, opacity=replace(opacity, constant=_times(opacity, other.constant[0])))
     if opacity.texture is not None:
         warn(f"{node.where}: textured masks inside each other are not supported; the inner one is ignored")
         return replace(inner, opacity=opacity)
-    r, g, b = (x * y for x, y in zip(opacity.constant, other.constant, strict=True))
-    return replace(inner, opacity=replace(other, constant=(r, g, b)))
+    return replace(inner, opacity=replace(other, constant=_times(other, opacity.constant[0])))
 
 
 def _bump(materials: MaterialReader, node: Node) -> Material:
@@ -122,16 +120,60 @@ def _blend(materials: MaterialReader, node: Node) -> Material:
     if len(inside) != 2:
         raise EclatError(f"{node.where}: expected two nested BSDFs, got {len(inside)}")
     weight = materials.scalar(node, "weight", default=0.5)
-    return _blended(materials.of(inside[0]), materials.of(inside[1]), weight)
+    return _blended(materials.of(inside[0]), materials.of(inside[1]), weight, node)
 
 
-def _blended(first: Material, second: Material, weight: Value) -> Material:
+def _blended(first: Material, second: Material, weight: Value, node: Node) -> Material:
     """Blend two materials: `weight` is the share of `second`.
 
-    Each of them keeps its own sides, and the blend is two-sided if one of them is.
+    Each of them keeps its own sides, and the blend is two-sided if one of them is. Light that one of them lets straight
+    through, because it is a mask or null, passes the blend, too.
     """
     both = first.two_sided or second.two_sided
-    return Material("blend", {"weight": weight}, two_sided=both, children=(first, second))
+    opacity, weight = _blended_opacity(first.opacity, second.opacity, weight, node)
+    maps = [child.normal_map for child in (first, second) if child.normal_map is not None]
+    if len({id(one) for one in maps}) > 1 or len(maps) == 1:
+        warn(
+            f"{node.where}: bump and normal maps of only one part of a {node.type} are not supported; that of the first part "
+            "that has one is used for all of it"
+        )
+    children = tuple(replace(child, opacity=grey(1.0), normal_map=None) for child in (first, second))
+    normal_map = maps[0] if maps else None
+    return Material(
+        "blend", {"weight": weight}, two_sided=both, children=children, opacity=opacity, normal_map=normal_map
+    )
+
+
+def _blended_opacity(first: Value, second: Value, weight: Value, node: Node) -> tuple[Value, Value]:
+    """Return the opacity of a blend of two opacities, (1 − w) a + w b, and the share of the second material in what is
+    opaque, w b / ((1 − w) a + w b). Where a texture keeps a `Value` from holding these, there is a warning.
+    """
+    if _same(first, second):
+        return first, weight
+    if first.texture is None and second.texture is None:
+        a, b = first.constant[0], second.constant[0]
+        if weight.texture is None:
+            w = weight.constant[0]
+            opaque = (1 - w) * a + w * b
+            return grey(opaque), grey(w * b / opaque if opaque > 0 else 0.0)
+        if a == 0:
+            return replace(weight, constant=_times(weight, b)), grey(1.0)
+        if b == 0 and weight.constant[0] == 1:
+            return replace(weight, constant=(a, a, a), invert=not weight.invert), grey(0.0)
+    warn(
+        f"{node.where}: a mask inside a {node.type} is not supported beside a texture of the weight or another mask; the "
+        "blend is opaque"
+    )
+    return grey(1.0), weight
+
+
+def _same(a: Value, b: Value) -> bool:
+    return a is b or (a.texture is None and b.texture is None and a.constant == b.constant)
+
+
+def _times(value: Value, factor: float) -> tuple[float, float, float]:
+    r, g, b = value.constant
+    return r * factor, g * factor, b * factor
 
 
 def _mixture(materials: MaterialReader, node: Node) -> Material:
@@ -152,7 +194,7 @@ def _mixture(materials: MaterialReader, node: Node) -> Material:
     result, so_far = parts[-1], weights[-1]
     for part, weight in zip(reversed(parts[:-1]), reversed(weights[:-1]), strict=True):
         so_far += weight
-        result = _blended(part, result, grey((so_far - weight) / so_far if so_far > 0 else 0.0))
+        result = _blended(part, result, grey((so_far - weight) / so_far if so_far > 0 else 0.0), node)
     return result
 
 

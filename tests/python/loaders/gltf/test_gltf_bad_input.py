@@ -342,3 +342,10 @@ def test_a_folder_and_a_missing_file(tmp_path: Path) -> None:
     for path, message in ((tmp_path, "expected a file"), (tmp_path / "gone.glb", "file not found")):
         with pytest.raises(EclatError, match=message):
             load_gltf(path)
+
+
+def test_a_primitive_without_an_area_is_named(tmp_path: Path) -> None:
+    file = GltfFile()
+    file.mesh_node(file.primitive(((0, 0, 0), (1, 1, 1), (2, 2, 2))), file.primitive())
+    with pytest.warns(EclatWarning, match=r"primitives\[0\]: no triangle of the primitive has an area"):
+        load_gltf(file.save(tmp_path, "flat.glb"))

@@ -297,6 +297,21 @@ def test_mixtures_are_blends_of_blends(tmp_path: Path) -> None:
     assert made.parameters["reflectance"].constant == (0, 0, 0)
 
 
+def test_what_a_blend_cannot_keep_of_its_parts_is_named() -> None:
+    board = {"type": "checkerboard"}
+    bumpy = {"type": "bumpmap", "height": board, "bsdf": DIFFUSE}
+    with pytest.warns(EclatWarning, match="normal maps of only one part of a blendbsdf are not supported"):
+        assert material({"type": "blendbsdf", "a": DIFFUSE, "b": bumpy}).normal_map is not None
+    mask = {"type": "mask", "opacity": 0.5, "bsdf": DIFFUSE}
+    with pytest.warns(EclatWarning, match="a mask inside a blendbsdf is not supported beside a texture"):
+        blend = material({"type": "blendbsdf", "weight": board, "a": mask, "b": DIFFUSE})
+    assert blend.opacity.constant == (1, 1, 1)
+    lamp = {"type": "area", "radiance": {"type": "rgb", "value": 1.0}}
+    textured = {"type": "rectangle", "bsdf": {"type": "mask", "opacity": board, "bsdf": DIFFUSE}, "emitter": lamp}
+    with pytest.warns(EclatWarning, match="shines only where its mask is opaque"):
+        load_dict({"type": "scene", "lamp": textured})
+
+
 @pytest.mark.parametrize(
     ("bsdf", "message"),
     [

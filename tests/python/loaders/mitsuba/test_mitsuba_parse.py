@@ -342,3 +342,16 @@ def test_mitsubas_own_cornell_box_loads() -> None:
     assert len(scene.meshes) == 8
     assert [mesh.name for mesh in scene.meshes if mesh.material.emission] == ["light"]
     assert scene.cameras[0].size == (256, 256)
+
+
+def test_the_depth_of_an_integrator_of_an_unknown_type_is_named(tmp_path: Path) -> None:
+    (tmp_path / "scene.xml").write_text(
+        '<scene version="3.0.0"><integrator type="mine"><integer name="max_depth" value="2"/></integrator>'
+        '<shape type="rectangle"/></scene>'
+    )
+    with pytest.warns(EclatWarning) as caught:
+        load_xml(tmp_path / "scene.xml")
+    assert [("'mine' is unknown" in str(w.message), "max_depth to 2" in str(w.message)) for w in caught] in (
+        [(True, False), (False, True)],
+        [(False, True), (True, False)],
+    )

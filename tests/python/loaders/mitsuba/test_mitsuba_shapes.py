@@ -277,3 +277,10 @@ def test_gltf_is_a_shape_with_its_own_materials(tmp_path) -> None:
     assert mesh.material.kind == "metallic_roughness" and np.asarray(mesh.positions).max() == 2
     (mesh,) = load_dict({"type": "scene", "shape": shape | {"paint": {"type": "plastic"}}}, tmp_path).meshes
     assert mesh.material.kind == "plastic"
+
+
+@pytest.mark.parametrize("kind", ["rectangle", "disk"])
+def test_a_flat_shape_without_an_area_is_named(kind: str) -> None:
+    flat = {"type": kind, "to_world": np.diag([0.0, 1.0, 1.0, 1.0])}
+    with pytest.warns(EclatWarning, match="the matrix leaves no area of the shape"):
+        load_dict({"type": "scene", "flat": flat, "other": {"type": "rectangle"}})
