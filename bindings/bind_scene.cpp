@@ -181,6 +181,7 @@ void bind_material(nb::module_& m) {
             "table", [](const Material& m) { return std::const_pointer_cast<MeasuredBrdf>(m.table); },
             [](Material& m, std::shared_ptr<MeasuredBrdf> table) { m.table = std::move(table); })
         .def_rw("beckmann", &Material::beckmann)
+        .def_rw("correlated", &Material::correlated)
         .def_rw("nonlinear", &Material::nonlinear)
         .def_rw("thin_walled", &Material::thin_walled)
         .def_rw("opacity", &Material::opacity)

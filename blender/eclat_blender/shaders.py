@@ -15,11 +15,6 @@ from .links import Found, follow
 from .node_values import NodeValues
 from .surfaces import CLEAR, Surface, added, mixed
 
-LARGE_INDEX = 100.0
-"""An index of refraction with which Éclat's dielectric part reflects 96 % at normal incidence."""
-
-NORMAL_REFLECTANCE = ((LARGE_INDEX - 1) / (LARGE_INDEX + 1)) ** 2
-
 MOST_RADIANCE = 1e6
 """Bound on the radiance of images that glow."""
 
@@ -113,21 +108,16 @@ def _translucent(shading: Shading, found: Found) -> Surface:
 
 
 def _glossy(shading: Shading, found: Found) -> Surface:
-    """A mirror of one colour for all directions: a dielectric part whose reflectance at normal incidence is the colour, and
-    whose reflectance at grazing incidence is the largest of its channels."""
+    """A mirror of one colour for all directions: a conductor that reflects all light, times the colour."""
     shading.unsupported(found, "Anisotropy")
     _check_distribution(shading, found, ("GGX", "MULTI_GGX"))
-    color = shading.values.input(found, "Color").mapped(lambda x: x.clip(0, 1))
-    brightest = color.mapped(lambda x: x[..., :3].max(axis=-1, keepdims=True).repeat(4, axis=-1))
-    tint = shading.values.join(lambda x, m: x / (m + (m == 0)) / NORMAL_REFLECTANCE, color, brightest)
     parameters = {
-        "base_color": grey(0),
-        "ior": grey(LARGE_INDEX),
-        "specular": shading.value(brightest),
-        "specular_color": shading.value(tint, 1 / NORMAL_REFLECTANCE),
-        "roughness": shading.roughness(shading.values.input(found, "Roughness")),
+        "eta": grey(0),
+        "k": grey(1),
+        "specular_reflectance": shading.value(shading.values.input(found, "Color")),
+        "alpha_u": shading.roughness(shading.values.input(found, "Roughness")),
     }
-    return Surface(Material("metallic_roughness", parameters, normal_map=shading.normal_map(found)))
+    return Surface(Material("conductor", parameters, masking="correlated", normal_map=shading.normal_map(found)))
 
 
 def _glass(shading: Shading, found: Found) -> Surface:
@@ -151,7 +141,8 @@ def _metal(shading: Shading, found: Found) -> Surface:
     normal = shading.normal_map(found)
     if found.node.fresnel_type == "PHYSICAL_CONDUCTOR":
         eta, k = (Value(shading.values.input(found, name).color) for name in ("IOR", "Extinction"))
-        return Surface(Material("conductor", {"eta": eta, "k": k, "alpha_u": alpha}, normal_map=normal))
+        parameters = {"eta": eta, "k": k, "alpha_u": alpha}
+        return Surface(Material("conductor", parameters, masking="correlated", normal_map=normal))
     color = shading.value(shading.values.input(found, "Base Color"))
     parameters = {"base_color": color, "metallic": grey(1), "roughness": alpha}
     return Surface(Material("metallic_roughness", parameters, normal_map=normal))

@@ -142,7 +142,8 @@ Bsdf make_phong(Color diffuse, Color specular, float exponent);
 Bsdf make_ward(Color diffuse, Color specular, float alpha_u, float alpha_v);
 
 /// Complex index eta + i·k relative to the outside; `specular` multiplies.
-Bsdf make_conductor(Color eta, Color k, Color specular, float alpha_u, float alpha_v, Distribution distribution);
+Bsdf make_conductor(Color eta, Color k, Color specular, float alpha_u, float alpha_v, Distribution distribution,
+                    Masking masking = Masking::separable);
 
 /// `ior` is the inside's index over the outside's.
 Bsdf make_dielectric(float ior, float alpha_u, float alpha_v, Color reflection, Color transmission,

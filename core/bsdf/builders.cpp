@@ -41,9 +41,10 @@ Bsdf make_ward(Color diffuse, Color specular, float alpha_u, float alpha_v) {
     return bsdf;
 }
 
-Bsdf make_conductor(Color eta, Color k, Color specular, float alpha_u, float alpha_v, Distribution distribution) {
+Bsdf make_conductor(Color eta, Color k, Color specular, float alpha_u, float alpha_v, Distribution distribution,
+                    Masking masking) {
     Bsdf bsdf;
-    bsdf.add(interface_lobe({alpha_u, alpha_v, distribution}, Microfacets::smooth(alpha_u, alpha_v),
+    bsdf.add(interface_lobe({alpha_u, alpha_v, distribution, masking}, Microfacets::smooth(alpha_u, alpha_v),
                             InterfaceReflectance::conductor(eta, k), false),
              specular);
     return bsdf;

@@ -17,6 +17,7 @@ class Reader {
     Color base_color(size_t i) const { return material_.vertex_colors ? color(i) * at_.vertex_color : color(i); }
     float alpha(size_t i) const { return std::min(scalar(i), 1.0f); }
     Distribution distribution() const { return material_.beckmann ? Distribution::beckmann : Distribution::ggx; }
+    Masking masking() const { return material_.correlated ? Masking::correlated : Masking::separable; }
 
   private:
     const Material& material_;
@@ -107,7 +108,7 @@ Bsdf make_bsdf(const std::vector<Material>& materials, int index, const SurfaceC
             return make_conductor(read.color(parameter(conductor, "eta")), read.color(parameter(conductor, "k")),
                                   read.color(parameter(conductor, "specular_reflectance")),
                                   read.alpha(parameter(conductor, "alpha_u")),
-                                  read.alpha(parameter(conductor, "alpha_v")), read.distribution());
+                                  read.alpha(parameter(conductor, "alpha_v")), read.distribution(), read.masking());
         case dielectric:
             return make_dielectric(
                 read.scalar(parameter(dielectric, "ior")), read.alpha(parameter(dielectric, "alpha_u")),

@@ -87,6 +87,7 @@ struct Material {
     bool hidden_from_camera = false;
     int children[2] = {-1, -1};
     bool beckmann = false;
+    bool correlated = false;  // whether masking and shadowing of a conductor are correlated, with GGX only
     bool nonlinear = false;
     bool thin_walled = true;
     Value opacity;

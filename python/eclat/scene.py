@@ -182,6 +182,10 @@ class Material:
     Everything else sees the surface, mirrors included. The field counts on the material of a mesh, not on its `back` or
     on `children`."""
     distribution: Literal["ggx", "beckmann"] = "ggx"
+    masking: Literal["separable", "correlated"] = "separable"
+    """Whether the facets that shadow light and those that hide it from the viewer are correlated by their height, for
+    conductors with the distribution "ggx", as in Blender. In Mitsuba they are independent. Metallic-roughness materials
+    always correlate them."""
     nonlinear: bool = False
     """Whether internal scattering shifts the colour of a plastic."""
     ward_variant: Literal["bounded", "duer"] = "bounded"

@@ -213,6 +213,7 @@ class _Compiler:
         out.back = -1 if material.back is None else self.material(material.back)
         out.children = [self.material(child) for child in material.children] or [-1, -1]
         out.beckmann = material.distribution == "beckmann"
+        out.correlated = material.masking == "correlated"
         out.nonlinear = material.nonlinear
         if material.kind == "measured":
             out.table = self.table(material)
