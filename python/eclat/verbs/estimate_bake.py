@@ -17,7 +17,7 @@ from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked
 from eclat.bridge.running import ProgressReport
 from eclat.gltf_export import encode_glb
 from eclat.lightmap.atlas import Packing
-from eclat.lightmap.darkness import dark_texels
+from eclat.lightmap.darkness import dark_texels, groups_of
 from eclat.lightmap.gathering import Settings, TexelPoints, gather, sample_points, visible_points
 from eclat.lightmap.layout import Wishes, lay_out
 from eclat.lightmap.sides import SidesChoice
@@ -31,7 +31,8 @@ from eclat.verbs.irradiance import checked_component
 from eclat.verbs.light_at_points import Component
 
 TRIALS = (256, 1024, 4096)
-"""Numbers of texels that are baked to see how the work grows with them."""
+"""Approximate numbers of texels that are baked to see how the work grows with them. Whole groups of neighbours (`groups_of`) are
+taken, because neighbours share records."""
 
 PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8 * 4 / 3
 """Bytes of a texel without compression in the embedded PNG, in the EXR and in the KTX2 file, of which all levels of a mip map
@@ -112,11 +113,11 @@ def estimate_bake(
     free = visible_points(scene, layout.solid, points, settings)
     dark = dark_texels(scene, layout, points, free, settings)
     laid_out = clock.perf_counter() - started
-    lit = np.flatnonzero(~dark.mask)
+    lit = np.flatnonzero(~dark.mask & free[:, 1:].any(axis=1))
     count = len(lit)
-    numbers = sorted({min(count, number) for number in TRIALS})
-    trials = [_trial(scene, source, points, free, lit, number, settings) for number in numbers]
-    rays = extrapolated(numbers, [rays for rays, _ in trials], count)
+    chosen = [_spread_groups(groups_of(layout)[lit], number) for number in sorted({min(count, n) for n in TRIALS})]
+    trials = [_trial(scene, source, points, free, lit[which], settings) for which in chosen]
+    rays = extrapolated([len(which) for which in chosen], [rays for rays, _ in trials], count)
     last_rays, last_seconds = trials[-1]
     height, width = layout.page_shape
     all_texels = layout.atlas.pages * height * width
@@ -135,7 +136,7 @@ def estimate_bake(
 
 
 def extrapolated(numbers: list[int], rays: list[float], count: int) -> float:
-    """Predict the rays of `count` texels from those of a few numbers of them, each four times the one before.
+    """Predict the rays of `count` texels from those of a few numbers of them, which grow.
 
     Some rays are needed for any number of texels, such as those of far records; the others follow a power of the number,
     which is 1 for light from lamps and less for records that serve many texels. With fewer than three numbers, all rays are
@@ -143,25 +144,29 @@ def extrapolated(numbers: list[int], rays: list[float], count: int) -> float:
     """
     if len(numbers) < 3 or numbers[-1] >= count:
         return rays[-1] * count / max(1, numbers[-1])
-    first, second = max(rays[1] - rays[0], 1.0), max(rays[2] - rays[1], 1.0)
-    ratio = numbers[2] / numbers[1]
-    power = float(np.clip(np.log(second / first) / np.log(ratio), 0.25, 1.0))
-    share = second / (numbers[2] ** power - numbers[1] ** power)
+    growth = max(rays[2] - rays[1], 1.0) / max(rays[1] - rays[0], 1.0)
+    powers = np.linspace(0.25, 1, 301)[:, None]
+    steps = np.diff(np.array(numbers, np.float64) ** powers, axis=1)
+    power = float(powers[np.argmin(np.abs(np.log(steps[:, 1] / steps[:, 0]) - np.log(growth))), 0])
+    share = max(rays[2] - rays[1], 1.0) / (numbers[2] ** power - numbers[1] ** power)
     return float(rays[2] + share * (count**power - numbers[2] ** power))
 
 
+def _spread_groups(groups: NDArray[np.int64], number: int) -> NDArray[np.int64]:
+    """Choose about `number` texels in whole groups, evenly spread over the texels, of which `groups` (N,) are the groups."""
+    if number >= len(groups):
+        return np.arange(len(groups))
+    order = np.argsort(groups, kind="stable")
+    mean_size = len(groups) / len(np.unique(groups))
+    picked = groups[order][np.linspace(0, len(groups) - 1, max(1, round(number / mean_size))).astype(np.int64)]
+    return np.flatnonzero(np.isin(groups, picked))
+
+
 def _trial(
-    scene: Scene,
-    source: Source,
-    points: TexelPoints,
-    free: Mask,
-    lit: NDArray[np.int64],
-    number: int,
-    settings: Settings,
+    scene: Scene, source: Source, points: TexelPoints, free: Mask, which: NDArray[np.int64], settings: Settings
 ) -> tuple[float, float]:
-    """Bake `number` of the `lit` texels, evenly spread over them; return the number of rays and the seconds."""
+    """Bake the texels `which`; return the number of rays and the seconds."""
     started = clock.perf_counter()
-    which = lit[np.linspace(0, len(lit) - 1, number).astype(np.int64)]
     chosen = TexelPoints(*(getattr(points, field.name)[which] for field in fields(TexelPoints)))
     gathered = gather(scene, source, chosen, free[which], settings)
     return gathered.counts["rays"], clock.perf_counter() - started

@@ -49,6 +49,23 @@ TEST_CASE("facets lose only the light that is scattered between them") {
     CHECK(albedo(0.2f, Distribution::beckmann) > 0.98f);
 }
 
+TEST_CASE(
+    "a conductor with correlated masking is a white metal of glTF, and brighter than one with separable masking") {
+    const Bsdf metal = make_metallic_roughness(gltf(1, 0.5f, 0, true));
+    const auto mirror = [](Masking masking) {
+        return make_conductor(Color(0), Color(1), Color(1), 0.5f, 0.5f, Distribution::ggx, masking);
+    };
+    const Bsdf correlated = mirror(Masking::correlated), separable = mirror(Masking::separable);
+    for (const Vec3 wo : directions_above())
+        for (const Vec3 wi : directions_above()) {
+            CAPTURE(wo.z);
+            CAPTURE(wi.z);
+            const float f = correlated.eval(wo, wi, LobeSet::all).f.r;
+            CHECK(f == doctest::Approx(metal.eval(wo, wi, LobeSet::all).f.r).epsilon(1e-4));
+            if (std::max(wo.z, wi.z) < 0.9f) CHECK(f > separable.eval(wo, wi, LobeSet::all).f.r);
+        }
+}
+
 TEST_CASE("reciprocity: eta_i squared times f is symmetric") {
     const auto index = [](const BsdfCase& c, Vec3 w) { return w.z < 0 ? c.ior : 1.0f; };
     for (const BsdfCase& c : white_cases()) {

@@ -88,6 +88,7 @@ inline std::vector<BsdfCase> white_cases() {
         {"ward and diffuse", make_ward(half, half, 0.1f, 0.1f)},
         {"mirror", make_conductor(black, white, white, 0, 0, ggx), true},
         {"gold", make_conductor({0.143f, 0.375f, 1.442f}, {3.98f, 2.39f, 1.6f}, white, 0.3f, 0.3f, ggx)},
+        {"metal correlated", make_conductor(black, white, white, 0.5f, 0.3f, ggx, Masking::correlated)},
         {"thin dielectric", make_thin_dielectric(1.5f, white, white), true, true},
         {"translucent", make_translucent(half, half), true},
         {"plastic", make_plastic(smooth_coat(), white, white, ggx, false), true},
