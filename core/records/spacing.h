@@ -43,9 +43,10 @@ float elongation(const PrincipalCurvatures& bends);
 /// Sets the length of the record and its radius within the bounds. If the lower bound increases the radius, the
 /// translation gradient is reduced by the same factor.
 ///
-/// `obstacle` is the distance of the surfaces that the record sees, in m, as the metric defines it; the length is at
-/// most this. `footprint` is the width of a pixel there; with 0, only the distance determines the length. `mean` is the
-/// mean luminance of the irradiance in the scene, or 0 while it is unknown.
+/// `obstacle` is the distance of the surfaces that the record sees, in m, as the metric defines it. The length is at most
+/// this, and less if the radius would otherwise reach those surfaces. `footprint` is the width of a pixel there; with 0,
+/// only the distance determines the length. `mean` is the mean luminance of the irradiance in the scene, or 0 while it is
+/// unknown.
 void space(IrradianceRecord& record, float obstacle, float footprint, float mean, const SpacingRule& rule);
 
 }  // namespace eclat

@@ -251,8 +251,19 @@ def _reads_tangents(material: Material) -> bool:
     return material.normal_map is not None and material.normal_map.kind == "normal"
 
 
+_fingerprints: weakref.WeakKeyDictionary[Scene, str] = weakref.WeakKeyDictionary()
+
+
 def fingerprint(scene: Scene) -> str:
-    """Compute a hash of everything that affects the light: geometry, materials and lights, but not cameras."""
+    """Return a hash of everything that affects the light: geometry, materials and lights, but not cameras. It is computed
+    at the first call and kept as long as the scene exists."""
+    found = _fingerprints.get(scene)
+    if found is None:
+        found = _fingerprints[scene] = _hashed(scene)
+    return found
+
+
+def _hashed(scene: Scene) -> str:
     digest = hashlib.sha256()
 
     def feed(x: object) -> None:

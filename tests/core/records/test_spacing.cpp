@@ -18,7 +18,7 @@ IrradianceRecord record() {
 }
 
 float length_of(IrradianceRecord r, float footprint, float mean, Metric metric = Metric::occlusion) {
-    space(r, r.distance, footprint, mean, {metric, 1, false});
+    space(r, r.distance, footprint, mean, {metric, 0.8f, false});
     return r.distance;
 }
 
@@ -122,6 +122,14 @@ TEST_CASE("the long axis of an ellipse is at most the distance of obstacles") {
     CHECK(half_length(0.5f, 0) == doctest::Approx(0.25f));  // the obstacle bounds the circle as well
     CHECK(half_length(0.5f, 0.4f) == doctest::Approx(0.4f));
     CHECK(half_length(infinity, 0) == doctest::Approx(2 * width));
+}
+
+TEST_CASE("a record does not reach what it keeps its distance from, however wide the spacing") {
+    for (const float spacing : {0.8f, 1.13f, 3.0f}) {
+        IrradianceRecord r = record();
+        space(r, 0.05f, 0.01f, 1, {Metric::occlusion, spacing, false});
+        CHECK(r.radius == doctest::Approx(0.8f * 0.05f));
+    }
 }
 
 TEST_CASE("ellipses are at most twice as long as wide") {

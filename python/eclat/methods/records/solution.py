@@ -7,6 +7,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import ClassVar
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -24,6 +25,10 @@ from eclat.scene import FloatArray, Scene
 
 _COLUMNS = {name: slice(first, first + count) for name, first, count in _core.record_layout()}
 """Columns of each field in the row of floats of a record, as the core defines them."""
+
+
+_cores: WeakKeyDictionary[Solution, _core.SolvedCaches] = WeakKeyDictionary()
+"""The records of solutions in the compiled core. They are kept here, so that a solution can be copied and sent."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -157,7 +162,15 @@ class Solution(Solved):
         return ErrorEstimate(*(seen[name] for name in names))
 
     def core(self) -> _core.SolvedCaches:
-        """Convert the records to the compiled core."""
+        """Return the records in the compiled core, which only reads them. They are converted at the first call and kept
+        as long as this solution exists: building their trees takes as long as a sample of each pixel of a small picture.
+        """
+        found = _cores.get(self)
+        if found is None:
+            found = _cores[self] = self._converted()
+        return found
+
+    def _converted(self) -> _core.SolvedCaches:
         caches = _core.SolvedCaches(
             np.ascontiguousarray(self.near, np.float32),
             np.ascontiguousarray(self.far, np.float32),
