@@ -1,10 +1,10 @@
 # SPDX-FileCopyrightText: the Éclat authors
 # SPDX-License-Identifier: Apache-2.0
-"""Tables of facts, which objects show in notebooks."""
+"""Tables of facts and short lists, which objects show in notebooks."""
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from html import escape
 
 
@@ -15,3 +15,10 @@ def facts_table(title: str, facts: Mapping[str, object]) -> str:
         for name, value in facts.items()
     )
     return f"<table><caption><b>{escape(title)}</b></caption>{rows}</table>"
+
+
+def listed(names: Iterable[str], most: int = 8) -> str:
+    """List distinct names, or "none"; of more than `most`, the first ones and the number of the others."""
+    distinct = list(dict.fromkeys(names))
+    more = f" and {len(distinct) - most:,} more" if len(distinct) > most else ""
+    return (", ".join(distinct[:most]) + more) or "none"

@@ -13,7 +13,6 @@ The conventions, which the core shares, are:
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Any, Literal, Protocol
 
@@ -21,7 +20,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from eclat.errors import EclatError
-from eclat.html import facts_table
+from eclat.html import facts_table, listed
 from eclat.light_sources import DirectionalLight as DirectionalLight
 from eclat.light_sources import Environment as Environment
 from eclat.light_sources import Light as Light
@@ -395,13 +394,6 @@ class Scene:
         if self.animation is not None:
             parts.append(f"moves until {self.animation.end:g} s")
         return f"<Scene {self.name!r}: {', '.join(parts)}>"
-
-
-def listed(names: Iterable[str], most: int = 8) -> str:
-    """List distinct names, or "none"; of more than `most`, the first ones and the number of the others."""
-    distinct = list(dict.fromkeys(names))
-    more = f" and {len(distinct) - most:,} more" if len(distinct) > most else ""
-    return (", ".join(distinct[:most]) + more) or "none"
 
 
 def _counted(count: int, noun: str, plural: str = "") -> str:
