@@ -101,9 +101,10 @@ def run(name: str, count: int, width: int, max_error: float, folder: Path | None
         page = look_at_page(viewer.url, asked)
         files = viewer.contents.messages()
     rows = []
-    for i, (camera, large) in enumerate(zip(cameras, page.pictures, strict=True)):
+    for i, (camera, large, marked) in enumerate(zip(cameras, page.pictures, page.approximated, strict=True)):
         shown = averaged(large, SUPERSAMPLING)
-        rows.append(compare(scene, solution, camera, shown, i) | {"camera": i})
+        approximated = averaged(marked[..., None].astype(float), SUPERSAMPLING)[..., 0] > 0
+        rows.append(compare(scene, solution, camera, shown, approximated, i) | {"camera": i})
         if folder is not None:
             save(folder / f"{name}-{i}.png", shown, rows[-1].pop("reference"))
         rows[-1].pop("reference", None)
@@ -116,8 +117,10 @@ def run(name: str, count: int, width: int, max_error: float, folder: Path | None
     }  # fmt: skip
 
 
-def compare(scene: Scene, solution: Solution, camera: Camera, shown: np.ndarray, number: int) -> dict[str, Any]:
-    """Compare a picture of the page with two of `render`."""
+def compare(
+    scene: Scene, solution: Solution, camera: Camera, shown: np.ndarray, approximated: np.ndarray, number: int
+) -> dict[str, Any]:
+    """Compare a picture of the page with two of `render`, but for the pixels (H, W) that the page marks as approximated."""
     a, b = (
         eclat.render(scene, solution, camera=camera, samples=SAMPLES, seed=2 * number + half, adaptive=False)
         for half in range(2)
@@ -125,6 +128,7 @@ def compare(scene: Scene, solution: Solution, camera: Camera, shown: np.ndarray,
     emitted = eclat.render(scene, eclat.Path(), camera=camera, samples=4, max_depth=1, adaptive=False)
     calm = calm_pixels(a, emitted) & (emitted.pixels.max(axis=-1) <= 0)
     cached, traced = (a.layers.get(f"gloss_{kind}", np.zeros(calm.shape)) for kind in ("cached", "traced"))
+    calm &= ~approximated  # records of irradiance alone leave no layers that tell gloss
     kinds = {"matte": calm & (cached <= 0) & (traced <= 0), "gloss": calm & (cached > 0.99)}
     least = 0.005 * calm.size
     found: dict[str, Any] = {

@@ -23,15 +23,18 @@ from __future__ import annotations
 
 import io
 from collections.abc import Sequence
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 from PIL import Image as PillowImage
 
 from eclat import _core
+from eclat.errors import warn
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.textures import average, constant_of
-from eclat.scene import DEFAULTS, Material, Texture, Value, grey
+from eclat.measured_brdf import normal_albedo
+from eclat.scene import DEFAULTS, Material, Texture, Value, grey, rgb
 from eclat.viewer.mirrors import alpha_of, reflectance_of
 
 COSINES = 32
@@ -60,7 +63,7 @@ class PageMaterials:
         return self._numbers[id(material)]
 
     def _material(self, material: Material) -> Json:
-        shown = as_metallic_roughness(material) if material.kind in ("blend", "measured") else material
+        shown = _shown_for(material)
         parameters = {name: shown.parameters.get(name, default) for name, default in DEFAULTS.items()}
         black = grey(0.0)
         coat, inside = coat_of(shown)
@@ -161,6 +164,21 @@ def coat_of(material: Material) -> tuple[np.ndarray, float]:
         f0 = float(np.minimum(color * at_normal, 1).max()) * largest["specular"]
         return np.asarray(_core.coupled_coat(largest["roughness"], f0, largest["specular"], cosines)), 0.0
     return np.ones(COSINES, np.float32), 0.0
+
+
+def _shown_for(material: Material) -> Material:
+    """Return the material that the page shows in place of one: itself, or for blends and measured ones an approximation."""
+    if material.kind == "blend":
+        return as_metallic_roughness(material)
+    if material.kind != "measured":
+        return material
+    warn(
+        f"material {material.name!r} is measured: shown as matte with its albedo along the normal, and where no record lies "
+        "by direct light only; the overlay of what is approximated marks such places"
+    )
+    albedo = np.zeros(3) if material.measured is None else normal_albedo(material.measured)
+    scale = constant_of(average(material.parameters.get("scale", DEFAULTS["scale"])))
+    return replace(material, kind="diffuse", parameters={"reflectance": rgb(*np.minimum(albedo * scale, 1).tolist())})
 
 
 def _diffuse(material: Material, parameters: dict[str, Value]) -> Value:

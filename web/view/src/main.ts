@@ -172,7 +172,7 @@ async function start(): Promise<void> {
       `${renderer.records.count.toLocaleString('en')} records of ${renderer.records.reading?.method ?? ''}` +
       (renderer.gloss.count > 0 ? `, ${renderer.gloss.count.toLocaleString('en')} of radiance.` : '.') +
       (everywhere ? ' The surfaces that nobody looks at are being computed.' : '') +
-      (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats.' : '');
+      (renderer.precision === 'half' ? ' This graphics card cannot blend floats; sums are rounded to half floats, which changes most pixels by 0.01 %, and few by more than 0.1 %.' : '');
   };
   tell();
   const wishes = live && new Wishes(() => live.wish(pose, canvas.clientWidth, canvas.clientHeight));

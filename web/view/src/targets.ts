@@ -6,7 +6,7 @@
 import * as three from 'three';
 import { MOST_PLANES } from './mirrors';
 
-/** How sums are held: half floats, with an error of some tenths of a per cent, where floats cannot be blended. */
+/** How sums are held: half floats where floats cannot be blended. docs/guides/view.md says what these cost. */
 export type Precision = 'float' | 'half';
 
 export function precisionOf(renderer: three.WebGLRenderer): Precision {
