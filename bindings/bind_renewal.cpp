@@ -10,6 +10,7 @@
 #include <vector>
 
 #include "arrays.h"
+#include "methods/irradiance_cache/records_in_use.h"
 #include "methods/radiance_cache/radiance_cache.h"
 #include "record_arrays.h"
 #include "records/renewal.h"
@@ -108,16 +109,20 @@ void bind_renewal(nb::module_& m) {
           "shading_normals"_a, "keys"_a, "progress"_a,
           "Gathers records of radiance anew: their rows, and their values and gradients (records, 9 order²).");
     m.def(
-        "grow_radiance",
-        [](const CoreScene& scene, const Camera& camera, const RadianceTables& tables,
-           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
-            RecordSolve solve{caches};
-            grow_radiance_cache(scene.world(), {&camera, 1}, tables, options, solve, progress);
-            return solve.bright;
+        "records_in_use",
+        [](const CoreScene& scene, const Camera& camera, const Array<float, -1, -1>& records,
+           const IrradianceCacheOptions& options, Progress& progress) {
+            RecordCache cache(options.cache);
+            cache.insert(records_of(records), options.spacing, options.threads);
+            std::vector<uint8_t> used;
+            {
+                const nb::gil_scoped_release unlocked;
+                used = records_in_use(scene.world(), camera, cache, options, progress);
+            }
+            return float_array({used.size()}, [&](float* data) { std::ranges::copy(used, data); });
         },
-        "scene"_a, "camera"_a, "tables"_a, "options"_a, "caches"_a, "progress"_a,
-        nb::call_guard<nb::gil_scoped_release>(),
-        "Adds to caches in place what a camera wants besides; returns the places at which gathers aimed rays.");
+        "scene"_a, "camera"_a, "records"_a, "options"_a, "progress"_a,
+        "1 for each record (N,) that is read where the camera sees something, 0 for the others.");
     m.def(
         "tangents_around",
         [](const Points& normals) {

@@ -961,16 +961,15 @@ def renew_radiance(
     Gathers records of radiance anew: their rows, and their values and gradients (records, 9 order²).
     """
 
-def grow_radiance(
+def records_in_use(
     scene: Scene,
     camera: Camera,
-    tables: RadianceTables,
-    options: RadianceCacheOptions,
-    caches: SolvedCaches,
+    records: Annotated[NDArray[numpy.float32], dict(shape=(None, None), order="C", device="cpu", writable=False)],
+    options: IrradianceCacheOptions,
     progress: Progress,
-) -> BrightPlaces:
+) -> NDArray[numpy.float32]:
     """
-    Adds to caches in place what a camera wants besides; returns the places at which gathers aimed rays.
+    1 for each record (N,) that is read where the camera sees something, 0 for the others.
     """
 
 def tangents_around(

@@ -187,18 +187,12 @@ void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTab
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress) {
     caches = empty_caches(options.irradiance);
     RecordSolve solve{caches};
-    grow_radiance_cache(world, cameras, tables, options, solve, progress);
-}
-
-void grow_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
-                         const RadianceCacheOptions& options, RecordSolve& solve, Progress& progress) {
     const IrradianceCacheOptions& irradiance = options.irradiance;
-    SolvedCaches& caches = solve.caches;
     progress.begin(camera_passes(irradiance, cameras.size(), 2));
     solve_far_for_cameras(world, cameras, irradiance, solve, progress);
 
     const RadianceProjection projection(options.order, Rows::balanced, options.rows);
-    if (caches.radiance.records().empty()) caches.radiance = RadianceCache(irradiance.cache, options.order);
+    caches.radiance = RadianceCache(irradiance.cache, options.order);
     solve.tables = &tables;
     const RadianceWork work{tables, options, projection};
     for_each_lattice(cameras, irradiance, [&](size_t index, std::span<const Vec2> pixels, float step) {

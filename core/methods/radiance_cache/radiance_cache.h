@@ -44,11 +44,6 @@ MarkCached mark_lobes(const RadianceTables& tables);
 void solve_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
                           const RadianceCacheOptions& options, SolvedCaches& caches, Progress& progress);
 
-/// Does the same into the caches of `solve`, which may hold records: points that these serve get no others. If they hold
-/// records of radiance, `options.irradiance.disagreement` must be infinite, because their lobes are not known.
-void grow_radiance_cache(const World& world, Cameras cameras, const RadianceTables& tables,
-                         const RadianceCacheOptions& options, RecordSolve& solve, Progress& progress);
-
 /// Does the work of `solve_everywhere`, and makes radiance records on all glossy surfaces for all view directions.
 void solve_radiance_everywhere(const World& world, const RadianceTables& tables, const RadianceCacheOptions& options,
                                SolvedCaches& caches, Progress& progress);

@@ -102,13 +102,17 @@ class Times:
 
     def from_the_middle(self) -> list[int]:
         """Return the indices of all times, those in the middle first. Of times with the same view only one is returned."""
-        middle, views, found = (len(self) - 1) / 2, set(), []
+        middle, known, found, views = (len(self) - 1) / 2, set(), [], self.views
         for time in sorted(range(len(self)), key=lambda i: (abs(i - middle), i)):
-            view = (int(self.states[time]), self.cameras[time])
-            if view not in views:
-                views.add(view)
+            if views[time] not in known:
+                known.add(views[time])
                 found.append(time)
         return found
+
+    @property
+    def views(self) -> list[tuple[int, Camera]]:
+        """The state and the camera at each time. Times with the same ones have the same picture."""
+        return [(int(state), camera) for state, camera in zip(self.states, self.cameras, strict=True)]
 
 
 Purpose = View | Views | AtPoints | Everywhere

@@ -220,7 +220,7 @@ def test_records_of_things_that_move_are_kept_and_read_again(tmp_path: Path, mon
     (kept,) = tmp_path.glob("times-*.npz")
     (tmp_path / "1.png").unlink()
     with monkeypatch.context() as patched:
-        for name in ("renew_records", "renew_radiance", "grow_radiance", "GrowingCache"):
+        for name in ("renew_records", "renew_radiance", "records_in_use", "GrowingCache"):
             patched.setattr(_core, name, lambda *_: pytest.fail("gathered again"))
         eclat.animate(sliding_in_the_box(), method, **given)
     assert files(tmp_path) == before

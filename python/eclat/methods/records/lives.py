@@ -83,6 +83,7 @@ def plan_lives(
     changes: Changes,
     bends: Bends,
     returns: Returns,
+    used: NDArray[np.bool_],
 ) -> NDArray[np.bool_]:
     """Choose the keys of records.
 
@@ -95,14 +96,18 @@ def plan_lives(
     changes, bends : gather what they need and return the changes and the bends. They are called with all lives of one round
         at once.
     returns : tells in which lives anything comes back. These are halved whatever their ends say.
+    used : (N, S) the times at which each record is used.
 
     Returns
     -------
-    (N, S) whether each time is a key of each record. The first and the last time always are.
+    (N, S) whether each time is a key of each record. The first and the last time of each run of times at which a record is
+    used always are, and times at which it is not used never.
     """
     count = len(worlds)
-    keyed = first_keys(count, longest, phases)
+    keyed = (first_keys(count, longest, phases) & used) | ends_of_runs(used)
     records, first, last = lives_of(keyed)
+    within = used[records, np.minimum(first + 1, last)]
+    records, first, last = records[within], first[within], last[within]
     different = np.concatenate([[0], np.cumsum(worlds[1:] != worlds[:-1])])
     while len(records):
         # Nothing happens while the scene stays as it is.
@@ -133,6 +138,21 @@ def plan_lives(
             np.concatenate([low, last, high[apart]]),
         )
     return keyed
+
+
+def ends_of_runs(used: NDArray[np.bool_]) -> NDArray[np.bool_]:
+    """Return the first and the last time (N, S) of each run of times at which records are used."""
+    beside = np.pad(used, ((0, 0), (1, 1)))
+    return used & ~(beside[:, :-2] & beside[:, 2:])
+
+
+def without_gaps(used: NDArray[np.bool_], longest: int) -> NDArray[np.bool_]:
+    """Return the times (N, S) at which records are used, with the gaps between them that are no longer than `longest`."""
+    count = used.shape[1]
+    times = np.arange(count)
+    last = np.maximum.accumulate(np.where(used, times, -count - longest), axis=1)
+    following = np.minimum.accumulate(np.where(used, times, 2 * count + longest)[:, ::-1], axis=1)[:, ::-1]
+    return np.asarray(following - last - 1 <= longest) | used
 
 
 def coming_back(course: NDArray[np.float64]) -> Returns:
@@ -170,8 +190,15 @@ def lives_of(keyed: NDArray[np.bool_]) -> tuple[Indices, Indices, Indices]:
     return records[1:][same], times[:-1][same], times[1:][same]
 
 
+def alive(keyed: NDArray[np.bool_], time: int) -> Indices:
+    """Return the numbers of the records that have keys both not after and not before a time."""
+    return np.nonzero(keyed[:, : time + 1].any(axis=1) & keyed[:, time:].any(axis=1))[0]
+
+
 def around(keyed: NDArray[np.bool_], time: int) -> tuple[Indices, Indices]:
-    """Return the last key (N,) of each record that is not after a time, and the first one that is not before it."""
+    """Return the last key (N,) of each record that is not after a time, and the first one that is not before it. All records
+    must be alive then.
+    """
     count = keyed.shape[1]
     before = time - np.argmax(keyed[:, time::-1], axis=1)
     after = time + np.argmax(keyed[:, time:], axis=1)

@@ -36,6 +36,7 @@ from eclat.methods.records.radiance_rows import RECORD, Rows, luminances, record
 from eclat.methods.records.radiance_tables import radiance_tables
 from eclat.methods.records.solution import RadianceRecords
 from eclat.methods.records.tracks import COLUMNS, Tracks, in_surface_space
+from eclat.methods.records.use import times_in_use, turn_fast
 from eclat.methods.work import Times, Work
 from eclat.scene import Scene
 
@@ -137,48 +138,45 @@ class _Planner:
         prepared = compiled(scene)
         camera = prepared.camera(self._times.cameras[time], self._times.size)
         caches = _core.SolvedCaches(np.ascontiguousarray(known[NEAR]), np.ascontiguousarray(known[FAR]), options)
-        if isinstance(self._options, RadianceOptions):
-            caches, bright = self._grown_with_radiance(scene, camera, options, caches, known[RADIANCE])
-        else:
-            growing = _core.GrowingCache(prepared.core, options, caches)
-            growing.look(camera)
-            while growing.passes_left:
-                run("solve", growing.step, self._work.progress, self._counted)
-            caches, bright = growing.caches, growing.bright
+        growing = self._growing(scene, options, caches, known)
+        growing.look(camera)
+        while growing.passes_left:
+            run("solve", growing.step, self._work.progress, self._counted)
+        caches = growing.caches
         if self._bright is None:
-            self._bright = bright
+            self._bright = growing.bright
         grown = {NEAR: np.asarray(caches.near), FAR: np.asarray(caches.far)}
         if isinstance(self._options, RadianceOptions):
             grown[RADIANCE] = rows_of(RadianceRecords.of(caches), self._options.order)
         for kind, rows in grown.items():
             first = FIRST_KEYS[kind] + len(tracks[kind])
-            tracks[kind] = tracks[kind].joined(self._born(rows[len(known[kind]) :], scene, first))
+            made = self._born(rows[len(known[kind]) :], scene)
+            if kind == FAR:
+                made = made.taken(~turn_fast(made, self._times, LONGEST_LIFE / 4))
+            made.keyed[:, time] = True
+            made.keys[:] = np.arange(first, first + len(made)) * 2654435761 % (1 << 32)
+            tracks[kind] = tracks[kind].joined(made)
 
-    def _grown_with_radiance(
+    def _growing(
         self,
         scene: Scene,
-        camera: _core.Camera,
         options: _core.IrradianceCacheOptions,
         caches: _core.SolvedCaches,
-        known: Rows,
-    ) -> tuple[_core.SolvedCaches, _core.BrightPlaces]:
-        """Return the caches with all that the camera wants besides, and the places at which gathers aimed rays."""
-        assert isinstance(self._options, RadianceOptions)
+        known: dict[_core.RecordKind, Rows],
+    ) -> _core.GrowingCache:
+        """Return what grows from the known records, of which `caches` has those of irradiance."""
+        core = compiled(scene).core
+        if not isinstance(self._options, RadianceOptions):
+            return _core.GrowingCache(core, options, caches)
         settings = core_radiance_options(self._options, **self._settings())
         settings.irradiance = options
         tables = radiance_tables(scene, self._options, threads=self._work.threads or None, progress=self._work.progress)
-        records = records_of(known)
+        records = records_of(known[RADIANCE])
         if len(records):
             caches.set_radiance(records.records, records.values, records.gradients, settings)
-        core = compiled(scene).core
-        bright = run(
-            "solve",
-            lambda p: _core.grow_radiance(core, camera, tables, settings, caches, p),
-            self._work.progress, self._counted,
-        )  # fmt: skip
-        return caches, bright
+        return _core.GrowingCache(core, settings, tables, caches)
 
-    def _born(self, rows: Rows, scene: Scene, first: int) -> Tracks:
+    def _born(self, rows: Rows, scene: Scene) -> Tracks:
         """Make tracks of records that were placed in a scene."""
         center = compiled(scene).center
         positions = rows[:, COLUMNS["positions"]].astype(np.float64) + center
@@ -187,16 +185,17 @@ class _Planner:
             scene, positions, rows[:, COLUMNS["normals"]].astype(np.float64), radii, self._work.threads
         )
         moving = np.isin(anchors.meshes, self._times.moving_meshes)
-        keys = (np.arange(first, first + len(rows)) * 2654435761 % (1 << 32)).astype(np.uint32)
         born = in_surface_space(rows, anchors.posed(scene), moving)
-        return Tracks(anchors, born, moving, np.zeros((len(rows), len(self._times)), np.bool_), keys)
+        return Tracks(
+            anchors, born, moving, np.zeros((len(rows), len(self._times)), np.bool_), np.zeros(len(rows), np.uint32)
+        )
 
     def _empty(self, kind: _core.RecordKind) -> Tracks:
         width = RECORD
         if kind == RADIANCE:
             assert isinstance(self._options, RadianceOptions)
             width += 9 * self._options.order**2
-        return self._born(np.zeros((0, width), np.float32), self._times.scene(0), 0)
+        return self._born(np.zeros((0, width), np.float32), self._times.scene(0))
 
     def _measure(self, kind: _core.RecordKind) -> Measure:
         if kind == RADIANCE:
@@ -234,7 +233,11 @@ class _Planner:
         phases = np.array([_phase(int(key)) for key in tracks.keys[records]], np.float64)
         longest = max(1, round(LONGEST_LIFE * self._times.steps_per_frame))
         tolerance = LARGEST_CHANGE * self._options.max_error
-        keyed = plan_lives(states, longest, phases, tolerance, changes, bends, self._returns)
+        some = tracks.taken(records)
+        used = np.ones(some.keyed.shape, np.bool_)
+        if kind != FAR:
+            used = times_in_use(some, self._times, self._core_options(), self._work.progress, self._counted)
+        keyed = plan_lives(states, longest, phases, tolerance, changes, bends, self._returns, used)
         tracks.keyed[records] = keyed
         which, at = np.nonzero(keyed)
         gather(records[which], at)

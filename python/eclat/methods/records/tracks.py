@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from eclat import _core
 from eclat.bridge.anchors import Anchors, Numbers, Posed
-from eclat.methods.records.lives import Indices, around
+from eclat.methods.records.lives import Indices, alive, around
 from eclat.methods.records.radiance_rows import Rows, turn_with_surfaces
 
 COLUMNS = {name: slice(first, first + count) for name, first, count in _core.record_layout()}
@@ -90,19 +90,22 @@ class Tracks:
 
     def at(self, time: int, worlds: Indices, times: Numbers) -> Rows:
         """Return the rows at a time, interpolated between the keys around it, in the space of their surfaces. The rows of
-        records that have no extent at both keys are NaN.
+        records that have no extent at both keys are NaN, as are those before the first and after the last key.
         """
-        before, after = around(self.keyed, time)
+        living = alive(self.keyed, time)
+        before, after = around(self.keyed[living], time)
         span = times[after] - times[before]
         with np.errstate(all="ignore"):
             share = np.where(span > 0, (times[time] - times[before]) / span, 0.0)
-        return blended(self._rows_at(worlds[before]), self._rows_at(worlds[after]), share)
+        rows = np.full_like(self.born, np.nan)
+        rows[living] = blended(self._rows_at(living, worlds[before]), self._rows_at(living, worlds[after]), share)
+        return rows
 
-    def _rows_at(self, worlds: Indices) -> Rows:
-        rows = np.empty_like(self.born)
+    def _rows_at(self, records: Indices, worlds: Indices) -> Rows:
+        rows = np.empty_like(self.born[records])
         for world in np.unique(worlds):
             which = np.nonzero(worlds == world)[0]
-            rows[which] = self.gathers[int(world)].of(which)
+            rows[which] = self.gathers[int(world)].of(records[which])
         return rows
 
 

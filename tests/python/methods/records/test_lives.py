@@ -9,13 +9,24 @@ from typing import Any
 import numpy as np
 import pytest
 
-from eclat.methods.records.lives import SHORT, STRAIGHT, around, coming_back, first_keys, lives_of, plan_lives
+from eclat.methods.records.lives import (
+    SHORT,
+    STRAIGHT,
+    around,
+    coming_back,
+    first_keys,
+    lives_of,
+    plan_lives,
+    without_gaps,
+)
 
 PHASES = np.random.default_rng(1).random(40)
 
 
-def planned(light: np.ndarray, longest: int, tolerance: float, course: Any = None) -> np.ndarray:
-    """Plan the lives of records whose light (N, S) over time is known."""
+def planned(
+    light: np.ndarray, longest: int, tolerance: float, course: Any = None, used: np.ndarray | None = None
+) -> np.ndarray:
+    """Plan the lives of records whose light (N, S) over time is known; unless `used` says otherwise, they are always used."""
     count = light.shape[1]
     returns = coming_back(np.arange(count)[:, None] if course is None else course)
 
@@ -27,7 +38,8 @@ def planned(light: np.ndarray, longest: int, tolerance: float, course: Any = Non
         line = light[which, first] * (1 - share) + light[which, last] * share
         return np.abs(light[which, middle] - line) / light[which, middle]
 
-    return plan_lives(np.arange(count), longest, PHASES[: len(light)], tolerance, changes, bends, returns)
+    used = np.ones(light.shape, np.bool_) if used is None else used
+    return plan_lives(np.arange(count), longest, PHASES[: len(light)], tolerance, changes, bends, returns, used)
 
 
 def interpolated(light: np.ndarray, keyed: np.ndarray) -> np.ndarray:
@@ -93,14 +105,38 @@ def test_nothing_is_asked_while_the_scene_stays_as_it_is() -> None:
 
     worlds = np.repeat([0, 1], [20, 10])
     keyed = plan_lives(
-        worlds, 8, PHASES[:10], 0.1, changes, lambda *_: np.ones(len(_[0])), coming_back(worlds[:, None])
-    )
+        worlds, 8, PHASES[:10], 0.1, changes, lambda *_: np.ones(len(_[0])), coming_back(worlds[:, None]),
+        np.ones(light.shape, np.bool_),
+    )  # fmt: skip
     assert asked
     assert all(first < 20 <= last for first, last in asked)
     # The moment of the change is found.
     assert keyed[:, 19].all()
     assert keyed[:, 20].all()
     assert (interpolated(np.where(worlds == 0, 1.0, 2.0) * light, keyed) == np.where(worlds == 0, 1.0, 2.0)).all()
+
+
+def test_records_have_keys_while_they_are_used_alone() -> None:
+    rng = np.random.default_rng(4)
+    light = np.exp(0.5 * rng.random((40, 61)).cumsum(axis=1))
+    used = without_gaps(rng.random((40, 61)) < 0.1, 3)
+    used[0] = False
+    keyed = planned(light, 24, 0.1, used=used)
+    assert not keyed[~used].any()
+    # Light that changes so fast needs keys at nearly all times at which it is used, and none is left out at the ends.
+    assert keyed.sum() > 0.95 * used.sum()
+    before, after = np.pad(used, ((0, 0), (1, 0)))[:, :-1], np.pad(used, ((0, 0), (0, 1)))[:, 1:]
+    assert keyed[used & ~(before & after)].all()
+    backward = planned(light[:, ::-1].copy(), 24, 0.1, used=used[:, ::-1])
+    np.testing.assert_array_equal(keyed, backward[:, ::-1])
+
+
+def test_short_gaps_are_closed_and_nothing_else() -> None:
+    used = np.array([[0, 1, 0, 0, 1, 0, 0, 0, 1, 0, 0]], np.bool_)
+    np.testing.assert_array_equal(without_gaps(used, 1), used)
+    np.testing.assert_array_equal(without_gaps(used, 2), [[0, 1, 1, 1, 1, 0, 0, 0, 1, 0, 0]])
+    np.testing.assert_array_equal(without_gaps(used, 3), [[0, 1, 1, 1, 1, 1, 1, 1, 1, 0, 0]])
+    assert not without_gaps(np.zeros((2, 5), np.bool_), 100).any()
 
 
 def test_lives_of_different_records_do_not_end_together() -> None:
