@@ -7,6 +7,7 @@
 #include <bit>
 
 #include "base/parallel.h"
+#include "records/bending.h"
 
 namespace eclat {
 
@@ -28,20 +29,20 @@ struct LaneSum {
     }
 };
 
-/// Computes Σ λ_i f_i and Σ (shift·∂λ_i) f_i.
-struct Extrapolated {
-    float value, change;
+/// Σ λ_i f_i, and its derivatives along the axes of the record's frame.
+struct Reflected {
+    float value, along_u, along_v;
 };
-Extrapolated extrapolate(const float* values, const uint16_t* along_u, const uint16_t* along_v, float u, float v,
-                         const float* factors, size_t count) {
-    LaneSum value, change;
+Reflected reflect_series(const float* values, const uint16_t* along_u, const uint16_t* along_v, const float* factors,
+                         size_t count) {
+    LaneSum value, u, v;
     for (size_t i = 0; i < count; i += lanes)
         for (size_t k = 0; k < lanes; ++k) {
             value.lane[k] += values[i + k] * factors[i + k];
-            change.lane[k] +=
-                (u * from_upper_half(along_u[i + k]) + v * from_upper_half(along_v[i + k])) * factors[i + k];
+            u.lane[k] += from_upper_half(along_u[i + k]) * factors[i + k];
+            v.lane[k] += from_upper_half(along_v[i + k]) * factors[i + k];
         }
-    return {value.total(), change.total()};
+    return {value.total(), u.total(), v.total()};
 }
 
 }  // namespace
@@ -104,20 +105,23 @@ float RadianceCache::relaxed_reach(float width) const {
     return 0.5f * (1 + cache_.options().relaxation) * reach(width);
 }
 
-Color RadianceCache::reflected(uint32_t i, Vec3 p, const std::array<const float*, 3>& factors, size_t padded) const {
+Color RadianceCache::reflected(uint32_t i, Vec3 p, const std::array<const float*, 3>& factors, size_t padded,
+                               TranslationGradient* gradient) const {
     const IrradianceRecord& record = cache_.records()[i];
     const Frame frame = Frame::around(record.normal);
     const Vec3 shift = p - record.position;
-    const float u = cache_.options().translation_gradient ? dot(shift, frame.u) : 0;
-    const float v = cache_.options().translation_gradient ? dot(shift, frame.v) : 0;
+    const float u = dot(shift, frame.u), v = dot(shift, frame.v);
+    const bool extrapolated = cache_.options().translation_gradient;
     Color out;
     for (size_t channel = 0; channel < 3; ++channel) {
         const float* values = &values_[(size_t(i) * 3 + channel) * stride_];
         const uint16_t* along_u = &gradients_[(size_t(i) * 6 + channel) * stride_];
-        const Extrapolated e = extrapolate(values, along_u, along_u + 3 * stride_, u, v, factors[channel], padded);
+        const Reflected r = reflect_series(values, along_u, along_u + 3 * stride_, factors[channel], padded);
+        const float change = extrapolated ? u * r.along_u + v * r.along_v : 0;
         // The extrapolation is bounded to plausible values, and negative values, which a truncated series may give,
         // become 0.
-        out[int(channel)] = clamp(e.value + e.change, 0, 2 * std::fabs(e.value));
+        out[int(channel)] = clamp(r.value + change, 0, 2 * std::fabs(r.value));
+        if (gradient) gradient->channel[channel] = frame.u * r.along_u + frame.v * r.along_v;
     }
     return out;
 }
@@ -181,6 +185,7 @@ std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& sh
     const IrradianceRecord* frame_of = nullptr;
     Color sum;
     float weights = 0;
+    Bending bending;
     const float far = reading == Reading::smooth ? relaxed_reach(factors.width) : reach(factors.width);
     cache_.for_each_serving(p, normal, far, [&](uint32_t index, float w, const Color& excess) {
         const IrradianceRecord& record = cache_.records()[index];
@@ -197,16 +202,22 @@ std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& sh
             }
             frame_of = &record;
         }
+        TranslationGradient gradient;
         const Color found = reflected(
             index, p, {turned[0].data(), turned[factors.grey ? 0 : 1].data(), turned[factors.grey ? 0 : 2].data()},
-            padded);
+            padded, &gradient);
         // The excess, which few rays found, is distributed over all directions, because one record cannot determine the
         // size of the bright object.
         sum += (found + factors.albedo * excess * inv_pi) * w;
         weights += w;
+        bending.add(gradient, p - record.position, w);
     });
     if (weights == 0) return std::nullopt;
-    return sum / weights;
+    const Color first_order = sum / weights;
+    if (!cache_.options().translation_gradient) return first_order;
+    Color out;
+    for (int c = 0; c < 3; ++c) out[c] = clamp(first_order[c] - 0.5f * bending.covariance(c), 0, 2 * first_order[c]);
+    return out;
 }
 
 }  // namespace eclat

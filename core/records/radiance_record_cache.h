@@ -95,8 +95,9 @@ class RadianceCache {
     /// Returns how much farther that lobe reads records than the strict test allows.
     float relaxed_reach(float width) const;
     /// Returns the radiance that record i gives at `p` for `factors` in the record's own frame, with one pointer for
-    /// each channel.
-    Color reflected(uint32_t i, Vec3 p, const std::array<const float*, 3>& factors, size_t padded) const;
+    /// each channel, and in `gradient`, unless it is null, how that radiance changes along the surface.
+    Color reflected(uint32_t i, Vec3 p, const std::array<const float*, 3>& factors, size_t padded,
+                    TranslationGradient* gradient = nullptr) const;
 
     int order_ = 0;
     size_t stride_ = 0;

@@ -4,11 +4,9 @@
 // Irradiance between records is a weighted mean of what each record extrapolates to the point [WardHeckbert92],
 //   E(P) = Σ w_i (E_i + (n_i × n) · ∇_r E_i + (P − P_i) · ∇_t E_i + X_i) / Σ w_i ,
 // where X_i is the mean excess of the gathers around the record, less half of the covariance of gradients and ways,
-//   ½ [ Σ w_i (P − P_i) · ∇_t E_i / Σ w_i − (Σ w_i (P − P_i) / Σ w_i) · (Σ w_i ∇_t E_i / Σ w_i) ] .
-// A record extrapolates along its tangent, which lies above the field on both sides where the field bends down: under a
-// window of cloth all records erred alike, and pictures of a room were 2 to 3 % too bright. Gradients tell how the field bends
-// by how they differ, so the covariance is what the second-order terms around the mean way leave out, exactly for a quadratic
-// field [KraaijpoelLeeuwen10]. A bump or a smooth normal that bends n to s, by an angle α, turns each term into
+//   ½ [ Σ w_i (P − P_i) · ∇_t E_i / Σ w_i − (Σ w_i (P − P_i) / Σ w_i) · (Σ w_i ∇_t E_i / Σ w_i) ] ,
+// which is what tangents to a bent field leave out (records/bending.h). A bump or a smooth normal that bends n to s, by an
+// angle α, turns each term into
 //   (1 + cos α) / 2 · E + (1 − α / π) (n × s) · ∇_r E .
 // Inserting records may shrink others: a neighbour that is closer to an obstacle, or that disagrees, shows that a record
 // reaches too far [Krivanek06].
@@ -33,10 +31,10 @@
 #include "records/record_cache.h"
 
 #include <algorithm>
-#include <array>
 
 #include "base/parallel.h"
 #include "hemisphere/hemisphere.h"
+#include "records/bending.h"
 #include "scene/surface_point.h"
 
 namespace eclat {
@@ -47,30 +45,6 @@ namespace {
 // real change of the light. Tighter bounds would cut off real penumbrae; without bounds, a gradient could make the
 // irradiance negative or cause a bright spot.
 constexpr float least_change = 0.05f, most_change = 20;
-
-/// How the translation gradients of the records that serve a point vary with the way from them to the point.
-class Bending {
-  public:
-    void add(const TranslationGradient& gradient, Vec3 way, float weight) {
-        ways_ += way * weight;
-        weights_ += weight;
-        for (int c = 0; c < 3; ++c) {
-            gradients_[static_cast<size_t>(c)] += gradient.channel[c] * weight;
-            along_[c] += dot(gradient.channel[c], way) * weight;
-        }
-    }
-
-    /// Returns the covariance of gradient and way in a colour channel, summed over the axes, W m⁻².
-    float covariance(int channel) const {
-        return (along_[channel] - dot(gradients_[static_cast<size_t>(channel)], ways_) / weights_) / weights_;
-    }
-
-  private:
-    float weights_ = 0;
-    Vec3 ways_;
-    std::array<Vec3, 3> gradients_;
-    Color along_;
-};
 
 }  // namespace
 
