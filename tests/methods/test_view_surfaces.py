@@ -92,7 +92,7 @@ def test_a_plate_close_above_a_wide_floor_hides_it() -> None:
     floor = Material("diffuse", black, "floor", emission=rgb(1, 4, 2))
     plate = Material("diffuse", black, "plate", emission=rgb(3, 2, 1))
     camera = Camera(look_at((0, 20, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
-    scene = Scene((square(0, 30, True, floor), square(0.002, 2, True, plate)), (), cameras=(camera,))
+    scene = Scene((square(0.002, 2, True, plate), square(0, 30, True, floor)), (), cameras=(camera,))
     np.testing.assert_allclose(middle(scene), (3, 2, 1), rtol=1e-3)
 
 
