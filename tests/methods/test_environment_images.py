@@ -59,6 +59,12 @@ def test_irradiance_of_open_ground(sky: str, method: str) -> None:
     np.testing.assert_allclose(found[:, 0], irradiance_from_above(SKIES[sky]), rtol=0.04)
 
 
+def test_a_light_map_of_open_ground_holds_the_sun() -> None:
+    scene = Scene(meshes=(floor(),), environment=Environment(SKIES["a sun"]))
+    texels = eclat.bake(scene, texel_size=2.0, samples=64, charts_timeout=0).irradiance[..., 0]
+    np.testing.assert_allclose(texels[texels > 0], irradiance_from_above(SKIES["a sun"]), rtol=0.04)
+
+
 @pytest.mark.parametrize("turn", [0.0, 1.0, 2.5])
 def test_a_rotated_environment_image_gives_the_same_sky(turn: float) -> None:
     # About x, so that the sun leaves its row of texels.
