@@ -6,6 +6,7 @@
 
 #pragma once
 
+#include <array>
 #include <vector>
 
 #include "base/frame.h"
@@ -46,14 +47,22 @@ int columns_for(int rows);
 /// Returns the direction in cell (j, k) for random numbers u in the unit square, in the grid's frame.
 Vec3 cell_direction(int rows, int columns, int j, int k, Vec2 u, Rows kind = Rows::cosine);
 
-/// Returns the luminance of a cell that contributes a twentieth of the irradiance after all brighter cells have been
-/// reduced to it.
-float excess_limit(const HemisphereSamples& samples);
-/// Returns the part of a radiance that is above that luminance.
+/// The luminance above which light of a cell is excess, for the two halves of the grid that lie like the colours of a chessboard.
+struct ExcessLimits {
+    std::array<float, 2> of_half;
+    /// Returns the limit for a cell, from its index.
+    float at(const HemisphereSamples& samples, size_t cell) const;
+};
+/// Returns the luminance at which a cell contributes a twentieth of the irradiance after all brighter cells have been reduced
+/// to it. The limit for the cells of one half follows from those of the other, so that it does not depend on what it limits.
+ExcessLimits excess_limits(const HemisphereSamples& samples);
+/// Returns the index of the cell that contains a unit direction of the upper hemisphere in the grid's frame. Rows must be uniform
+/// in sin².
+size_t cell_at(const HemisphereSamples& samples, Vec3 direction);
+/// Returns the part of a radiance that is above a luminance.
 Color beyond(Color radiance, float limit);
-/// Reduces the radiance of cells that contribute more than a twentieth of the irradiance to that share, and returns the
-/// irradiance that was removed. So few rays cannot determine the size of a bright object; only many records together
-/// can.
+/// Reduces the radiance of cells that contribute more than their limit to it, and returns the irradiance that was removed. So
+/// few rays cannot determine the size of a bright object; only many records together can.
 Color take_excess(HemisphereSamples& samples);
 
 /// Computes E, the sum of L_jk times the projected solid angle of the cell, which is π / MN in cosine rows [Ward88].

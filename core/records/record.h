@@ -14,7 +14,7 @@ namespace eclat {
 struct IrradianceRecord {
     Vec3 position, normal;
     Color irradiance;
-    Color excess;  // irradiance from a few bright rays, which is read as a mean over neighbouring records
+    Color excess;  // irradiance from a few bright rays, which the records around share
     RotationGradient rotation;
     TranslationGradient translation;
     float distance = 0;    // ℓ_k, the length to which the radius is proportional, see records/spacing.cpp

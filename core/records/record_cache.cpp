@@ -3,7 +3,8 @@
 
 // Irradiance between records is a weighted mean of what each record extrapolates to the point [WardHeckbert92],
 //   E(P) = Σ w_i (E_i + (n_i × n) · ∇_r E_i + (P − P_i) · ∇_t E_i + X_i) / Σ w_i ,
-// where X_i is the mean excess of the gathers around the record, less half of the covariance of gradients and ways,
+// where X_i is what a plane through the excess of the gathers around the record has there, less half of the covariance of
+// gradients and ways,
 //   ½ [ Σ w_i (P − P_i) · ∇_t E_i / Σ w_i − (Σ w_i (P − P_i) / Σ w_i) · (Σ w_i ∇_t E_i / Σ w_i) ] ,
 // which is what tangents to a bent field leave out (records/bending.h). A bump or a smooth normal that bends n to s, by an
 // angle α, turns each term into
@@ -35,6 +36,7 @@
 #include "base/parallel.h"
 #include "hemisphere/hemisphere.h"
 #include "records/bending.h"
+#include "records/local_plane.h"
 #include "scene/surface_point.h"
 
 namespace eclat {
@@ -97,9 +99,11 @@ void RecordCache::rebuild(float spacing, int threads) {
     mean_luminance_ = static_cast<float>(sum / std::max(1.0, read));
 }
 
-// Each record gets the weighted mean of the excess of the records around it. The sum of the excess stays about the
-// same, and its noise decreases with the number of records. The width of the neighbourhood depends on the noise of all
-// of them and not on that of the record alone, because a record whose rays missed the bright object estimates no noise.
+// Each record gets the excess that the records around it give, so that its noise decreases with their number. It is read from a
+// plane through them: their mean belongs to the middle of the neighbourhood, and wide records on one side, or the border of a face,
+// put that beside the record. Upper walls beside a window took the light of wide records below them so, and were 12 % too bright
+// in the light that far records give. The width of the neighbourhood depends on the noise of all of them and not on that of the
+// record alone, because a record whose rays missed the bright object estimates no noise.
 void RecordCache::share_excess(int threads) {
     // These are chosen by judgement: wider neighbourhoods blur bright spots, and narrower ones leave splotches.
     constexpr float widest = 4, narrowest = 0.5f;  // widths of the neighbourhood in units of a record's radius
@@ -113,7 +117,7 @@ void RecordCache::share_excess(int threads) {
             for_each_weight(here.position, here.normal, surroundings, surroundings * here.radius,
                             [&](uint32_t other, float w) { f(records_[order[other]], w); });
         };
-        float noise = 0, light = 0, weights = 0;
+        float noise = 0, light = 0;
         for_each_in(widest, [&](const IrradianceRecord& r, float w) {
             noise += r.excess_noise * w;
             light += luminance(r.irradiance + r.excess) * w;
@@ -122,16 +126,27 @@ void RecordCache::share_excess(int threads) {
             members_[slot].excess = here.excess;
             return;
         }
-        Color sum;
-        float squares = 0;
+        struct Sharer {
+            const IrradianceRecord* record;
+            float weight;
+        };
+        std::vector<Sharer> sharers;
+        LocalPlane plane(Frame::around(here.normal));
         for_each_in(clamp(widest * noise / (noisiest * light), narrowest, widest),
                     [&](const IrradianceRecord& r, float w) {
-                        sum += r.excess * w;
-                        squares += sqr(r.excess_noise * w);
-                        weights += w;
+                        plane.add(r.position - here.position, w);
+                        sharers.push_back({&r, w});
                     });
-        members_[slot].excess = sum * (1 / weights);
-        excess_noise_[slot] = std::sqrt(squares) / weights;
+        plane.fit();
+        Color sum;
+        float squares = 0;
+        for (const auto& [record, weight] : sharers) {
+            const float share = plane.share(record->position - here.position, weight);
+            sum += record->excess * share;
+            squares += sqr(record->excess_noise * share);
+        }
+        members_[slot].excess = sum;
+        excess_noise_[slot] = std::sqrt(squares);
     });
 }
 

@@ -445,6 +445,25 @@ TEST_CASE("the excess is read as a mean over neighbouring records") {
     CHECK(largest < 15);
 }
 
+TEST_CASE("excess that rises evenly is shared without a change, where radii do, too") {
+    const Vec3 up{0, 0, 1};
+    std::vector<IrradianceRecord> records;
+    for (int x = 0; x < 25; ++x)
+        for (int y = 0; y < 25; ++y) {
+            const Vec3 p{0.4f * static_cast<float>(x), 0.4f * static_cast<float>(y), 0};
+            IrradianceRecord r = bare_record(p, x < 12 ? 0.5f : 2, Color(1), up);
+            r.least_radius = r.largest_radius = r.radius;
+            r.excess = Color(1 + p.x);
+            r.excess_noise = 1;
+            records.push_back(r);
+        }
+    RecordCache cache;
+    cache.insert(records, spacing, 2);
+    // The mean over the wide records beside it and the narrow ones around it would be 1.5 more.
+    const uint32_t narrow = 11 * 25 + 12;
+    CHECK(cache.shared_excess(narrow).g == doctest::Approx(1 + records[narrow].position.x).epsilon(0.05).scale(0));
+}
+
 TEST_CASE(
     "a view is tried at each pixel once, at fewer where records are larger than pixels, at more where they may be "
     "smaller") {
