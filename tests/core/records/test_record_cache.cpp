@@ -459,7 +459,7 @@ TEST_CASE("excess that rises evenly is shared without a change, where radii do, 
         }
     RecordCache cache;
     cache.insert(records, spacing, 2);
-    // The mean over the wide records beside it and the narrow ones around it would be 1.5 more.
+    // The mean would lie on the side of the wide records, whose neighbourhoods reach into the narrow ones.
     const uint32_t narrow = 11 * 25 + 12;
     CHECK(cache.shared_excess(narrow).g == doctest::Approx(1 + records[narrow].position.x).epsilon(0.05).scale(0));
 }
