@@ -209,20 +209,19 @@ def find_entry(library: Library, name: str) -> Entry | None:
 
 
 def number(entry: Entry, key: str, least: float = 0.0, most: float = LARGEST) -> float | None:
-    """Return the first number of the statement `key`, or None if the statement is absent.
-
-    Raises EclatError if there is no number or it is not in `least`..`most`.
+    """Return the first number of the statement `key`, or None if the statement is absent. A statement without a number, or with
+    one that is not in `least`..`most`, is removed with a warning.
     """
     if key not in entry.statements:
         return None
     text = entry.statements[key][1].partition("#")[0].removeprefix("-halo")
-    return _numbers(entry, key, text.split()[:1], least, most)[0]
+    values = _numbers(entry, key, text.split()[:1], least, most)
+    return values[0] if values else None
 
 
 def color(entry: Entry, key: str) -> tuple[float, float, float] | None:
-    """Return the linear RGB colour of the statement `key`, or None if the statement is absent. One number means grey.
-
-    Raises EclatError if a number is malformed, negative or not finite.
+    """Return the linear RGB colour of the statement `key`, or None if the statement is absent. One number means grey. A
+    statement with a number that is malformed, negative or not finite is removed with a warning.
     """
     if key not in entry.statements:
         return None
@@ -231,10 +230,14 @@ def color(entry: Entry, key: str) -> tuple[float, float, float] | None:
         warn(f"{entry.where(key)}: expected an RGB colour, got a colour of kind {words[0]!r}; the default is used")
         return None
     values = _numbers(entry, key, words[:3] if len(words) >= 3 else words[:1], 0.0, LARGEST)
+    if not values:
+        return None
     return (values[0], values[1], values[2]) if len(values) == 3 else (values[0],) * 3
 
 
 def _numbers(entry: Entry, key: str, words: list[str], least: float, most: float) -> list[float]:
+    """Convert the words; an empty list says that the statement was removed, because a file of a thousand materials is not to
+    fail by one number."""
     try:
         values = [float(word) for word in words]
         if values and all(least <= value <= most and math.isfinite(value) for value in values):
@@ -243,7 +246,9 @@ def _numbers(entry: Entry, key: str, words: list[str], least: float, most: float
         pass
     bounds = f"of at least {least:g}" if most == LARGEST else f"in {least:g}..{most:g}"
     got = entry.statements[key][1][:40]
-    raise EclatError(f"{entry.where(key)}: expected finite numbers {bounds} after {key}, got {got!r}")
+    warn(f"{entry.where(key)}: expected finite numbers {bounds} after {key}, got {got!r}; the statement is ignored")
+    del entry.statements[key]
+    return []
 
 
 def texture_map(entry: Entry, key: str) -> Map | None:

@@ -90,12 +90,13 @@ def build_material(library: Library, name: str) -> MtlMaterial | None:
 
     Raises
     ------
-    EclatError : a number is malformed, negative or not finite.
+    EclatError : a texture statement is malformed.
     """
     entry = find_entry(library, name)
     if entry is None:
         return None
-    illum = number(entry, "illum") or 0.0 if "illum" in entry.statements else 2.0
+    found = number(entry, "illum")
+    illum = 2.0 if found is None else found
     glass = illum in (4, 6, 7, 9) and _is_glass(entry, illum)
     common = Material(
         name=name,
@@ -255,10 +256,11 @@ def _opacity(library: Library, entry: Entry, *, solid: bool) -> Value:
     If the material is not `solid`, it is glass. Only the map counts then, because d describes how clear the glass is.
     """
     opacity = 1.0
-    if solid and "d" in entry.statements:
-        opacity = number(entry, "d", most=1.0) or 0.0
-    elif solid and "tr" in entry.statements:
-        opacity = 1 - (number(entry, "tr", most=1.0) or 0.0)
+    d, tr = (number(entry, key, most=1.0) if solid else None for key in ("d", "tr"))
+    if d is not None:
+        opacity = d
+    elif tr is not None:
+        opacity = 1 - tr
         if opacity == 0:
             warn(
                 f"{entry.where('tr')}: Tr is 1 and d is missing, which would make the surface invisible; the surface "

@@ -231,11 +231,16 @@ def test_an_image_that_only_map_ka_names_is_a_warning(tmp_path: Path, kd: str) -
 
 @pytest.mark.parametrize("word", ["-1.#IND", "1.#QNAN", "-1.#J", "-nan(ind)", "1.#INF"])
 @pytest.mark.parametrize("key", ["Kd", "Ks", "Ke", "Ns", "d"])
-def test_numbers_that_are_not_finite_are_refused(tmp_path: Path, key: str, word: str) -> None:
-    with pytest.raises(
-        EclatError, match=rf"test\.mtl, line 2, material 'm': expected finite numbers .* after {key.lower()}"
-    ):
-        material_of(tmp_path, f"{key} {word}\n")
+def test_statements_with_numbers_that_are_not_finite_are_ignored(tmp_path: Path, key: str, word: str) -> None:
+    usual = material_of(tmp_path, "")
+    with pytest.warns(
+        EclatWarning,
+        match=rf"test\.mtl, line 2, material 'm': expected finite numbers .* after {key.lower()}, .*; the statement is ignored",
+    ) as caught:
+        material = material_of(tmp_path, f"{key} {word}\n")
+    assert len(caught) == 1
+    assert (material.kind, material.opacity.constant) == (usual.kind, (1, 1, 1))
+    assert material.emission is None and repr(material.parameters) == repr(usual.parameters)
 
 
 def test_libraries_are_found_whatever_they_are_called(tmp_path: Path) -> None:
@@ -274,19 +279,35 @@ def test_a_missing_material_suggests_the_nearest(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "message"),
     [
-        ("Kd a b c\n", r"test\.mtl, line 2, material 'm': expected finite numbers of at least 0 after kd, got 'a b c'"),
-        ("Kd -1 0 0\n", "got '-1 0 0'"),
-        ("Kd\n", "expected finite numbers of at least 0 after kd, got ''"),
-        ("Ks nan 0 0\n", "expected finite numbers"),
-        ("Ke 1e300\n", "expected finite numbers"),
-        ("d 2\n", r"expected finite numbers in 0\.\.1 after d, got '2'"),
-        ("Ks 0.1\nNs inf\n", "after ns, got 'inf'"),
         ("map_Kd " + "x" * 5000, "line 2: expected at most 4096 characters"),
     ],
 )
 def test_errors_say_file_line_material_and_expectation(tmp_path: Path, text: str, message: str) -> None:
     with pytest.raises(EclatError, match=message):
         material_of(tmp_path, text)
+
+
+@pytest.mark.parametrize(
+    ("text", "message"),
+    [
+        (
+            "Kd a b c\n",
+            r"line 2, material 'm': expected finite numbers of at least 0 after kd, got 'a b c'; the statement",
+        ),
+        ("Kd -1 0 0\n", "got '-1 0 0'"),
+        ("Kd\n", "expected finite numbers of at least 0 after kd, got ''"),
+        ("Ke 1e300\n", "expected finite numbers"),
+        ("d 2\n", r"expected finite numbers in 0\.\.1 after d, got '2'"),
+        ("Ks 0.1\nNs inf\n", "after ns, got 'inf'"),
+        ("illum -1\n", "expected finite numbers of at least 0 after illum, got '-1'"),
+        ("illum x\n", "after illum, got 'x'"),
+    ],
+)
+def test_one_bad_number_does_not_end_the_load(tmp_path: Path, text: str, message: str) -> None:
+    with pytest.warns(EclatWarning, match=message) as caught:
+        material = material_of(tmp_path, text)
+    assert len(caught) == 1
+    assert material.opacity.constant == (1, 1, 1) and material.kind in ("diffuse", "phong")
 
 
 @settings(
