@@ -38,7 +38,7 @@ const OVERLAYS: readonly [Overlay, string][] = [
   ['records', 'Records and their radii'],
   ['clearance', 'Distance to the nearest obstacle'],
   ['noise', 'Noise of the records, up to 10 %'],
-  ['error', 'Estimated error of the light from records'],
+  ['error', 'Estimated error of the records'],
   ['left-out', 'What is approximated'],
   ['lobes', 'Lobes from records, and traced'],
 ];
