@@ -15,13 +15,22 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
   const requests = [];
   page.on('request', (request) => requests.push(request.url()));
   await page.setViewportSize({ width: 640, height: 360 });
+  // All that the page tells is kept, because it may tell it for less than the time between two looks.
+  await page.addInitScript(() => {
+    window.told = [];
+    document.addEventListener('DOMContentLoaded', () => {
+      const live = document.getElementById('live');
+      const keep = () => live.hidden || window.told.push(live.textContent);
+      new MutationObserver(keep).observe(live, { attributes: true, characterData: true, childList: true, subtree: true });
+      keep();
+    });
+  });
   await page.goto(url);
   await page.waitForFunction(() => window.eclatView || document.body.classList.contains('failed'));
   const begun = await page.evaluate(() => window.eclatView?.records);
-  const told = [];
-  await page.waitForFunction(() => !document.getElementById('live').hidden, undefined, { timeout: 60000 });
-  told.push(await page.evaluate(() => document.getElementById('live').textContent));
-  await page.waitForFunction(() => document.getElementById('live').hidden, undefined, { timeout: 90000 });
+  const grown = () => window.told.length > 0 && document.getElementById('live').hidden;
+  await page.waitForFunction(grown, undefined, { timeout: 150000 });
+  const told = await page.evaluate(() => window.told);
   const found = await page.evaluate(
     ({ width, height }) => {
       const pixels = window.eclatView.linear(0, width, height);
