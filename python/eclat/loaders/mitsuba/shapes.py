@@ -162,7 +162,8 @@ class Shapes:
                 warn(
                     f"{node.where}: an emitter with a null BSDF is not supported; the surface becomes opaque and black"
                 )
-                material = replace(material, opacity=grey(1.0), two_sided=False)
+                # A mask that lets all light through may have a BSDF inside, which reflects nothing in Mitsuba.
+                material = Material("diffuse", {"reflectance": grey(0.0)}, name=material.name)
             radiance = _unmasked(radiance, material.opacity, node)
             self.lit[key] = replace(material, emission=radiance, hidden_from_camera=self.hide_emitters), original
         return self.lit[key][0]

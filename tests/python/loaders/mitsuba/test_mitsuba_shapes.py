@@ -284,3 +284,15 @@ def test_a_flat_shape_without_an_area_is_named(kind: str) -> None:
     flat = {"type": kind, "to_world": np.diag([0.0, 1.0, 1.0, 1.0])}
     with pytest.warns(EclatWarning, match="the matrix leaves no area of the shape"):
         load_dict({"type": "scene", "flat": flat, "other": {"type": "rectangle"}})
+
+
+@pytest.mark.parametrize(
+    "bsdf", [{"type": "null"}, {"type": "mask", "opacity": 0.0, "inner": {"type": "diffuse", "reflectance": 0.5}}]
+)
+def test_a_lamp_that_lets_all_light_through_becomes_black(bsdf: dict) -> None:
+    shape = {"type": "rectangle", "bsdf": bsdf, "emitter": {"type": "area", "radiance": 3.0}}
+    with pytest.warns(EclatWarning, match="the surface becomes opaque and black"):
+        (mesh,) = load_dict({"type": "scene", "lamp": shape}).meshes
+    material = mesh.material
+    assert material.parameters["reflectance"].constant == (0, 0, 0)
+    assert (material.opacity.constant, material.emission.constant) == ((1, 1, 1), (3, 3, 3))
