@@ -334,11 +334,12 @@ void bind_estimators(nb::module_& m) {
         nb::keep_alive<0, 1>(), "scene"_a, nb::kw_only(), "max_depth"_a);
     m.def(
         "cached_path_estimator",
-        [](const CoreScene& scene, const SolvedCaches& caches, const RadianceTables* tables, int max_depth) {
-            return EstimatorHolder{cached_path_estimator(scene.world(), caches, tables, max_depth)};
+        [](const CoreScene& scene, const SolvedCaches& caches, const RadianceTables* tables, int max_depth,
+           bool gather_first) {
+            return EstimatorHolder{cached_path_estimator(scene.world(), caches, tables, max_depth, gather_first)};
         },
         nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), nb::keep_alive<0, 3>(), "scene"_a, "caches"_a,
-        "tables"_a.none(), nb::kw_only(), "max_depth"_a);
+        "tables"_a.none(), nb::kw_only(), "max_depth"_a, "gather_first"_a = false);
     m.def(
         "cached_point_estimator",
         [](const CoreScene& scene, const SolvedCaches& caches, const IrradianceCacheOptions& options) {

@@ -61,6 +61,7 @@ class Bsdf {
     void set_cached(int i, float share);
     bool has(LobeSet set) const { return members(set) != 0; }
     bool has_uncached_diffuse() const { return (diffuse_ & ~cached_) != 0; }
+    bool has_uncached_matte() const { return ((diffuse_ | translucent_) & ~cached_) != 0; }
     bool has_uncached_gloss() const { return (members(LobeSet::glossy) & ~cached_) != 0; }
     bool has_non_delta() const { return (members(LobeSet::all) & ~delta_) != 0; }
     /// Whether `sample` reads `u_lobe`.

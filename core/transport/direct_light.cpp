@@ -21,13 +21,13 @@ void DirectLight::arrive(const PathState& path, Vertex& vertex) const {
 }
 
 Color DirectLight::from_behind_everything(const PathState& path, Vec3 w) const {
-    const Lights::Infinite sampled = world_.lights.infinite(w, set_);
+    const Lights::Infinite sampled = world_.lights.infinite(w, set(path.all_lights));
     Color radiance = sampled.radiance;
     if (path.arrival == Arrival::none) radiance = Color();
     if (path.arrival == Arrival::weighted)
         radiance *= power_heuristic(path.pdf, static_cast<float>(path.light_samples) * sampled.pdf_solid_angle);
     // Light that light sampling leaves out is counted with full weight.
-    radiance += world_.lights.left_out(w, set_);
+    radiance += world_.lights.left_out(w, set(path.all_lights));
     return path.throughput * radiance;
 }
 
@@ -38,9 +38,9 @@ Color DirectLight::from_surface(const PathState& path, const Vertex& vertex) con
     if (is_black(radiance)) return {};
     float weight = 1;
     if (path.arrival == Arrival::weighted)
-        weight = power_heuristic(path.pdf,
-                                 static_cast<float>(path.light_samples) *
-                                     world_.lights.pdf_solid_angle(emitter, path.from, vertex.point.position, set_));
+        weight = power_heuristic(path.pdf, static_cast<float>(path.light_samples) *
+                                               world_.lights.pdf_solid_angle(emitter, path.from, vertex.point.position,
+                                                                             set(path.all_lights)));
     return path.throughput * radiance * weight;
 }
 
@@ -48,14 +48,18 @@ void DirectLight::sample(std::span<const WantedLight> wanted, Shadows& shadows) 
     constexpr size_t most = 32;  // the number of vertices in a part of a batch; queries of so many stay in the cache
     std::array<LightQuery, most> queries;
     std::array<LightSample, most> lights;
-    for (; !wanted.empty(); wanted = wanted.subspan(std::min(most, wanted.size()))) {
-        const auto some = wanted.first(std::min(most, wanted.size()));
+    while (!wanted.empty()) {
+        const bool all_lights = wanted.front().all_lights;
+        const auto last = std::ranges::find_if(wanted.first(std::min(most, wanted.size())),
+                                               [&](const WantedLight& w) { return w.all_lights != all_lights; });
+        const auto some = wanted.first(static_cast<size_t>(last - wanted.begin()));
+        wanted = wanted.subspan(some.size());
         for (size_t i = 0; i < some.size(); ++i) {
             Sampler sampler = some[i].sampler;
             const float u = sampler.next_1d();
             queries[i] = {some[i].vertex->point.position, u, sampler.next_2d()};
         }
-        world_.lights.sample(std::span(queries).first(some.size()), set_, lights);
+        world_.lights.sample(std::span(queries).first(some.size()), set(all_lights), lights);
         for (size_t i = 0; i < some.size(); ++i) reflect(some[i], lights[i], shadows);
     }
 }

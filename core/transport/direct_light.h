@@ -62,7 +62,8 @@ struct WantedLight {
     const Vertex* vertex;
     Sampler sampler;
     LitLobes lobes;
-    bool direct;  // whether the light arrives straight at the first vertex
+    bool direct;              // whether the light arrives straight at the first vertex
+    bool all_lights = false;  // whether it is a sample of all lights, whatever the paths leave out
 };
 
 /// The lights as paths find them. Only this class decides which lights are sampled.
@@ -81,6 +82,7 @@ class DirectLight {
     void reflect(const WantedLight& wanted, const LightSample& light, Shadows& shadows) const;
     Color from_behind_everything(const PathState& path, Vec3 w) const;
     Color from_surface(const PathState& path, const Vertex& vertex) const;
+    LightSet set(bool all_lights) const { return all_lights ? LightSet::all : set_; }
 
     const World& world_;
     LightSet set_;

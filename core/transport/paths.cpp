@@ -125,11 +125,14 @@ class Tracer {
         });
     }
 
+    bool reads_caches(const PathState& path) const { return !options_.gather_first || path.past_matte; }
+
     /// Adds the light that the cache gives for matte lobes on either side; these lobes are not continued.
     void read_matte(std::span<PathState> paths, std::span<Vertex> vertices) {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
             if (v.missed() || !goes_on(paths[i])) continue;
+            if (!reads_caches(paths[i])) continue;
             if (v.point.bsdf.has(LobeSet::diffuse)) read_side(paths[i], v, v.point, LobeSet::diffuse);
             if (v.point.bsdf.has(LobeSet::translucent))
                 read_side(paths[i], v, v.point.other_side(), LobeSet::translucent);
@@ -155,6 +158,7 @@ class Tracer {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
             if (v.missed() || !goes_on(paths[i]) || !v.point.bsdf.has(LobeSet::glossy)) continue;
+            if (!reads_caches(paths[i])) continue;
             const Color reflected = options_.reflection(v.point, v.wo_local);
             v.read_glossy = paths[i].throughput * reflected;
             if (edges_ > 1) continue;
@@ -168,6 +172,12 @@ class Tracer {
         return edges_ == 1 && out_[path.index].cache_missed ? options_.miss_paths : 1;
     }
 
+    /// Lobes that a cache served must not meet the lights that `light_set` leaves out, because the cache contains them.
+    bool samples_all_lights(const Vertex& v) const {
+        const Bsdf& bsdf = v.point.bsdf;
+        return options_.all_lights_where_uncached && bsdf.has_uncached_matte() && !bsdf.has(LobeSet::cached);
+    }
+
     int light_samples() const { return edges_ == 1 ? options_.light_samples : 1; }
 
     /// Asks for the light samples of a vertex. The paths that continue from it also find lights.
@@ -179,7 +189,7 @@ class Tracer {
             for (int i = 0; i < count; ++i)
                 wanted_.push_back({&path, &v,
                                    path.sampler.split(static_cast<uint32_t>(count), static_cast<uint32_t>(i)), lobes,
-                                   edges_ - path.panes == 1});
+                                   edges_ - path.panes == 1, samples_all_lights(v)});
         path.sampler.skip(light_sample_dimensions);
     }
 
@@ -200,7 +210,7 @@ class Tracer {
         if (parts == 1) {
             const bool apart = !continued_.empty() && edges_ == 1;
             if (apart) continued_[path.index].matte = v.point.bsdf.has_uncached_diffuse();
-            if (!go_on(v, LobeSet::uncached, roulette, path, ray, 1, light_samples())) return;
+            if (!go_on(v, LobeSet::uncached, roulette, path, ray, 1, light_samples(), samples_all_lights(v))) return;
             if (apart) set_apart(v, ray, path);
             next.push(path, ray);
             return;
@@ -209,7 +219,8 @@ class Tracer {
             PathState one = path;
             one.sampler = path.sampler.split(static_cast<uint32_t>(parts), static_cast<uint32_t>(part));
             one.throughput *= 1 / static_cast<float>(parts);
-            if (go_on(v, LobeSet::uncached, roulette, one, ray, parts, light_samples())) split_.push(one, ray);
+            if (go_on(v, LobeSet::uncached, roulette, one, ray, parts, light_samples(), samples_all_lights(v)))
+                split_.push(one, ray);
         }
     }
 

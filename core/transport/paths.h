@@ -56,7 +56,12 @@ struct PathOptions {
     Coherence coherence = Coherence::none;
     CachedIrradiance cache;  // read at every matte vertex: near records in pictures, far records in gathers
     CachedReflection reflection;
-    CachedIrradiance far_cache;        // read beyond the first vertex, at points that `cache` does not serve
+    CachedIrradiance far_cache;  // read beyond the first vertex, at points that `cache` does not serve
+    /// Whether a path reads no cache before it has gone on from a matte vertex, as in a final gather [Reichert92]. What the
+    /// caches get wrong is then spread over many pixels and reduced by the albedo.
+    bool gather_first = false;
+    /// Whether vertices at which no cache serves the matte lobes sample all lights, whatever `light_set` leaves out.
+    bool all_lights_where_uncached = false;
     bool estimate_irradiance = false;  // whether results hold the irradiance that one path finds at the first vertex
 };
 

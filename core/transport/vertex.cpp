@@ -41,8 +41,8 @@ std::span<Vertex> Vertices::part(const World& world, std::span<const Ray> rays, 
     return vertices_;
 }
 
-bool go_on(const Vertex& vertex, LobeSet lobes, float roulette, PathState& path, Ray& ray, int paths,
-           int light_samples) {
+bool go_on(const Vertex& vertex, LobeSet lobes, float roulette, PathState& path, Ray& ray, int paths, int light_samples,
+           bool all_lights) {
     const auto next = scatter(vertex.point, vertex.wo_local, path.sampler, lobes);
     const float u_roulette = draw_if(roulette > 0, path.sampler);
     if (!next) return false;
@@ -63,6 +63,8 @@ bool go_on(const Vertex& vertex, LobeSet lobes, float roulette, PathState& path,
     path.from = vertex.point.position;
     path.pdf = sample.pdf_solid_angle * static_cast<float>(paths);
     path.light_samples = light_samples;
+    path.all_lights = all_lights;
+    path.past_matte |= vertex.point.bsdf.has_uncached_matte();
     path.arrival = sample.delta ? Arrival::whole : Arrival::weighted;
     return true;
 }

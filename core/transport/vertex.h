@@ -33,7 +33,10 @@ struct PathState {
     Vec3 from{};                       // position of the last vertex
     int panes = 0;           // panes that it passed; they are no vertices, because light samples pass them too
     bool described = false;  // whether the result holds the first rough surface
-    float read_albedo = 0;   // sum over its vertices of throughput times the albedo of the lobes that a cache served
+    bool all_lights =
+        false;  // whether the last vertex sampled all lights, whatever `PathOptions::light_set` leaves out
+    bool past_matte = false;  // whether it went on from a matte lobe that no cache served
+    float read_albedo = 0;    // sum over its vertices of throughput times the albedo of the lobes that a cache served
 };
 
 /// The end of a path's ray: a point on a surface, or, if `point` is empty, infinity.
@@ -120,6 +123,6 @@ inline float roulette_from(int first, int edges) { return edges >= first ? 1.0f 
 /// are the numbers of those at the vertex. They are not stored if the path goes straight through a pane; those of the
 /// vertex before the pane are then kept.
 bool go_on(const Vertex& vertex, LobeSet lobes, float roulette, PathState& path, Ray& ray, int paths = 1,
-           int light_samples = 1);
+           int light_samples = 1, bool all_lights = false);
 
 }  // namespace eclat

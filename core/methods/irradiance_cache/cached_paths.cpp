@@ -19,7 +19,7 @@ constexpr float roulette_beside_records = 4;
 }  // namespace
 
 Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, const RadianceTables* tables,
-                                int max_depth) {
+                                int max_depth, bool gather_first) {
     PathOptions options;
     options.max_depth = max_depth;
     options.light_set = LightSet::without_smooth_environment;
@@ -27,6 +27,8 @@ Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, 
     options.roulette_beside_cache = roulette_beside_records;
     // Far records contain light of all path lengths.
     if (max_depth < 0 && !caches.far.records().empty()) options.far_cache = read_beyond_radius(caches.far);
+    options.gather_first = gather_first;
+    options.all_lights_where_uncached = true;
     options.miss_paths = cached_miss_paths;
     if (tables) options.reflection = read_radiance(caches.radiance, *tables);
     return path_estimator(world, std::move(options));
