@@ -28,7 +28,10 @@ def why_above(flags: Mapping[str, Any], statistics: Mapping[str, float]) -> str:
     if not steered or error <= flags["max_error"] or statistics.get("light_by_chance"):
         return ""
     above = f"the error is above --max-error {flags['max_error']:g}"
-    if records > LARGE_PART_OF_ERROR * error:
+    if "gathered_samples" in statistics and statistics.get("noise_left", 0.0) > flags["max_error"]:
+        taken = f"{statistics['gathered_samples']:,.0f} samples that read the records only after a matte surface"
+        return f"{above}: {taken} do not suffice, and many more would be needed"
+    if records > LARGE_PART_OF_ERROR * error and "gathered_samples" not in statistics:
         return f"{above}, because the records alone have {100 * records:.2g} %; --refine makes them finer"
     if statistics.get("noise_left", math.inf) <= flags["max_error"]:
         return f"{above}: it was measured anew after the last sample, and the estimate that ended sampling was lower"

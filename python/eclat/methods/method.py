@@ -88,6 +88,12 @@ class Prepared(ABC):
         """
         return None
 
+    def final_gather(self) -> Prepared | None:
+        """Return what reads the prepared data less directly, with more noise and less error: only where paths arrive that have
+        gone on from a matte surface. None if there is no such thing.
+        """
+        return None
+
     @property
     def record_positions(self) -> FloatArray | None:
         """The world positions (N, 3) of the records, which pictures can mark; None if there are no records."""

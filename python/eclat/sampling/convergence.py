@@ -41,6 +41,9 @@ it soon."""
 EXPECTED_SAMPLES = 64
 """Number of samples per pixel that progress assumes as the total until there is an estimate."""
 
+FORESIGHT = 16
+"""Number of rounds after which the measured error is certain enough to tell whether sampling will reach its goal."""
+
 SLICE_SECONDS = 0.5
 """Seconds between two copies of the picture that are kept in case of an interrupt."""
 
@@ -59,13 +62,16 @@ class Goal:
 
     If `samples` is given, sampling stops at that number of samples per pixel, which with adaptive sampling is the mean
     over pixels. Otherwise, if `deadline` is given, it stops at that value of `time.perf_counter`. Otherwise it stops
-    when the relative error is below `max_error`; with `denoised`, this is the error of the denoised picture.
+    when the relative error is below `max_error`; with `denoised`, this is the error of the denoised picture. It also stops at
+    `most_samples`, and with `foresight` as soon as it is clear that these do not suffice.
     """
 
     samples: int | None
     max_error: float
     deadline: float | None
     denoised: bool = False
+    most_samples: int = MOST_SAMPLES
+    foresight: bool = False
 
 
 def noise_beside_records(max_error: float, records: float) -> float:
@@ -136,7 +142,7 @@ class Sampling:
         elif goal.deadline is not None:
             self._until(goal.deadline, goal.denoised)
         else:
-            self._until_error(goal.max_error, goal.denoised)
+            self._until_error(goal)
             return
         self._look(goal.denoised)
 
@@ -156,20 +162,21 @@ class Sampling:
                 self._pass(rounds // 2)
             self._pass(rounds)
 
-    def _until_error(self, max_error: float, denoised: bool) -> None:
+    def _until_error(self, goal: Goal) -> None:
+        max_error, denoised = goal.max_error, goal.denoised
         self._expected = EXPECTED_SAMPLES // self._each
-        most = MOST_SAMPLES // self._each
+        most = goal.most_samples // self._each
         while True:
             self._pass(max(self._first, 2 * self._rounds))
             if not math.isnan(self.noise):
                 given_up = self._rounds >= most
                 if denoised and self.error > max_error and (given_up or self.noise <= MOST_GAIN * max_error):
                     self._look(True)
-                if self.error <= max_error or given_up:
-                    return
-                # The noise decreases at least with the square root of the number of samples, which doubles in each
-                # pass.
+                # The noise decreases at most with the square root of the number of samples, which doubles in each pass.
                 wanted = self._rounds * (self.error / max_error) ** 2
+                foreseen = goal.foresight and self._rounds >= FORESIGHT and wanted > most
+                if self.error <= max_error or given_up or foreseen:
+                    return
                 doublings = math.ceil(math.log2(max(2.0, min(wanted, most) / self._rounds)))
                 self._expected = self._rounds << doublings
             self._tell()

@@ -14,7 +14,14 @@ from numpy.typing import NDArray
 
 from eclat import _core
 from eclat.images import denoiser
-from eclat.sampling.denoised_halves import DenoisedHalves, judged_halves, sampled_halves
+from eclat.sampling.denoised_halves import (
+    DenoisedHalves,
+    JudgedPicture,
+    Quadruple,
+    judged_halves,
+    sampled_halves,
+    with_picture,
+)
 
 Region = tuple[int, int, int, int]
 """A rectangle of pixels (x0, y0, x1, y1); x1 and y1 are exclusive."""
@@ -37,15 +44,17 @@ class Halves:
     Parameters
     ----------
     region : rectangle of the pixels that are rendered. The other pixels are black, and their error is not measured.
+    other : a picture of the region by another method, which is shown where that reduces the error, or None. Its errors must be
+        independent of the noise of the films.
     """
 
     each = 2
     """Number of samples of the picture for one sample of each half."""
 
-    def __init__(self, even: _core.Film, odd: _core.Film, region: Region) -> None:
+    def __init__(self, even: _core.Film, odd: _core.Film, region: Region, other: JudgedPicture | None = None) -> None:
         x0, y0, x1, y1 = region
         self.even, self.odd = even, odd
-        self.region = region
+        self.region, self.other = region, other
         self._inside = np.s_[y0:y1, x0:x1]
 
     @property
@@ -55,7 +64,7 @@ class Halves:
 
     def copy(self) -> Halves:
         """Copy both films."""
-        return Halves(self.even.copy(), self.odd.copy(), self.region)
+        return Halves(self.even.copy(), self.odd.copy(), self.region, self.other)
 
     def whole(self) -> _core.Film:
         """Make one film that holds the samples of both halves."""
@@ -65,7 +74,8 @@ class Halves:
 
     def sampled(self) -> DenoisedHalves:
         """Measure the error of the picture without denoising it."""
-        return sampled_halves(*(film.radiance[self._inside] for film in (self.even, self.odd)))
+        a, b = (film.radiance[self._inside] for film in (self.even, self.odd))
+        return self._beside_other(sampled_halves(a, b), (a, b, a, b))
 
     def denoised(self) -> DenoisedHalves:
         """Denoise the picture and measure the error that remains. A million pixels take some seconds.
@@ -80,7 +90,11 @@ class Halves:
             denoiser.denoise(picture, film.rough_albedo[self._inside], film.rough_normal[self._inside])
             for picture, film in zip(sampled, films, strict=True)
         ]
-        return judged_halves(sampled[0], sampled[1], clean[0], clean[1])
+        halves = (sampled[0], sampled[1], clean[0], clean[1])
+        return self._beside_other(judged_halves(*halves), halves)
+
+    def _beside_other(self, found: DenoisedHalves, halves: Quadruple) -> DenoisedHalves:
+        return found if self.other is None else with_picture(found, halves, self.other)
 
     def within(self, layer: NDArray[np.float32]) -> NDArray[np.float32]:
         """Return the pixels of the region out of an array over the whole picture."""

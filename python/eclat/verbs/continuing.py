@@ -34,6 +34,9 @@ KEY = "continuable"
 FROM_PICTURE = ("size", "crop", "max_depth", "seed", "filter", "adaptive", "halves")
 """The arguments of `render` that a continued picture determines."""
 
+GATHERED = "gathered_"
+"""What the names of the layers begin with that hold the samples of a final gather (`gathered_picture`)."""
+
 Layers = dict[str, NDArray[np.float32]]
 
 
@@ -106,16 +109,20 @@ class Begun:
         if samples is not None and samples <= self.samples:
             raise EclatError(f"samples: expected more than the {self.samples} that {self.name} has, got {samples}")
 
-    def restore(self, sampling: Sampling) -> None:
-        """Copy the sums of the picture into the empty films of `sampling`, and restore the state of `sampling`."""
-        layers = self.image.layers
+    def restore(self, sampling: Sampling, kind: str = "") -> None:
+        """Copy the sums of the picture into the empty films of `sampling`, and restore the state of `sampling`. `kind` is "" or
+        `GATHERED`; a picture without samples of that kind changes nothing.
+        """
+        layers = {name.removeprefix(kind): v for name, v in self.image.layers.items() if name.startswith(kind)}
+        if "sums_0_00" not in layers:
+            return
         for number, film in enumerate(_films(sampling)):
             parts = [layers[name] for name in sorted(layers) if name.startswith(f"sums_{number}_")]
             film.restore(np.ascontiguousarray(np.concatenate(parts, axis=2)))
         if sampling.adaptive is not None:
             begun = {name.removeprefix("sample_"): v for name, v in layers.items() if name.startswith("sample_")}
             sampling.adaptive.restore(begun, sampling.film.radiance)
-        sampling.take_up(self.samples)
+        sampling.take_up(int(self.image.metadata["statistics"][f"{kind}samples"]))
 
     def add_bad_samples(self, image: Image) -> None:
         """Add the samples of the previous run that were not finite to the count; the first of them stays the first."""
@@ -126,14 +133,33 @@ class Begun:
 
 
 def make_continuable(
-    image: Image, begun: Begun | None, sampling: Sampling, scene: Scene, camera: Camera, settings: tuple[Any, ...]
+    image: Image,
+    begun: Begun | None,
+    samplings: tuple[Sampling, Sampling | None],
+    scene: Scene,
+    camera: Camera,
+    settings: tuple[Any, ...],
 ) -> None:
     """Add layers and metadata to a finished picture, so that it can be continued.
 
-    `begun` is the picture that was continued, if it was one, and `settings` are those of `FROM_PICTURE`.
+    `begun` is the picture that was continued, if it was one, `samplings` are its samples and those of its final gather, if it has
+    one, and `settings` are those of `FROM_PICTURE`.
     """
     if begun is not None:
         begun.add_bad_samples(image)
+    layers: Layers = {}
+    for kind, sampling in zip(("", GATHERED), samplings, strict=True):
+        if sampling is not None:
+            layers |= {kind + name: layer for name, layer in _layers_of(sampling).items()}
+    image.layers.update({name: np.ascontiguousarray(layer, np.float32) for name, layer in layers.items()})
+    image.metadata[KEY] = {
+        "format": FORMAT, "scene": fingerprint(scene), "camera": fingerprint_of_camera(camera),
+        "checksum": checksum_of(image.layers),
+        **{name: list(v) if isinstance(v, tuple) else v for name, v in zip(FROM_PICTURE, settings, strict=True)},
+    }  # fmt: skip
+
+
+def _layers_of(sampling: Sampling) -> Layers:
     layers: Layers = {}
     for number, film in enumerate(_films(sampling)):
         sums = np.asarray(film.sums(), np.float32)
@@ -141,12 +167,7 @@ def make_continuable(
             layers[f"sums_{number}_{first // 3:02}"] = sums[..., first : first + 3]
     if sampling.adaptive is not None:
         layers |= {f"sample_{name}": layer for name, layer in sampling.adaptive.state().items()}
-    image.layers.update({name: np.ascontiguousarray(layer, np.float32) for name, layer in layers.items()})
-    image.metadata[KEY] = {
-        "format": FORMAT, "scene": fingerprint(scene), "camera": fingerprint_of_camera(camera),
-        "checksum": checksum_of(image.layers),
-        **{name: list(v) if isinstance(v, tuple) else v for name, v in zip(FROM_PICTURE, settings, strict=True)},
-    }  # fmt: skip
+    return layers
 
 
 def fingerprint_of_camera(camera: Camera) -> str:
@@ -167,7 +188,7 @@ def checksum_of(layers: Layers) -> str:
 
 
 def _state_of(layers: Layers) -> Layers:
-    return {name: layer for name, layer in layers.items() if name.startswith(("sums_", "sample_"))}
+    return {name: layer for name, layer in layers.items() if name.startswith(("sums_", "sample_", GATHERED))}
 
 
 def _checksum(layers: Layers) -> str:

@@ -36,6 +36,9 @@ from eclat.tev.growing import GrowingPicture
 FIRST_SEED_OF_PROBES = 2
 """The halves have the first two seeds of a picture, its probes the next ones."""
 
+SEEDS = 5
+"""The number of these seeds. The picture that is gathered for another one has those that follow."""
+
 
 class SampleTaker:
     """Adds samples to films, with one estimator for all samples or a new estimator for each sample.
@@ -138,6 +141,8 @@ class Picture:
     estimate: ErrorEstimate | None
     """The estimated error of the records that were solved for this view, or None."""
     started: float
+    first_seed: int = 0
+    """The number of the first of its seeds (`seed_of_half`)."""
 
     @contextmanager
     def kept(self, sampling: Sampling) -> Iterator[None]:
@@ -178,7 +183,7 @@ class Picture:
         def take(counts: Counts, number: int) -> NDArray[np.float32]:
             taken, counted = _core.Film(*self.view.size), _core.Progress()
             end = film.pasted(counts).astype(np.uint32)
-            seed = seed_of_half(self.work.seed, FIRST_SEED_OF_PROBES + number)
+            seed = seed_of_half(self.work.seed, self.first_seed + FIRST_SEED_OF_PROBES + number)
             pixels = _core.RenderRange(
                 crop=self.region, seed=seed, threads=self.work.threads, filter=self.filter, tile_order=[]
             )
@@ -192,7 +197,7 @@ class Picture:
             return film.within(taken.radiance)
 
         paths = number_of_paths(found.squared.size, sampling.taken)
-        return probed_error(found, take, paths, self.work.seed, deadline)
+        return probed_error(found, take, paths, seed_of_half(self.work.seed, self.first_seed), deadline)
 
     def unfinished(self, film: _core.Film | Halves, sampling: Sampling, taken: int) -> Image:
         """Make the Image of a film, or of a copy of it, that holds `taken` samples per pixel; it is denoised if that
@@ -256,21 +261,26 @@ class Picture:
         if sampling.noise == sampling.noise:
             statistics["noise"] = sampling.noise
         statistics |= self.prepared.picture_statistics(film)
-        own, whole = None if found is None else found.estimate, None
-        if own is not None:
-            statistics |= own.noise_statistics()
+        if found is not None:
+            statistics |= found.estimate.noise_statistics()
         if self.estimate is not None:
-            noise = statistics.get("noise", 0.0)
-            whole = self.estimate.joined(own) if own is not None else self.estimate.with_noise(noise)
             statistics["cache_error"] = self.estimate.quoted
-        elif self.prepared.errs_by_noise_alone:
-            whole = own
-        if probed is not None:
-            whole = joined(probed, whole)
+        whole = self.error_of(found, statistics.get("noise", 0.0), probed)
         if whole is not None:
             statistics |= whole.statistics()
             statistics |= with_light_by_chance(statistics, self.prepared.statistics)
         return statistics
+
+    def error_of(self, found: DenoisedHalves | None, noise: float, probed: ProbedError | None) -> ErrorEstimate | None:
+        """Return the estimated error of the whole picture, from that of its records, of its halves or its noise, and of its
+        probes, as far as they are known; None if the error of its method is not.
+        """
+        own, whole = None if found is None else found.estimate, None
+        if self.estimate is not None:
+            whole = self.estimate.joined(own) if own is not None else self.estimate.with_noise(noise)
+        elif self.prepared.errs_by_noise_alone:
+            whole = own
+        return whole if probed is None else joined(probed, whole)
 
     def _count_bad_samples(self, image: Image, film: _core.Film) -> None:
         if film.bad_count:
@@ -302,6 +312,9 @@ def warn_of_error(statistics: Mapping[str, float], max_error: float) -> None:
     found = statistics.get("estimated_error", 0.0)
     if found > CLEARLY_MORE * max_error:
         wanted = f"above the wanted {100 * max_error:.2g} %"
+        if statistics.get("gathered_samples") and statistics["noise_left"] > max_error:
+            warn(f"render: {error_text(statistics)}, {wanted}: too many samples would be needed")
+            return
         warn(
             f"render: {error_text(statistics)}, {wanted}, although the noise is low enough: what is left are errors of "
             "records and of the denoiser, which a smaller max_error or refine=True lower"

@@ -36,6 +36,7 @@ from eclat.stage.staging import staged
 from eclat.tev.display import Display
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
+from eclat.verbs.gathered_picture import gathered
 from eclat.verbs.part_of_picture import part_of_picture
 from eclat.verbs.picture import Picture, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
@@ -215,9 +216,10 @@ def render(
         scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
     )
     sampling = sampling_of(picture, 1 + halves, order, keep_partial, display, begun)
-    image = _rendered(picture, sampling, goal, halves, check, preview, display)
+    image, gather = _rendered(picture, sampling, goal, halves and check, preview, display, begun)
     if continuable or begun is not None:
-        make_continuable(image, begun, sampling, scene, view.camera, (view.size, *settings[1:5], adaptive, halves))
+        settings = (view.size, *settings[1:5], adaptive, halves)
+        make_continuable(image, begun, (sampling, gather), scene, view.camera, settings)
     return image
 
 
@@ -260,31 +262,34 @@ def _rendered(
     picture: Picture,
     sampling: Sampling,
     wanted: Goal,
-    halves: bool,
-    check: bool,
+    probes: bool,
     preview: Callable[[Image], None] | None,
     display: Display | None,
-) -> Image:
+    begun: Begun | None,
+) -> tuple[Image, Sampling | None]:
     """Take all samples, measure the error until the deadline if there is one, make the Image and show it on the display, if
-    there is one. Warn of noise and errors that are left above those wanted, and of bad samples.
+    there is one. If the error of the records is too large, paths are gathered; return their samples, too. Warn of noise and
+    errors that are left above those wanted, and of bad samples.
     """
     if preview is not None:
         sampling.after_pass = previewing(picture, sampling, preview, display)
-    goal = _goal_of_samples(wanted, picture.estimate, halves and check)
+    goal = _goal_of_samples(wanted, picture.estimate, probes)
     with picture.kept(sampling):
         sampling.run(goal)
-        probed = picture.probed(sampling, wanted.deadline) if check else None
-    image = picture.finished(sampling, probed)
+        probed = picture.probed(sampling, wanted.deadline) if probes else None
+    image, gather = picture.finished(sampling, probed), None
     if goal.samples is None and goal.deadline is None:
         if sampling.error > goal.max_error:
             _warn_of_noise(sampling, goal)
         else:
+            if probed is not None:
+                image, gather = gathered(picture, image, wanted, sampling, probed, preview, begun)
             warn_of_error(image.metadata["statistics"], wanted.max_error)
     picture.tell_bad_samples(image)
     if display is not None:
         display.show(image)
         picture.mark_records(display, image)
-    return image
+    return image, gather
 
 
 def _refuse_contradictions(samples: int | None, time: float | None, refine: bool, check: bool) -> None:

@@ -15,6 +15,7 @@ from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
 from eclat.measure.error_estimate import ErrorEstimate, without_light_by_chance
 from eclat.methods.method import Solved
+from eclat.methods.records.final_gather import FinalGather
 from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
@@ -182,11 +183,17 @@ class Solution(Solved):
             caches.set_radiance(records, values, gradients, core_radiance_options(self.options))
         return caches
 
-    def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+    def radiance_estimator(self, scene: Scene, work: Work, *, gather_first: bool = False) -> _core.Estimator:
+        """Make the estimator of paths that read the records, with `gather_first` only after a matte surface."""
         tables = None
         if isinstance(self.options, RadianceOptions):
             tables = radiance_tables(scene, self.options, threads=work.threads or None, progress=work.progress)
-        return _core.cached_path_estimator(compiled(scene).core, self.core(), tables, max_depth=work.max_depth)
+        return _core.cached_path_estimator(
+            compiled(scene).core, self.core(), tables, max_depth=work.max_depth, gather_first=gather_first
+        )
+
+    def final_gather(self) -> FinalGather:
+        return FinalGather(self.options, self.statistics, self)
 
     def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
         return _core.path_estimator(compiled(scene).core, max_depth=work.max_depth, roulette_depth=ROULETTE_DEPTH)
