@@ -27,6 +27,7 @@ LAYERS: dict[str, str] = {
     "normal": "XYZ",
     "depth": "Z",
     "record_density": "Y",
+    "record_weight": "Y",
     "object_id": "Y",
     "motion_next": "XYZ",
     "motion_previous": "XYZ",

@@ -27,6 +27,7 @@ OF_ALL_LIGHT = (
     "error",
     "denoiser_weight",
     "record_density",
+    "record_weight",
     "gloss_cached",
     "gloss_traced",
 )

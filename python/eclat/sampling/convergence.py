@@ -41,8 +41,9 @@ it soon."""
 EXPECTED_SAMPLES = 64
 """Number of samples per pixel that progress assumes as the total until there is an estimate."""
 
-FORESIGHT = 16
-"""Number of rounds after which the measured error is certain enough to tell whether sampling will reach its goal."""
+LEAST_ROUNDS, FORESIGHT = 8, 16
+"""Numbers of rounds after which the measured error of a blend is certain enough to end sampling where it is small, and where it
+is clear that sampling will not reach its goal."""
 
 SLICE_SECONDS = 0.5
 """Seconds between two copies of the picture that are kept in case of an interrupt."""
@@ -63,7 +64,8 @@ class Goal:
     If `samples` is given, sampling stops at that number of samples per pixel, which with adaptive sampling is the mean
     over pixels. Otherwise, if `deadline` is given, it stops at that value of `time.perf_counter`. Otherwise it stops
     when the relative error is below `max_error`; with `denoised`, this is the error of the denoised picture. It also stops at
-    `most_samples`, and with `foresight` as soon as it is clear that these do not suffice.
+    `most_samples`. With `blended`, which says that the picture is blended with another one, sampling takes at least
+    `LEAST_ROUNDS` and stops as soon as it is clear that `most_samples` do not suffice.
     """
 
     samples: int | None
@@ -71,7 +73,7 @@ class Goal:
     deadline: float | None
     denoised: bool = False
     most_samples: int = MOST_SAMPLES
-    foresight: bool = False
+    blended: bool = False
 
 
 def noise_beside_records(max_error: float, records: float) -> float:
@@ -174,8 +176,9 @@ class Sampling:
                     self._look(True)
                 # The noise decreases at most with the square root of the number of samples, which doubles in each pass.
                 wanted = self._rounds * (self.error / max_error) ** 2
-                foreseen = goal.foresight and self._rounds >= FORESIGHT and wanted > most
-                if self.error <= max_error or given_up or foreseen:
+                foreseen = goal.blended and self._rounds >= FORESIGHT and wanted > most
+                early = goal.blended and self._rounds < LEAST_ROUNDS
+                if (self.error <= max_error and not early) or given_up or foreseen:
                     return
                 doublings = math.ceil(math.log2(max(2.0, min(wanted, most) / self._rounds)))
                 self._expected = self._rounds << doublings

@@ -30,7 +30,7 @@ MOST_SAMPLES = 4096
 help either."""
 
 AIM = 0.9
-"""The error at which this sampling stops, as a share of the wanted one. The error that is stated is measured anew, and is more often
+"""The error at which this sampling stops, as a share of the wanted one. The error that is stated is measured anew, and more often
 above than below the estimate that ended the sampling."""
 
 ADDED = "gathered_samples"
@@ -75,7 +75,7 @@ def gathered(
         shown(_unfinished(image))
         sampling.after_pass = show
     try:
-        sampling.run(replace(goal, max_error=AIM * goal.max_error, most_samples=MOST_SAMPLES, foresight=True))
+        sampling.run(replace(goal, max_error=AIM * goal.max_error, most_samples=MOST_SAMPLES, blended=True))
         found = part.probed(sampling, None)
     except KeyboardInterrupt as stop:
         if before.keep_partial:

@@ -94,12 +94,15 @@ def render(
         is prepared for this picture first. None chooses irradiance caching. For a class or a name, the method's option
         `max_error`, if it has one, is set to `max_error`.
     samples : number of paths per pixel; with `adaptive`, the mean number over all pixels. With None, samples are taken
-        until the noise is below `max_error`.
+        until the error is below `max_error`.
     max_error : relative error of the picture, at which sampling stops. The noise is estimated from the passes over the
         picture, and the number of samples is doubled until the noise is small enough or `convergence.MOST_SAMPLES` is
         reached. If records are solved for this picture, `max_error` bounds the error of the whole picture: the noise
         may take the part that the estimated error of the records leaves, and always at least half. If the picture is
-        denoised, `max_error` bounds the error that is left after the denoiser.
+        denoised, `max_error` bounds the error that is left after the denoiser. If the picture is in halves and `check` finds
+        its error above `max_error` although its noise is low enough, paths that read the records only after a matte surface are
+        added, and are blended with it region by region, until the error of the blend is below `max_error` or too many samples
+        would be needed (`gathered_picture`); the statistics then hold their number as `gathered_samples`.
     time : stop after about this many seconds instead. The elapsed time then decides how fine the records are and how
         many samples are taken (`time_budget`). The metadata store both decisions; a render with these settings
         reproduces the picture bit for bit.
@@ -171,7 +174,8 @@ def render(
     denoiser_weight, the weight of the denoised picture, and rough_albedo and rough_normal, those of the first surface
     that is neither mirror nor clear glass, which guide the denoiser. direct and indirect are not denoised. The
     statistics then hold `noise_left`, the error that the halves measure, with the ends of its 95 % confidence interval,
-    and `estimated_error`, which includes the error of the records.
+    and `estimated_error`, which includes the error of the records. Where paths were added to a picture of records,
+    record_weight is the weight of the latter; all layers but error are those of the records.
     Radiance caching adds gloss_cached, the share of a pixel's samples in which records gave the light of all visible
     glossy lobes, and gloss_traced, the share in which some lobes were traced. Samples whose value is not finite are
     left out with a warning, and the metadata count them as `bad_samples`.
@@ -216,10 +220,9 @@ def render(
         scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
     )
     sampling = sampling_of(picture, 1 + halves, order, keep_partial, display, begun)
-    image, gather = _rendered(picture, sampling, goal, halves and check, preview, display, begun)
+    image, samplings = _rendered(picture, sampling, goal, halves and check, preview, display, begun)
     if continuable or begun is not None:
-        settings = (view.size, *settings[1:5], adaptive, halves)
-        make_continuable(image, begun, (sampling, gather), scene, view.camera, settings)
+        make_continuable(image, begun, samplings, scene, view.camera, (view.size, *settings[1:5], adaptive, halves))
     return image
 
 
@@ -266,10 +269,10 @@ def _rendered(
     preview: Callable[[Image], None] | None,
     display: Display | None,
     begun: Begun | None,
-) -> tuple[Image, Sampling | None]:
+) -> tuple[Image, tuple[Sampling, Sampling | None]]:
     """Take all samples, measure the error until the deadline if there is one, make the Image and show it on the display, if
-    there is one. If the error of the records is too large, paths are gathered; return their samples, too. Warn of noise and
-    errors that are left above those wanted, and of bad samples.
+    there is one. If the error of the records is too large, add a final gather. Warn of noise and errors that are left above those
+    wanted, and of bad samples. Return the samples and, if there is one, those of the final gather.
     """
     if preview is not None:
         sampling.after_pass = previewing(picture, sampling, preview, display)
@@ -289,7 +292,7 @@ def _rendered(
     if display is not None:
         display.show(image)
         picture.mark_records(display, image)
-    return image, gather
+    return image, (sampling, gather)
 
 
 def _refuse_contradictions(samples: int | None, time: float | None, refine: bool, check: bool) -> None:

@@ -704,6 +704,8 @@ def test_an_error_above_the_wanted_one_has_a_reason() -> None:
     )
     assert not why_above(flags, {**high, "estimated_error": 0.03})
     assert not why_above(flags, {"estimated_error": 0.04}) and not why_above(flags, {})
+    gathered = {**high, "noise_left": 0.035, "gathered_samples": 512.0}
+    assert "512 samples that read the records only after a matte surface do not suffice" in why_above(flags, gathered)
     assert not why_above({**flags, "samples": 4}, high) and not why_above({**flags, "time": 4.0}, high)
 
 

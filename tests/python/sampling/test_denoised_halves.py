@@ -10,7 +10,7 @@ from scipy.ndimage import uniform_filter
 
 from eclat.errors import EclatError
 from eclat.measure.metrics import RELATIVE_C
-from eclat.sampling.denoised_halves import DenoisedHalves, judged_halves
+from eclat.sampling.denoised_halves import DenoisedHalves, JudgedPicture, judged_halves, with_picture
 
 SIZE = 128
 
@@ -122,3 +122,45 @@ def test_what_does_not_count_has_no_part() -> None:
     assert not again.squared[~covered].any()
     nothing = judged_halves(a, b, blur(a), blur(b), np.zeros_like(covered))
     assert nothing.squared_error == 0 and nothing.deviation == 0
+
+
+def with_other(reference: np.ndarray, other: np.ndarray, noise: float, seed: int) -> DenoisedHalves:
+    a, b = halves(reference, noise, seed)
+    scale = reference**2 + RELATIVE_C * (reference**2).mean()
+    squared = ((other - reference) ** 2 / scale).mean(axis=-1)
+    known = JudgedPicture(other, np.full(squared.shape, squared.mean()), 0.2 * float(squared.mean()), scale)
+    return with_picture(denoised(a, b), (a, b, blur(a), blur(b)), known)
+
+
+@pytest.mark.parametrize("noise", [0.1, 1.0])
+def test_the_error_of_a_blend_is_estimated_without_bias(noise: float) -> None:
+    reference = truth(False)
+    other = np.where(np.arange(SIZE)[:, None] < SIZE // 2, 0.95, 1.2)[..., None] * reference
+    differences = []
+    for seed in range(24):
+        found = with_other(reference, other, noise, seed)
+        true = true_squared_error(found.pixels, reference)
+        differences.append((found.squared_error - true) / true)
+    mean, error = np.mean(differences), np.std(differences, ddof=1) / len(differences) ** 0.5
+    assert abs(mean) < 0.1 + 5 * error
+
+
+def test_a_blend_shows_each_picture_where_it_is_better() -> None:
+    reference = truth(False)
+    other = np.where(np.arange(SIZE)[:, None] < SIZE // 2, 1.0, 1.4)[..., None] * reference
+    found = with_other(reference, other, 0.3, 1)
+    weight = found.other_weight
+    assert weight is not None and weight[: SIZE // 4].mean() > 0.6 and weight[-SIZE // 4 :].mean() < 0.2
+    alone = denoised(*halves(reference, 0.3, 1))
+    true = true_squared_error(found.pixels, reference)
+    assert true < true_squared_error(alone.pixels, reference) and true < true_squared_error(other, reference)
+
+
+def test_a_blend_of_few_noisy_samples_knows_its_error_from_the_other_picture() -> None:
+    """The product of the noise of both halves, 4 where the square of the error is 0.0025, must not reach the estimate."""
+    reference = truth(False)
+    other = 1.05 * reference
+    for seed in range(8):
+        found = with_other(reference, other, 2.0, seed)
+        true = true_squared_error(found.pixels, reference)
+        assert abs(found.squared_error - true) < 4 * found.deviation and found.deviation < 0.6 * true

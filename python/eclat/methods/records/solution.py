@@ -14,8 +14,7 @@ import numpy as np
 from eclat import _core
 from eclat.bridge.compiled import compiled, fingerprint
 from eclat.measure.error_estimate import ErrorEstimate, without_light_by_chance
-from eclat.methods.method import Solved
-from eclat.methods.records.final_gather import FinalGather
+from eclat.methods.method import Method, Prepared, Solved
 from eclat.methods.records.laws import core_options, core_radiance_options
 from eclat.methods.records.options import RadianceOptions, RecordOptions
 from eclat.methods.records.radiance_tables import radiance_tables
@@ -290,3 +289,30 @@ def solved_from_core(
     return Solution(
         options, fingerprint(scene), caches.near, caches.far, center, statistics, max_depth, complete, radiance
     )
+
+
+@dataclass(frozen=True, eq=False)
+class FinalGather(Prepared):
+    """The records of a solution, read only by paths that have gone on from a matte surface, as in a final gather [Reichert92].
+
+    What a record gets wrong then reaches a pixel only as a small part of the light that its paths collect: it is averaged over
+    the surfaces that they meet and multiplied by an albedo. The price is the noise of paths with one scattering more. The probes of
+    a picture measure what is left of the errors of records.
+    """
+
+    options: Method
+    statistics: dict[str, float]
+    solution: Solution
+
+    @property
+    def errs_by_noise_alone(self) -> bool:
+        return True
+
+    def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        return self.solution.radiance_estimator(scene, work, gather_first=True)
+
+    def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
+        return self.solution.reference_estimator(scene, work)
+
+    def point_estimator(self, scene: Scene, work: Work) -> _core.PointEstimator:
+        return self.solution.point_estimator(scene, work)

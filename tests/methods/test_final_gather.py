@@ -1,0 +1,74 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Paths that read records only after a matte surface: against path tracing, and against a closed form with wrong records."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from numpy.typing import NDArray
+
+import eclat
+from eclat.methods.method import Prepared
+from eclat.methods.records.solution import Solution
+from support.courtyard import court
+from support.statistics import block_means, welch
+
+SIZE = (32, 32)
+
+
+def solved(scene: eclat.Scene, method: eclat.Method) -> Solution:
+    found = eclat.solve(scene, method, size=SIZE, check=False)
+    assert isinstance(found, Solution)
+    return found
+
+
+def picture(scene: eclat.Scene, prepared: Prepared, samples: int, seed: int) -> NDArray[np.float32]:
+    return eclat.render(scene, prepared, samples=samples, size=SIZE, seed=seed, adaptive=False, check=False).pixels
+
+
+@pytest.mark.parametrize("light", ["sky", "sun"])
+def test_a_final_gather_agrees_with_paths(light: str) -> None:
+    """The sky is left to the records where they are read, and must be sampled, once, where they are not."""
+    scene = court(light)
+    gather = solved(scene, eclat.IrradianceCache(max_error=0.02)).final_gather()
+    ours = np.stack([block_means(picture(scene, gather, 16, k), 8).ravel() for k in range(8)])
+    paths = np.stack([block_means(picture(scene, eclat.Path(), 16, 100 + k), 8).ravel() for k in range(8)])
+    # What is left of the records' error is below a per cent of a block.
+    t, limit = welch(ours, paths)
+    assert t < limit or np.abs(ours.mean(0) - paths.mean(0)).max() < 0.01 * paths.mean()
+    assert abs(ours.mean() / paths.mean() - 1) < 0.005
+
+
+def test_wrong_records_reach_a_pixel_once_more_reflected() -> None:
+    """In a furnace of emission L_e and reflectance ρ, the radiance is L = L_e / (1 − ρ). If records hold 1.5 times their
+    irradiance π ρ L, a picture that reads them at first sight is too bright by ½ ρ² L, and a final gather by ½ ρ³ L.
+    """
+    rho = 0.5
+    scene = eclat.load("furnace", rho=rho)
+    right = solved(scene, eclat.IrradianceCache(max_error=0.05))
+    wrong = replace(right, near=_brighter(right.near, 1.5), far=_brighter(right.far, 1.5))
+    truth = picture(scene, eclat.Path(), 64, 1).mean()
+    assert abs(picture(scene, right.final_gather(), 64, 2).mean() / truth - 1) < 0.003
+    assert abs(picture(scene, wrong, 64, 3).mean() / truth - (1 + 0.5 * rho**2)) < 0.005
+    # A few paths meet no record near enough, and go on to one more reflection.
+    excess = picture(scene, wrong.final_gather(), 64, 4).mean() / truth - 1
+    assert 0.8 * 0.5 * rho**3 < excess < 1.02 * 0.5 * rho**3
+
+
+def _brighter(records: NDArray[np.float32], factor: float) -> NDArray[np.float32]:
+    """Scale the irradiance of records, with all that is in proportion to it."""
+    probe = Solution(eclat.IrradianceCache(), "", records.copy(), records[:0], np.zeros(3))
+    for values in (probe.irradiance, probe.excess):
+        values *= factor
+    return probe.near
+
+
+def test_lobes_of_radiance_records_are_traced_too() -> None:
+    scene = eclat.load("glossy-box", alpha=0.6)
+    gather = solved(scene, eclat.RadianceCache(max_error=0.1)).final_gather()
+    image = eclat.render(scene, gather, samples=64, size=SIZE, seed=5, adaptive=False, check=False)
+    paths = picture(scene, eclat.Path(), 64, 6)
+    assert abs(image.pixels.mean() / paths.mean() - 1) < 0.01

@@ -1,0 +1,85 @@
+# SPDX-FileCopyrightText: the Éclat authors
+# SPDX-License-Identifier: Apache-2.0
+"""Pictures whose records err more than is wanted: they get paths beside the records until they err as little as wanted."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import eclat
+from eclat.measure.metrics import relative_rmse
+from eclat.scenes import build
+from eclat.verbs.gathered_picture import ADDED
+from eclat.verbs.picture import Picture
+
+WANTED, LESS = 0.02, 0.012
+COARSE = eclat.IrradianceCache(max_error=0.3)
+SIZE = (40, 40)
+
+
+@pytest.fixture(scope="module")
+def scene() -> eclat.Scene:
+    return build("cornell-box")
+
+
+def made(scene: eclat.Scene, max_error: float = WANTED, **keywords: Any) -> eclat.Image:
+    return eclat.render(scene, COARSE, max_error=max_error, size=SIZE, halves=True, denoise=False, **keywords)
+
+
+@pytest.fixture(scope="module")
+def blend(scene: eclat.Scene) -> eclat.Image:
+    return made(scene, continuable=True)
+
+
+def test_the_error_that_is_wanted_is_reached(scene: eclat.Scene, blend: eclat.Image) -> None:
+    alone = made(scene, check=False)
+    truth = eclat.render(scene, eclat.Path(), samples=1024, size=SIZE, seed=9).pixels
+    statistics = blend.metadata["statistics"]
+    assert statistics[ADDED] > 0 and statistics["estimated_error"] < 1.2 * WANTED
+    before, after = (relative_rmse(image.pixels, truth, truth) for image in (alone, blend))
+    assert after < 1.2 * WANTED < before
+    weight = blend.layers["record_weight"]
+    assert weight.min() >= 0 and weight.max() <= 1 and weight.mean() < 0.9
+    # The layers stay those of the records.
+    np.testing.assert_array_equal(blend.layers["indirect"], alone.layers["indirect"])
+
+
+def test_the_number_of_threads_does_not_matter(scene: eclat.Scene, blend: eclat.Image) -> None:
+    np.testing.assert_array_equal(made(scene, threads=1).pixels, blend.pixels)
+
+
+def test_a_picture_that_errs_little_stays_as_it_is(scene: eclat.Scene) -> None:
+    image = made(scene, max_error=0.5)
+    assert ADDED not in image.metadata["statistics"]
+    np.testing.assert_array_equal(image.pixels, made(scene, max_error=0.5, check=False).pixels)
+
+
+def test_a_blend_can_be_continued(scene: eclat.Scene, blend: eclat.Image, tmp_path: Path) -> None:
+    blend.save(tmp_path / "begun.exr")
+    longer = eclat.render(scene, COARSE, max_error=LESS, continued=tmp_path / "begun.exr", denoise=False)
+    before, after = (image.metadata["statistics"] for image in (blend, longer))
+    assert after[ADDED] >= 2 * before[ADDED] and after["estimated_error"] < before["estimated_error"]
+
+
+def test_an_interrupted_blend_leaves_the_picture_of_the_records(
+    scene: eclat.Scene, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    probed, calls = Picture.probed, 0
+
+    def stop_at_second(*arguments: Any) -> Any:
+        nonlocal calls
+        calls += 1
+        if calls == 2:
+            raise KeyboardInterrupt
+        return probed(*arguments)
+
+    monkeypatch.setattr(Picture, "probed", stop_at_second)
+    with pytest.raises(KeyboardInterrupt) as stopped:
+        made(scene, keep_partial=True)
+    partial = stopped.value.partial  # type: ignore[attr-defined]
+    assert partial.metadata["samples_done"] > 0 and partial.metadata["unfinished"]
+    np.testing.assert_array_equal(partial.pixels, made(scene, check=False).pixels)
