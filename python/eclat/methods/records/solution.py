@@ -296,8 +296,8 @@ class FinalGather(Prepared):
     """The records of a solution, read only by paths that have gone on from a matte surface, as in a final gather [Reichert92].
 
     What a record gets wrong then reaches a pixel only as a small part of the light that its paths collect: it is averaged over
-    the surfaces that they meet and multiplied by an albedo. The price is the noise of paths with one scattering more. The probes of
-    a picture measure what is left of the errors of records.
+    the surfaces that they meet and multiplied by an albedo. The price is the noise of paths with one scattering more. The
+    probes of a picture measure what is left of the errors of records.
     """
 
     options: Method
