@@ -61,6 +61,7 @@ if TYPE_CHECKING:
 
 REACHING_RENDER = (
     "samples",
+    "gathered_samples",
     "max_error",
     "time",
     "adaptive",
@@ -168,6 +169,11 @@ _quality_options = together(
         default=None,
         section=QUALITY,
         help="Take the samples in two independent halves, from which the error is measured [on with --denoise].",
+    ),
+    samples_option(
+        "With --samples and --halves, add this many paths per pixel that read the records only after a matte surface, as "
+        "--max-error does where the records err too much",
+        name="--gathered-samples",
     ),
     option("--crop", type=CROP, section=CAMERA, help="Render only this rectangle of pixels; the rest stays black."),
     shard_option(
@@ -307,6 +313,8 @@ def _options(flags: dict[str, Any], context: click.Context) -> Method | None:
     """Return the method with its options, or None if `--cache` names a file that holds them."""
     if flags["samples"] is not None and flags["time"] is not None:
         raise EclatError("--time cannot be combined with --samples: give one of them")
+    if flags["gathered_samples"] is not None and flags["samples"] is None:
+        raise EclatError("--gathered-samples needs --samples, and --halves or --denoise")
     if flags["refine"] and flags["time"] is not None:
         raise EclatError("--time cannot be combined with --refine: give one of them")
     for name in ("cache", "continuable", "continued", "keep_partial", "replay") if flags["light_groups"] else ():

@@ -26,6 +26,7 @@ REPEATED = (
         "max_error",
         "refine",
         "samples",
+        "gathered_samples",
         "adaptive",
         "denoise",
         "halves",
@@ -42,7 +43,7 @@ REPEATED = (
 """Names of the flags that determine the values of a picture. The scene is not among them: it is given again, since
 files are moved."""
 
-_NEWER = ("at", "camera_path")
+_NEWER = ("at", "camera_path", "gathered_samples")
 """Names of the flags that pictures of older versions do not hold. They had no effect then."""
 
 _WITH_SETTINGS = (".exr", ".png")
@@ -65,6 +66,8 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
     # Groups of lamps, each of which took its own number of samples, stop again where they did.
     if taken is not None and not flags["light_groups"]:
         settings["samples"], settings["time"] = int(taken), None
+        added = metadata["statistics"].get("gathered_samples")
+        settings["gathered_samples"] = None if added is None else int(added)
         for name, made in (("adaptive", "adaptive"), ("denoise", "denoised"), ("halves", "halves")):
             settings[name] = bool(metadata.get(made))
     # Converting to JSON and back gives the same types that reading from a file gives.
@@ -85,7 +88,7 @@ def chosen_by_clock(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> li
     return [f"{name}={str(value).lower()}" for name, value in options.items()]
 
 
-FREE_WHEN_CONTINUED = ("cache", "max_error", "refine", "samples", "denoise", "time")
+FREE_WHEN_CONTINUED = ("cache", "max_error", "refine", "samples", "gathered_samples", "denoise", "time")
 """Names of the flags among `REPEATED` that may differ when a picture is continued."""
 
 

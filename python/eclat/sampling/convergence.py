@@ -64,16 +64,20 @@ class Goal:
     If `samples` is given, sampling stops at that number of samples per pixel, which with adaptive sampling is the mean
     over pixels. Otherwise, if `deadline` is given, it stops at that value of `time.perf_counter`. Otherwise it stops
     when the relative error is below `max_error`; with `denoised`, this is the error of the denoised picture. It also stops at
-    `most_samples`. With `blended`, which says that the picture is blended with another one, sampling takes at least
-    `LEAST_ROUNDS` and stops as soon as it is clear that `most_samples` do not suffice.
+    `most_samples`, or `MOST_SAMPLES` if that is None. With `blended`, which says that the picture is blended with another one,
+    sampling takes at least `LEAST_ROUNDS`, and stops as soon as it is clear that these samples do not suffice.
+
+    `gathered_samples` is the number of samples per pixel of the final gather that is added to a picture of records; None adds as
+    many as `max_error` needs.
     """
 
     samples: int | None
     max_error: float
     deadline: float | None
     denoised: bool = False
-    most_samples: int = MOST_SAMPLES
+    most_samples: int | None = None
     blended: bool = False
+    gathered_samples: int | None = None
 
 
 def noise_beside_records(max_error: float, records: float) -> float:
@@ -145,8 +149,9 @@ class Sampling:
             self._until(goal.deadline, goal.denoised)
         else:
             self._until_error(goal)
-            return
-        self._look(goal.denoised)
+            if not goal.blended:
+                return
+        self.look(goal.denoised)
 
     def take_up(self, taken: int) -> None:
         """Go on from a film, and from adaptive sampling, that already have `taken` samples per pixel."""
@@ -167,13 +172,14 @@ class Sampling:
     def _until_error(self, goal: Goal) -> None:
         max_error, denoised = goal.max_error, goal.denoised
         self._expected = EXPECTED_SAMPLES // self._each
-        most = goal.most_samples // self._each
+        most = (goal.most_samples or MOST_SAMPLES) // self._each
         while True:
             self._pass(max(self._first, 2 * self._rounds))
             if not math.isnan(self.noise):
                 given_up = self._rounds >= most
-                if denoised and self.error > max_error and (given_up or self.noise <= MOST_GAIN * max_error):
-                    self._look(True)
+                wants_look = denoised and (goal.blended or self.error > max_error)
+                if wants_look and (given_up or self.noise <= MOST_GAIN * max_error):
+                    self.look(True)
                 # The noise decreases at most with the square root of the number of samples, which doubles in each pass.
                 wanted = self._rounds * (self.error / max_error) ** 2
                 foreseen = goal.blended and self._rounds >= FORESIGHT and wanted > most
@@ -190,11 +196,11 @@ class Sampling:
         while self._rounds == 0 or self._affordable() >= 1:
             self._expected = self._rounds + max(1, self._affordable())
             self._pass(max(self._first, 2 * self._rounds))
-            self._look(looks)
+            self.look(looks)
             looks = False
             self._tell()
 
-    def _look(self, denoised: bool) -> None:
+    def look(self, denoised: bool) -> None:
         """Compute the picture to show and its error from the halves."""
         if self._halves is None or (self._looked_at == self._rounds and self.denoised == denoised):
             return
@@ -257,7 +263,7 @@ class Sampling:
             self.adaptive.observe(self._counts, self.film.radiance)
             self.noise = self.adaptive.noise()
         if self._halves is not None:
-            self._look(False)
+            self.look(False)
         elif self.adaptive is None and half is not None:
             self.noise = estimated_error(half, self.film.radiance)
 

@@ -9,6 +9,7 @@ goes on until the error of the blend is as small as wanted, or until it is clear
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable
 from dataclasses import replace
 from typing import Any
@@ -48,22 +49,26 @@ def gathered(
     image: Image,
     goal: Goal,
     before: Sampling,
-    probed: ProbedError,
+    probed: ProbedError | None,
     preview: Callable[[Image], None] | None = None,
     begun: Begun | None = None,
 ) -> tuple[Image, Sampling | None]:
     """Blend the finished `image` of a picture with that of paths which read its records after a matte surface, if its error is
-    above that of the `goal`. Light that paths do not find either does not count.
+    above that of the `goal`, or if the goal says how many samples to add. Light that paths do not find either does not count.
 
     `before` took the samples of `image`, and `probed` is what probes found of its error. With `begun`, the samples go on from
     those of a continued picture. `preview` is called with the blend after each pass. Return the blend with the samples that were
     added, or `image` and None.
     """
     prepared, stated = picture.prepared.final_gather(), picture.error_of(before.found, before.noise, probed)
-    if prepared is None or stated is None or stated.quoted <= goal.max_error:
+    enough = stated is None or stated.quoted <= goal.max_error
+    if prepared is None or (goal.gathered_samples is None and enough):
         return image, None
+    if goal.denoised and not before.denoised:
+        before.look(True)
+        image = picture.finished(before, probed)
     part = replace(picture, prepared=prepared, estimate=None, first_seed=SEEDS)
-    other = _judged(before, stated)
+    other = _judged(before, stated or ErrorEstimate(0.0, 0.0, math.inf))
     sampling = sampling_of(part, Halves.each, [], False, None, begun, other, GATHERED)
     sampling.rays = before.rays
     if preview is not None:
@@ -75,8 +80,9 @@ def gathered(
         shown(_unfinished(image))
         sampling.after_pass = show
     try:
-        sampling.run(replace(goal, max_error=AIM * goal.max_error, most_samples=MOST_SAMPLES, blended=True))
-        found = part.probed(sampling, None)
+        aim, samples = AIM * goal.max_error, goal.gathered_samples
+        sampling.run(replace(goal, max_error=aim, samples=samples, most_samples=MOST_SAMPLES, blended=True))
+        found = None if probed is None else part.probed(sampling, None)
     except KeyboardInterrupt as stop:
         if before.keep_partial:
             stop.partial = _unfinished(image)  # type: ignore[attr-defined]
@@ -112,7 +118,7 @@ def _blended(part: Picture, image: Image, sampling: Sampling, probed: ProbedErro
         "error": own.layers["error"],
         "record_weight": sampling.film.pasted(np.asarray(found.other_weight)),
     }
-    metadata = image.metadata | {"statistics": statistics, "denoised": image.metadata["denoised"] or sampling.denoised}
+    metadata = image.metadata | {"statistics": statistics}
     if "bad_samples" in own.metadata:
         bad = own.metadata["bad_samples"]
         known = image.metadata.get("bad_samples", bad | {"count": 0})

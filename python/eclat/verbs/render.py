@@ -72,6 +72,7 @@ def render(
     adaptive: bool | None = None,
     denoise: bool | None = None,
     halves: bool | None = None,
+    gathered_samples: int | None = None,
     continued: Image | str | os.PathLike[str] | None = None,
     continuable: bool = False,
     shard: tuple[int, int] | None = None,
@@ -126,6 +127,8 @@ def render(
     halves : whether the picture is the mean of two halves, which have half of the samples each and different random
         numbers. The error of a denoised picture is measured from such halves. An odd number of `samples` is then
         rounded up. None means the same as `denoise`.
+    gathered_samples : with `samples` and `halves`, the number of samples per pixel that paths add which read records only after a
+        matte surface, as `max_error` does otherwise. A picture with such numbers in its statistics can so be repeated.
     continued : a picture that was rendered with `continuable`, or the name of its .exr file, to which samples are added;
         `samples` is the total number. Size, crop, depth, seed, filter, adaptive and halves are those of the picture; scene,
         camera and method must be the same. With the same options, the picture has the same bits as one that took all samples at
@@ -202,9 +205,8 @@ def render(
     begun = None if continued is None else Begun.of(continued)
     settings = _settings(begun, (size, crop, max_depth, seed, filter, adaptive, halves))
     size, crop, max_depth, seed, filter, adaptive, halves = settings
-    deadline = None if checked_time(time) is None else started + float(time or 0)
     denoise, halves = _denoise_and_halves(denoise, halves, samples is None and crop is None)
-    goal = Goal(None if samples is None else checked_samples(samples), checked_max_error(max_error), deadline, denoise)
+    goal = _goal(samples, gathered_samples, max_error, time, started, denoise, halves)
     view = _view(scene, camera, size)
     region = checked_crop(crop, *view.size)
     order, pixel_filter = _checked_order(tile_order, region), _checked_filter(filter)
@@ -214,7 +216,7 @@ def render(
         begun.require_match(scene, view.camera, source.options.name, samples)
     elif preview is not None:
         show_looks(scene, source, view, work, denoise, preview)
-    prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=deadline))
+    prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=goal.deadline))
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
     picture = Picture(
         scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
@@ -288,6 +290,8 @@ def _rendered(
             if probed is not None:
                 image, gather = gathered(picture, image, wanted, sampling, probed, preview, begun)
             warn_of_error(image.metadata["statistics"], wanted.max_error)
+    elif wanted.gathered_samples is not None:
+        image, gather = gathered(picture, image, wanted, sampling, probed, preview, begun)
     picture.tell_bad_samples(image)
     if display is not None:
         display.show(image)
@@ -313,6 +317,25 @@ def _goal_of_samples(goal: Goal, estimate: ErrorEstimate | None, probes: bool) -
         return goal
     now = clock.perf_counter()
     return replace(goal, deadline=now + (1 - SHARE_OF_PROBES) * (goal.deadline - now))
+
+
+def _goal(
+    samples: int | None,
+    gathered: int | None,
+    max_error: float,
+    time: float | None,
+    started: float,
+    denoise: bool,
+    halves: bool,
+) -> Goal:
+    """Return the condition at which sampling stops. Raises EclatError if a number is out of range, or if there are no halves
+    that samples could be gathered for.
+    """
+    if gathered is not None and (samples is None or not halves):
+        raise EclatError("gathered_samples: expected samples and halves=True beside it")
+    counts = [None if number is None else checked_samples(number) for number in (samples, gathered)]
+    deadline = None if checked_time(time) is None else started + float(time or 0)
+    return Goal(counts[0], checked_max_error(max_error), deadline, denoise, gathered_samples=counts[1])
 
 
 def _denoise_and_halves(denoise: bool | None, halves: bool | None, whole: bool) -> tuple[bool, bool]:

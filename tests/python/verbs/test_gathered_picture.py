@@ -52,6 +52,17 @@ def test_the_number_of_threads_does_not_matter(scene: eclat.Scene, blend: eclat.
     np.testing.assert_array_equal(made(scene, threads=1).pixels, blend.pixels)
 
 
+def test_the_numbers_of_samples_repeat_it(scene: eclat.Scene, blend: eclat.Image) -> None:
+    statistics = blend.metadata["statistics"]
+    counts = {"samples": int(statistics["samples"]), "gathered_samples": int(statistics[ADDED])}
+    again = eclat.render(
+        scene, COARSE, **counts, size=SIZE, halves=True, denoise=False, adaptive=blend.metadata["adaptive"], check=False
+    )
+    np.testing.assert_array_equal(again.pixels, blend.pixels)
+    with pytest.raises(eclat.EclatError, match="gathered_samples: expected samples and halves=True"):
+        eclat.render(scene, COARSE, gathered_samples=4, size=SIZE)
+
+
 def test_a_picture_that_errs_little_stays_as_it_is(scene: eclat.Scene) -> None:
     image = made(scene, max_error=0.5)
     assert ADDED not in image.metadata["statistics"]

@@ -73,8 +73,9 @@ def test_samples_that_meet_the_error_themselves_are_not_denoised() -> None:
 def test_same_bits_for_any_number_of_threads_and_from_the_metadata(cornell: eclat.Scene, what: Any) -> None:
     first = denoised(cornell, what=what, max_error=0.1, threads=2)
     made = {name: first.metadata[name] for name in ("seed", "halves", "adaptive")}
-    samples = int(first.metadata["statistics"]["samples"])
-    again = denoised(cornell, what=what, samples=samples, denoise=first.metadata["denoised"], threads=1, **made)
+    statistics = first.metadata["statistics"]
+    made |= {name: int(statistics[name]) for name in ("samples", "gathered_samples") if name in statistics}
+    again = denoised(cornell, what=what, denoise=first.metadata["denoised"], threads=1, **made)
     np.testing.assert_array_equal(again.pixels, first.pixels)
     for name, layer in first.layers.items():
         np.testing.assert_array_equal(again.layers[name], layer)
