@@ -65,8 +65,10 @@ def gathered(
     if prepared is None or (goal.gathered_samples is None and enough):
         return image, None
     if goal.denoised and not before.denoised:
+        # A run with these numbers of samples denoises both parts, and must give the same picture.
         before.look(True)
-        image = picture.finished(before, probed)
+        probed = probed and picture.probed(before, None)
+        image, stated = picture.finished(before, probed), picture.error_of(before.found, before.noise, probed)
     part = replace(picture, prepared=prepared, estimate=None, first_seed=SEEDS)
     other = _judged(before, stated or ErrorEstimate(0.0, 0.0, math.inf))
     sampling = sampling_of(part, Halves.each, [], False, None, begun, other, GATHERED)
