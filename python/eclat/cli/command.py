@@ -103,12 +103,18 @@ class Command(click.Command):
             raise
 
 
-def _unknown_option(error: click.NoSuchOption, command: click.Command, context: click.Context) -> click.UsageError:
-    """Make the error for an unknown option, which suggests the most similar known one; leading dashes are not compared."""
-    known = [name for parameter in command.get_params(context) for name in parameter.opts if name.startswith("--")]
-    hint = did_you_mean(error.option_name.lstrip("-"), [name.removeprefix("--") for name in known])
-    hint = hint.replace("'", "'--", 1)
+def _unknown_option(
+    error: click.NoSuchOption, command: click.Command, context: click.Context, elsewhere: str = ""
+) -> click.UsageError:
+    """Make the error for an unknown option. It says `elsewhere`, where the option belongs, or suggests the most similar known
+    one; leading dashes are not compared."""
+    known = [name.removeprefix("--") for name in _long_options(command, context)]
+    hint = elsewhere or did_you_mean(error.option_name.lstrip("-"), known).replace("'", "'--", 1)
     return click.UsageError(f"unknown option {error.option_name} for {context.command_path}{hint}", context)
+
+
+def _long_options(command: click.Command, context: click.Context) -> list[str]:
+    return [name for parameter in command.get_params(context) for name in parameter.opts if name.startswith("--")]
 
 
 class Group(click.Group):
@@ -129,10 +135,15 @@ class Group(click.Group):
             formatter.write_dl([(str(code), meaning) for code, meaning in self.exit_codes.items()])
 
     def parse_args(self, ctx: click.Context, args: list[str]) -> list[str]:
+        given = list(args)
         try:
             return super().parse_args(ctx, args)
         except click.NoSuchOption as error:
-            raise _unknown_option(error, self, ctx) from None
+            name = next((word for word in given if word in self.table), "")
+            command = self.get_command(ctx, name)
+            after = command is not None and error.option_name in _long_options(command, ctx)
+            elsewhere = f"; it goes after the command, as in 'eclat {name} {error.option_name} …'" if after else ""
+            raise _unknown_option(error, self, ctx, elsewhere) from None
 
     def list_commands(self, ctx: click.Context) -> list[str]:
         return list(self.table)

@@ -56,8 +56,12 @@ class Dark:
     rays: float
 
 
-def dark_texels(scene: Scene, layout: Layout, points: TexelPoints, free: Mask, settings: Settings) -> Dark:
+def dark_texels(
+    scene: Scene, groups_of_texels: NDArray[np.int64], points: TexelPoints, free: Mask, settings: Settings
+) -> Dark:
     """Find the texels that next to no light reaches, among those with points that are `free`, a mask (N, n).
+
+    `groups_of_texels` (N,) says which texels are looked at together (`groups_of`).
 
     Direct light alone takes no more than the look at the texels would, so none is looked for then.
     """
@@ -65,7 +69,7 @@ def dark_texels(scene: Scene, layout: Layout, points: TexelPoints, free: Mask, s
     asked = np.flatnonzero(free[:, 1:].any(axis=1))
     if settings.component == "direct" or not len(asked):
         return nothing
-    groups = groups_of(layout)[asked]
+    groups = groups_of_texels[asked]
     count = int(groups.max()) + 1
     at = asked, np.argmax(free[asked], axis=1)
     rays = 0.0

@@ -10,7 +10,7 @@ nearest point of the triangle.
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 
 import numpy as np
 from numpy.typing import NDArray
@@ -53,6 +53,11 @@ class Texels:
     face_normals: FloatArray
     uvs: FloatArray
     shared: int
+
+    def chosen(self, which: Ints) -> Texels:
+        """Return the texels with the indices `which`."""
+        arrays = (field.name for field in fields(self) if field.name != "shared")
+        return Texels(**{name: getattr(self, name)[which] for name in arrays}, shared=self.shared)
 
     def __len__(self) -> int:
         return len(self.rows)

@@ -16,7 +16,7 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, did_you_mean
 from eclat.images.denoiser import require_denoiser
 from eclat.lightmap.atlas import Packing
-from eclat.lightmap.darkness import Dark, dark_texels, with_dark
+from eclat.lightmap.darkness import Dark, dark_texels, groups_of, with_dark
 from eclat.lightmap.denoising import gather_denoised
 from eclat.lightmap.directional import gather_harmonics
 from eclat.lightmap.fitting import fitted_harmonics, fitted_pages
@@ -118,7 +118,7 @@ def bake(
     settings = Settings(component, samples, max_depth, seed, threads, progress)
     points = sample_points(layout.corners, layout.texels, supersampling)
     free = visible_points(scene, layout.solid, points, settings)
-    dark = dark_texels(scene, layout, points, free, settings)
+    dark = dark_texels(scene, groups_of(layout), points, free, settings)
     lit = free & ~dark.mask[:, None]
     if denoise:
         charts, shape = layout.corners.charts[layout.texels.triangles], (layout.atlas.stack_height, layout.atlas.width)

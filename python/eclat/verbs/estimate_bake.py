@@ -34,6 +34,10 @@ TRIALS = (256, 1024, 4096)
 """Approximate numbers of texels that are baked to see how the work grows with them. Whole groups of neighbours (`groups_of`) are
 taken, because neighbours share records."""
 
+LOOKED_AT = 16384
+"""Approximate number of texels among which hidden and dark ones are looked for, in whole groups. The shares of
+these are taken for those of all texels."""
+
 PNG_BYTES, EXR_BYTES, KTX2_BYTES = 3, 12, 8 * 4 / 3
 """Bytes of a texel without compression in the embedded PNG, in the EXR and in the KTX2 file, of which all levels of a mip map
 together have four thirds of the texels of the largest."""
@@ -109,13 +113,18 @@ def estimate_bake(
     wishes = Wishes(texel_size, texel_sizes or {}, sides, Packing(gutter, max_size, charts_timeout))
     layout = lay_out(scene, wishes, threads, progress)
     settings = Settings(component, samples, max_depth, seed, threads, progress)
-    points = sample_points(layout.corners, layout.texels, supersampling)
-    free = visible_points(scene, layout.solid, points, settings)
-    dark = dark_texels(scene, layout, points, free, settings)
     laid_out = clock.perf_counter() - started
+    groups = groups_of(layout)
+    looked_at = _spread_groups(groups, LOOKED_AT)
+    points = sample_points(layout.corners, layout.texels.chosen(looked_at), supersampling)
+    free = visible_points(scene, layout.solid, points, settings)
+    dark = dark_texels(scene, groups[looked_at], points, free, settings)
+    others = len(layout.texels) / max(1, len(looked_at))
+    looked = others * (clock.perf_counter() - started - laid_out)
     lit = np.flatnonzero(~dark.mask & free[:, 1:].any(axis=1))
-    count = len(lit)
-    chosen = [_spread_groups(groups_of(layout)[lit], number) for number in sorted({min(count, n) for n in TRIALS})]
+    count = round(others * len(lit))
+    own = groups[looked_at][lit]
+    chosen = [_spread_groups(own, number) for number in sorted({min(len(lit), n) for n in TRIALS})]
     trials = [_trial(scene, source, points, free, lit[which], settings) for which in chosen]
     rays = extrapolated([len(which) for which in chosen], [rays for rays, _ in trials], count)
     last_rays, last_seconds = trials[-1]
@@ -130,8 +139,8 @@ def estimate_bake(
         height=height,
         texel_size=layout.texel_size,
         most_bytes=bare + math.ceil(all_texels * (PNG_BYTES + EXR_BYTES + (KTX2_BYTES if ktx2 else 0))),
-        rays=rays + dark.rays,
-        seconds=laid_out + last_seconds * rays / max(last_rays, 1.0) + FIT_SECONDS * len(layout.texels),
+        rays=rays + others * dark.rays,
+        seconds=laid_out + looked + last_seconds * rays / max(last_rays, 1.0) + FIT_SECONDS * len(layout.texels),
     )
 
 
@@ -153,12 +162,13 @@ def extrapolated(numbers: list[int], rays: list[float], count: int) -> float:
 
 
 def _spread_groups(groups: NDArray[np.int64], number: int) -> NDArray[np.int64]:
-    """Choose about `number` texels in whole groups, evenly spread over the texels, of which `groups` (N,) are the groups."""
-    if number >= len(groups):
+    """Choose about `number` texels in whole groups, evenly spread over the groups, of which `groups` (N,) are the numbers.
+    A group is as likely as any other, so that the borders of charts have their share."""
+    every = np.unique(groups)
+    count = max(1, round(number * len(every) / max(1, len(groups))))
+    if count >= len(every):
         return np.arange(len(groups))
-    order = np.argsort(groups, kind="stable")
-    mean_size = len(groups) / len(np.unique(groups))
-    picked = groups[order][np.linspace(0, len(groups) - 1, max(1, round(number / mean_size))).astype(np.int64)]
+    picked = every[np.linspace(0, len(every) - 1, count).round().astype(np.int64)]
     return np.flatnonzero(np.isin(groups, picked))
 
 

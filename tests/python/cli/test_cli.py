@@ -254,6 +254,10 @@ def test_bad_values(flags: str, capsys: Output, api: FakeApi) -> None:
     [
         ("rendr", "unknown command 'rendr', expected one of {commands}; did you mean 'render'?"),
         ("--versoin", "unknown option --versoin for eclat; did you mean '--version'?"),
+        (
+            "--log-level debug render cornell-box",
+            "unknown option --log-level for eclat; it goes after the command, as in 'eclat render --log-level …'",
+        ),
         ("render cornell-box --sampels 3", "unknown option --sampels for eclat render; did you mean '--samples'?"),
         ("render", "missing argument 'SCENE'"),
         ("render cornell-bx", None),

@@ -49,7 +49,7 @@ def looked_at(scene: Scene, **chosen: object) -> tuple[Layout, TexelPoints, Dark
     layout = lay_out(scene, Wishes(0.1), 1, None)
     points = sample_points(layout.corners, layout.texels, 2)
     free = np.ones(points.positions.shape[:2], bool)
-    return layout, points, dark_texels(scene, layout, points, free, settings(**chosen))  # type: ignore[arg-type]
+    return layout, points, dark_texels(scene, groups_of(layout), points, free, settings(**chosen))  # type: ignore[arg-type]
 
 
 @pytest.mark.parametrize("component", ["total", "indirect"])

@@ -4,11 +4,14 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 
+import numpy as np
 import pytest
 
 import eclat
+from eclat.scene import Material
 from eclat.verbs.estimate_bake import extrapolated
 
 
@@ -23,6 +26,21 @@ def test_an_estimate_is_that_of_the_bake(tmp_path: Path) -> None:
     assert found.most_bytes / 4 < sum(sizes) <= found.most_bytes * 1.02 + 2000 * found.pages
     assert 1 / 3 < found.rays / counted["rays"] < 3
     assert found.seconds > 0
+
+
+def test_a_share_of_the_texels_tells_how_many_are_lit(monkeypatch: pytest.MonkeyPatch) -> None:
+    # The box away from all light is dark, and takes a share of the texels that few of them tell.
+    lit = eclat.load("cornell-box")
+    outside = [np.asarray(mesh.positions) + np.array([10, 0, 0]) for mesh in lit.meshes]
+    black = Material("diffuse", name="black")
+    away = [replace(mesh, positions=at, material=black) for mesh, at in zip(lit.meshes, outside, strict=True)]
+    scene = replace(lit, meshes=(*lit.meshes, *away))
+    options = {"texel_size": 0.1, "samples": 4, "max_depth": 3, "threads": 1}
+    whole = eclat.estimate_bake(scene, "path", **options)
+    monkeypatch.setattr("eclat.verbs.estimate_bake.LOOKED_AT", whole.texels // 4)
+    part = eclat.estimate_bake(scene, "path", **options)
+    assert part.texels == whole.texels > 2000
+    assert part.rays == pytest.approx(whole.rays, rel=0.1)
 
 
 @pytest.mark.parametrize(("fixed", "power"), [(0.0, 1.0), (1e6, 1.0), (1e5, 0.5), (0.0, 0.8)])
