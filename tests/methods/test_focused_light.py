@@ -15,6 +15,7 @@ import eclat
 from eclat.errors import EclatWarning
 from eclat.measure.error_estimate import LIGHT_BY_CHANCE, LIGHT_BY_CHANCE_ERROR, chance_text, error_text
 from eclat.scene import Environment, Material, Mesh, PointLight, Scene, grey
+from support.quick_methods import QUICK
 
 
 def quad(corners: list[tuple[float, float, float]], material: Material) -> Mesh:
@@ -51,6 +52,41 @@ def test_light_of_a_small_lamp_by_a_mirror_raises_the_stated_error() -> None:
     assert 0.1 < found[LIGHT_BY_CHANCE] < 0.4
     assert found["estimated_error"] >= found[LIGHT_BY_CHANCE]
     assert "by way of mirrors, metals or glass" in error_text(found)
+
+
+def warned(record: list[warnings.WarningMessage]) -> int:
+    return sum("comes from small lamps by way of mirrors" in str(warning.message) for warning in record)
+
+
+@pytest.mark.parametrize("method", QUICK)
+def test_every_method_tells_at_points_that_it_finds_such_light_by_chance(method: str) -> None:
+    """Nothing was said where no solution was checked before: 22 % too dark, and "light straight from lamps within 0.01 %"."""
+    told = dict[str, float]()
+    with warnings.catch_warnings(record=True) as record:
+        warnings.simplefilter("always")
+        eclat.irradiance(lamp_beside(MIRROR, 0.01), POINTS, NORMALS, QUICK[method], samples=16, statistics=told)
+    indirect = method != "direct"
+    assert warned(record) == indirect
+    assert 0.1 < told.get(LIGHT_BY_CHANCE, 0.2) < 0.4
+    assert (LIGHT_BY_CHANCE in told) == indirect
+
+
+@pytest.mark.parametrize("denoise", [False, True])
+@pytest.mark.parametrize("method", ["path", "irradiance-cache"])
+def test_light_maps_and_probes_tell_it_too(method: str, denoise: bool) -> None:
+    """With a denoiser two halves that miss the same light agree, and the error of a map by `path` was said to be small."""
+    scene = lamp_beside(MIRROR, 0.01)
+    with warnings.catch_warnings(record=True) as record:
+        warnings.simplefilter("always")
+        told = eclat.bake(
+            scene, QUICK[method], texel_size=0.5, samples=16, denoise=denoise, charts_timeout=0
+        ).statistics
+    assert 0.1 < told[LIGHT_BY_CHANCE] < 0.4
+    assert warned(record) == ("estimated_error" not in told)
+    assert told.get("estimated_error", 1) >= told[LIGHT_BY_CHANCE]
+    with pytest.warns(EclatWarning, match="probes: .* by way of mirrors"):
+        told = eclat.probes(scene, QUICK["path"], grid=(2, 2, 2), samples=64).statistics
+    assert told["estimated_error"] >= told[LIGHT_BY_CHANCE] > 0.1
 
 
 @pytest.mark.parametrize("seed", range(4))

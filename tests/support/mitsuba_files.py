@@ -9,7 +9,8 @@ WHOLE = """<?xml version="1.0"?>
     <default name="angle" value="40"/><default name="angles" value="50"/>
     <sensor type="perspective"><float name="fov" value="$angles"/>
         <transform name="to_world"><lookat origin="0, 0, 5" target="0, 0, 0" up="0, 1, 0"/></transform>
-        <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/></film>
+        <film type="hdrfilm"><integer name="width" value="8"/><integer name="height" value="8"/>
+          <rfilter type="box"/></film>
     </sensor>
     <texture type="checkerboard" id="board"><rgb name="color0" value="#ff8000"/></texture>
     <bsdf type="twosided" id="white"><bsdf type="roughplastic"><ref name="diffuse_reflectance" id="board"/>

@@ -277,6 +277,6 @@ def _errors(statistics: dict[str, float]) -> str:
         return f", {error_text(statistics)}{', denoised' if statistics['denoised'] > 0 else ''}"
     names = {"direct_error": "light straight from lamps", "estimated_error": "light of records"}
     stated = [f"{what} within {100 * statistics[n]:.2g} %" for n, what in names.items() if statistics.get(n, 0) > 0]
-    if chance := chance_text(statistics):
+    if "estimated_error" in statistics and (chance := chance_text(statistics)):
         stated[-1] = f"error of light of records {100 * statistics['estimated_error']:.2g} % or more ({chance})"
     return "".join(f", {text}" for text in stated)

@@ -25,7 +25,7 @@ from eclat.measure.photometry import luminance
 from eclat.methods import Path
 from eclat.sampling.halves import seed_of_half
 from eclat.scene import FloatArray, Scene
-from eclat.verbs.irradiance import irradiance
+from eclat.verbs.irradiance import irradiance_at
 from eclat.verbs.light_at_points import Component
 
 DARK_SHARE = 1e-3
@@ -80,7 +80,7 @@ def dark_texels(
         counted: dict[str, float] = {}
         keywords = settings.keywords(component, TEXEL_PATHS) | {"seed": seed_of_half(settings.seed, SEEDS + number)}
         places = at[0][which], at[1][which]
-        found = irradiance(
+        found = irradiance_at(
             scene, points.positions[places], points.normals[places], Path(), statistics=counted, **keywords
         )
         rays += counted["rays"]

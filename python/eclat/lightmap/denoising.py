@@ -22,7 +22,7 @@ from eclat.lightmap.gathering import GatheredTexels, Settings, TexelPoints, gath
 from eclat.lightmap.gutters import fill_nearest
 from eclat.lightmap.solids import Mask
 from eclat.lightmap.texels import Texels
-from eclat.measure.error_estimate import ErrorEstimate
+from eclat.measure.error_estimate import CHANCE_ENTRIES, ErrorEstimate, with_light_by_chance
 from eclat.methods import Prepared, Source
 from eclat.sampling.denoised_halves import DenoisedHalves, judged_halves
 from eclat.sampling.halves import seed_of_half
@@ -63,7 +63,7 @@ def gather_denoised(
         relative = np.divide(noisy, level, out=np.zeros_like(level), where=level > 0)
         clean.append(level * denoiser.denoise(fill_nearest(relative, covered), kind="lightmap"))
     found = judged_halves(maps[0], maps[1], clean[0], clean[1], covered)
-    counts = {"rays": halves[0].counts["rays"] + halves[1].counts["rays"]} | _errors(found, source)
+    counts = {"rays": halves[0].counts["rays"] + halves[1].counts["rays"]} | _errors(found, source, halves[0].counts)
     counts["denoised"] = float(found.weight[covered].mean()) if covered.any() else 0.0
     values = np.where(halves[0].seen[:, None], found.pixels[texels.rows, texels.columns], 0.0)
     return replace(halves[0], values=values, counts=counts)
@@ -84,8 +84,9 @@ def _means_of_charts(gathered: GatheredTexels, charts: NDArray[np.int64]) -> Flo
     return np.repeat((sums / np.maximum(counts, 1))[chart][:, None], 3, axis=1)
 
 
-def _errors(found: DenoisedHalves, source: Source) -> dict[str, float]:
-    """State what the halves measured, joined with the error of the records if it is known."""
+def _errors(found: DenoisedHalves, source: Source, counts: dict[str, float]) -> dict[str, float]:
+    """State what the halves measured, joined with the error of the records if it is known, and the light that both halves find
+    only by chance, as `counts` tell."""
     own = found.estimate
     known: ErrorEstimate | None = source.estimate if isinstance(source, Prepared) else None
     statistics = own.noise_statistics()
@@ -93,4 +94,5 @@ def _errors(found: DenoisedHalves, source: Source) -> dict[str, float]:
         statistics |= known.joined(own).statistics()
     elif source.options.solved is None:
         statistics |= own.statistics()
-    return statistics
+        statistics |= with_light_by_chance(statistics, counts)
+    return statistics | {name: counts[name] for name in CHANCE_ENTRIES if name in counts}

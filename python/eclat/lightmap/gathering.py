@@ -21,7 +21,7 @@ from eclat.measure.error_estimate import CHANCE_ENTRIES
 from eclat.methods import Direct, Path, Source
 from eclat.methods.work import AtPoints, Work
 from eclat.scene import FloatArray, Scene
-from eclat.verbs.irradiance import asks_for_indirect, irradiance
+from eclat.verbs.irradiance import asks_for_indirect, irradiance_at
 from eclat.verbs.light_at_points import Component
 
 DARK_SHARE = 0.05
@@ -122,7 +122,8 @@ def visible_points(scene: Scene, solid: Sequence[Mask], points: TexelPoints, set
         # Paths are used, because records might give a point behind a wall the light in front of the wall.
         asked = np.concatenate((doubtful, others[:: max(1, len(others) // REFERENCE_POINTS)]))
         keywords = settings.keywords("total", CHECK_PATHS)
-        brightness = irradiance(scene, places[asked], normals[asked], Path(), **keywords).mean(axis=1)
+        found = irradiance_at(scene, places[asked], normals[asked], Path(), statistics={}, **keywords)
+        brightness = found.mean(axis=1)
         usual = float(brightness[len(doubtful) :].mean())
         free[doubtful] = brightness[: len(doubtful)] >= DARK_SHARE * usual
     return free.reshape(shape)
@@ -153,7 +154,7 @@ def gather(scene: Scene, source: Source, points: TexelPoints, free: Mask, settin
     def of_points(which: tuple[np.ndarray, np.ndarray], by: Source, **keywords: Any) -> FloatArray:
         nonlocal rays
         counts: dict[str, float] = {}
-        found = irradiance(scene, points.positions[which], points.normals[which], by, statistics=counts, **keywords)
+        found = irradiance_at(scene, points.positions[which], points.normals[which], by, statistics=counts, **keywords)
         rays += counts["rays"]
         stated = ("direct_error", "estimated_error", *CHANCE_ENTRIES)
         errors.update({name: counts[name] for name in stated if name in counts})

@@ -171,6 +171,16 @@ def chance_text(statistics: Mapping[str, float]) -> str:
     )
 
 
+def chance_warning(statistics: Mapping[str, float]) -> str:
+    """Tell how much light at points is found only by chance where no estimated error includes it; empty if none is."""
+    if LIGHT_BY_CHANCE not in statistics or "estimated_error" in statistics:
+        return ""
+    return (
+        f"{100 * statistics[LIGHT_BY_CHANCE]:.2g} % of the light comes from small lamps by way of mirrors, metals or glass; "
+        "rays from points find it only by chance or never, so points miss it, and a few may be far too bright"
+    )
+
+
 def _percents(statistics: Mapping[str, float], name: str) -> list[float]:
     return [100 * statistics[f"{name}{end}"] for end in ("", "_low", "_high")]
 

@@ -13,7 +13,7 @@ from typing import get_args
 
 from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked_samples, checked_seed, thread_count
 from eclat.bridge.running import ProgressReport
-from eclat.errors import EclatError, did_you_mean
+from eclat.errors import EclatError, did_you_mean, warn
 from eclat.images.denoiser import require_denoiser
 from eclat.lightmap.atlas import Packing
 from eclat.lightmap.darkness import Dark, dark_texels, groups_of, with_dark
@@ -25,6 +25,7 @@ from eclat.lightmap.layout import Layout, Wishes, lay_out
 from eclat.lightmap.lightmap import Lightmap
 from eclat.lightmap.sides import SidesChoice
 from eclat.lightmap.stages import stage
+from eclat.measure.error_estimate import chance_warning
 from eclat.methods import IrradianceCache, Method, Source, as_method
 from eclat.scene import Scene
 from eclat.stage.staging import staged
@@ -107,12 +108,11 @@ def bake(
     >>> lightmap.save("room_lit.glb")  # doctest: +SKIP
     """
     checked_component(component)
-    scene = staged(scene)
+    scene, started = staged(scene), clock.perf_counter()
     checked_seed(seed), thread_count(threads), checked_samples(samples), checked_max_depth(max_depth)
     check_map(denoise, sides, supersampling, gutter, max_size)
     source = as_method(what, IrradianceCache(max_error=checked_max_error(max_error)), max_error=max_error)
     source.require_match(scene, max_depth)
-    started = clock.perf_counter()
     wishes = Wishes(texel_size, texel_sizes or {}, sides, Packing(gutter, max_size, charts_timeout))
     layout = lay_out(scene, wishes, threads, progress)
     settings = Settings(component, samples, max_depth, seed, threads, progress)
@@ -125,6 +125,7 @@ def bake(
         gathered = gather_denoised(scene, source, points, lit, settings, layout.texels, charts, shape)
     else:
         gathered = gather(scene, source, points, lit, settings)
+    _warn_of_doubt(gathered)
     harmonics = gather_harmonics(scene, gathered, points, lit, settings) if directional else None
     gathered = with_dark(gathered, dark, points, free)
     stage(progress, "fit")
@@ -145,6 +146,11 @@ def bake(
         | {"samples": samples, "supersampling": supersampling, "max_depth": max_depth, "seed": seed}
         | {"charts": layout.atlas.method, "sides": sides, "denoise": denoise, "texel_sizes": dict(wishes.texel_sizes)},
     )
+
+
+def _warn_of_doubt(gathered: GatheredTexels) -> None:
+    if doubt := chance_warning(gathered.counts):
+        warn(f"bake: {doubt}")
 
 
 def check_map(denoise: bool, sides: str, supersampling: int, gutter: int, max_size: int) -> None:

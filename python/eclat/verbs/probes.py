@@ -16,6 +16,7 @@ from eclat.bridge.arguments import checked_max_depth, checked_max_error, checked
 from eclat.bridge.compiled import compiled
 from eclat.bridge.running import ProgressReport, run
 from eclat.errors import warn
+from eclat.measure.error_estimate import LIGHT_BY_CHANCE, chance_warning
 from eclat.measure.metrics import RELATIVE_C
 from eclat.measure.photometry import luminance
 from eclat.methods import Direct, Method, Path, Prepared, Source, as_method
@@ -26,7 +27,7 @@ from eclat.probe_grid.quadric import COSINE_LOBE, COUNT, Window, check_window, w
 from eclat.scene import FloatArray, Scene
 from eclat.stage.staging import staged
 from eclat.typed import typed
-from eclat.verbs.irradiance import checked_component
+from eclat.verbs.irradiance import checked_component, found_by_chance
 from eclat.verbs.light_at_points import Component
 
 MEASURED_ORDER = len(COSINE_LOBE)
@@ -112,12 +113,17 @@ def probes(
     kept, changed = windowed(values[:, :COUNT], window)
     coefficients = np.zeros((len(positions), COUNT, 3))
     coefficients[~inside] = kept
+    known = isinstance(source, Direct) or "estimated_error" in prepared.statistics
+    chance = {} if known else found_by_chance(scene, work)
+    if doubt := chance_warning(chance):
+        warn(f"probes: {doubt}")
     statistics = {
         "probes": float(len(positions)),
         "inside": float(inside.sum()),
         "windowed": float(changed.sum()),
         "rays": rays + (prepared.statistics.get("rays", 0.0) if prepared is not source else 0.0),
-        **stated_errors(values, errors, kept, _error_of(prepared)),
+        **stated_errors(values, errors, kept, _error_of(prepared, chance.get(LIGHT_BY_CHANCE, 0.0))),
+        **chance,
         "seconds": clock.perf_counter() - started,
     }
     return replace(
@@ -174,10 +180,11 @@ def _projected(
     return np.asarray(values, np.float64), np.asarray(errors, np.float64), float(counted.rays)
 
 
-def _error_of(prepared: Prepared) -> float | None:
-    """Return the relative error of what was prepared: 0 if it errs by noise alone, and None if it is unknown."""
+def _error_of(prepared: Prepared, missed: float) -> float | None:
+    """Return the relative error of what was prepared: the share of the light that is `missed` if it errs by noise alone
+    otherwise, and None if it is unknown."""
     if prepared.errs_by_noise_alone:
-        return 0.0
+        return missed
     return prepared.statistics.get("estimated_error")
 
 

@@ -66,7 +66,13 @@ def _warn_about_integrator(node: Node) -> None:
 
 
 def _warn_about_filter(film: Node) -> None:
-    for _, node in film.of_tag("rfilter"):
+    named = [node for _, node in film.of_tag("rfilter")]
+    if not named:
+        warn(
+            f"{film.where}: a film without an rfilter has a gaussian one in Mitsuba; a box filter is used (choose "
+            "`--filter tent` for smoother edges)"
+        )
+    for node in named:
         if node.type not in ("box", "tent"):
             warn(
                 f"{node.where}: the reconstruction filter {node.type!r} is not supported; a box filter is used "

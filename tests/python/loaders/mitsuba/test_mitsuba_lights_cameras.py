@@ -180,7 +180,7 @@ def test_cameras_shoot_mitsubas_rays(sensor: dict, mirrored: bool) -> None:
     if sensor["type"] == "orthographic":
         linear = linear * 2.5
     to_world = matrix(linear, (3, -2, 5))
-    film = {"type": "hdrfilm", "width": 300, "height": 200}
+    film = {"type": "hdrfilm", "width": 300, "height": 200, "rfilter": {"type": "box"}}
     theirs = mi.load_dict(sensor | {"to_world": mi.ScalarTransform4f(to_world), "film": film})
     (camera,) = scene_of(sensor=sensor | {"to_world": to_world, "film": film}).cameras
     assert camera.size == (300, 200)
@@ -212,7 +212,7 @@ def test_up_is_the_axis_nearest_to_the_up_vector_of_the_camera() -> None:
 
 
 def test_several_sensors_are_several_cameras_and_others_are_named() -> None:
-    film = {"type": "hdrfilm", "width": 8, "height": 4, "crop_width": 2}
+    film = {"type": "hdrfilm", "width": 8, "height": 4, "crop_width": 2, "rfilter": {"type": "box"}}
     with pytest.warns(EclatWarning) as record:
         scene = scene_of(a={"type": "perspective", "film": film}, b={"type": "thinlens"}, c={"type": "distant"})
     assert [camera.name for camera in scene.cameras] == ["a", "b"]

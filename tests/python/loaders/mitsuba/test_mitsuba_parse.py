@@ -280,6 +280,7 @@ def test_unknown_properties_cause_warnings_and_known_unused_ones_do_not(tmp_path
         ),
         ('<integrator type="direct"/>', "include indirect light"),
         ('<integrator type="depth"/>', "include all light"),
+        ('<sensor type="perspective"><film type="hdrfilm"/></sensor>', "has a gaussian one"),
         ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="gaussian"/></film></sensor>', "filter"),
         ('<sensor type="perspective"><film type="hdrfilm"><rfilter type="tent"/></film></sensor>', "--filter tent"),
     ],
