@@ -109,6 +109,17 @@ def application(files: Mapping[str, bytes], token: str, port: int, routes: Seque
     return Starlette(routes=[*routes, Route(f"/{token}/{{name:path}}", serve, methods=["GET"])], middleware=[guard])
 
 
+def require_server() -> None:
+    """Raise EclatError if starlette or uvicorn is not installed. Call it before a long computation."""
+    try:
+        import starlette  # noqa: F401
+        import uvicorn  # noqa: F401
+    except ImportError as error:
+        raise EclatError(
+            f"view: {error.name} is not installed; install it with: pip install 'eclat[view]', or write files with --export"
+        ) from error
+
+
 class Server:
     """A running server, in a thread of its own until it is closed."""
 
@@ -117,14 +128,9 @@ class Server:
 
         Raises EclatError if starlette or uvicorn is not installed.
         """
-        try:
-            import starlette  # noqa: F401
-            import uvicorn
-        except ImportError as error:
-            raise EclatError(
-                f"view: {error.name} is not installed; install it with: pip install 'eclat[view]', or write files with "
-                "--export"
-            ) from error
+        require_server()
+        import uvicorn
+
         self.token = secrets.token_urlsafe(24)
         self._socket = socket.socket(socket.AF_INET, socket.SOCK_STREAM)
         self._socket.bind((HOST, 0))

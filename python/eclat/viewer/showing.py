@@ -19,7 +19,7 @@ from eclat.stage.staging import staged
 from eclat.typed import typed
 from eclat.viewer.contents import Contents, contents_of
 from eclat.viewer.live import Live, with_live
-from eclat.viewer.server import Server
+from eclat.viewer.server import Server, require_server
 
 FRAME = (960, 600)
 """Width and height in pixels of the page in a notebook."""
@@ -129,6 +129,7 @@ def view(
     >>> with eclat.view("furnace", texel_size=0.2, samples=16) as viewer:  # doctest: +SKIP
     ...     viewer.wait()
     """
+    require_server()
     scene = staged(scene)
     contents = contents_of(
         scene, what, solved=False, exposure=exposure, max_error=max_error,

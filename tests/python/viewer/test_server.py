@@ -5,10 +5,12 @@
 from __future__ import annotations
 
 import http.client
+import sys
 from collections.abc import Iterator, Mapping
 
 import pytest
 
+import eclat
 from eclat.viewer.server import HEADERS, Server
 
 FILES = {"index.html": b"<!doctype html>", "assets/a.js": b"1", "data/scene.eclat": b"ECLV"}
@@ -95,3 +97,13 @@ def test_the_token_is_another_each_time() -> None:
     finally:
         second.close()
         third.close()
+
+
+def test_a_missing_package_is_named_before_any_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    def work(*arguments: object, **keywords: object) -> None:
+        raise AssertionError("light was computed")
+
+    monkeypatch.setitem(sys.modules, "uvicorn", None)
+    monkeypatch.setattr("eclat.viewer.showing.contents_of", work)
+    with pytest.raises(eclat.EclatError, match=r"view: uvicorn is not installed.*eclat\[view\]"):
+        eclat.view("cornell-box", open_browser=False)
