@@ -29,7 +29,8 @@ be shown beside s (`with_picture`): v s' + (1 − v) s. The formula gives its er
 d(A), where s(A) is what s makes of A; for v = 1 it is (s' − A)(s' − B). The weight v is chosen as w is. All these values share
 the product of the noise of A and of B, which is large where the halves have few samples. The error of s' is known from elsewhere,
 so there is a second estimate: this error, plus the difference of the formula between v and 1, which does not contain the product.
-Both are averaged with the inverse of their variances as weights.
+Both are averaged with the inverse of their variances as weights. Where the formula contradicts the known error of s', s' is
+shown. The error that A and B may have in common adds to the standard error of the estimate.
 
 The estimate of the squared error is unbiased, but the estimate of the relative error is not, because it divides by R² +
 c and takes R from the picture shown. Where a denoiser spreads much light into dark pixels, the estimated relative error
@@ -50,6 +51,9 @@ from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import RELATIVE_C
 
 Float64 = NDArray[np.float64]
+DOUBT = 2.0
+"""Standard errors by which halves must find another picture worse than it is known to be before they are doubted."""
+
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
 WINDOW = 32
 """Side of the windows in which one weight is chosen, in pixels. The estimate over such a window, of about a thousand
@@ -59,13 +63,15 @@ pixels, is precise enough that choosing the least one hardly biases it."""
 @dataclass(frozen=True, eq=False)
 class JudgedPicture:
     """A picture whose error is known: `pixels` (H, W, 3), the estimated mean over channels of (s' − R)² / (R² + c) at each pixel,
-    `squared` (H, W), the standard error of its mean, `deviation`, and R² + c (H, W, 3), `scale`.
+    `squared` (H, W), the standard error of its mean, `deviation`, and R² + c (H, W, 3), `scale`. `common` is the squared error
+    that halves beside it may have in common, which their differences do not show.
     """
 
     pixels: Float64
     squared: Float64
     deviation: float
     scale: Float64
+    common: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -167,17 +173,34 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
         return _squared_error((a, b, v * others + (1 - v) * own_a, v * others + (1 - v) * own_b), 1.0, scale)
 
     errors = [squared_error(v) for v in (0.0, 0.5, 1.0)]
+    if _doubtful(errors[-1], other, counted):
+        mean, local = _mean(other.squared, counted), _local_error(other.squared, counted)
+        return DenoisedHalves(
+            others, found.weight, mean, other.deviation, found.raw_squared_error, local, other.squared, scale,
+            np.ones(found.weight.shape),
+        )  # fmt: skip
     v = _best_weights(errors, counted)
     alone = squared_error(v[..., None])
     change = alone - errors[-1]
     deviations = (_deviation(alone, counted), math.hypot(other.deviation, _deviation(change, counted)))
     trust = deviations[1] ** 2 / max(sum(d**2 for d in deviations), np.finfo(np.float64).tiny)
-    squared, deviation = trust * alone + (1 - trust) * (other.squared + change), min(deviations)
+    squared = trust * alone + (1 - trust) * (other.squared + change)
+    deviation = math.hypot(min(deviations), other.common * float(((1 - v) ** 2).mean()))
     pixels = v[..., None] * others + (1 - v[..., None]) * found.pixels
     return DenoisedHalves(
         pixels, found.weight, _mean(squared, counted), deviation, found.raw_squared_error, _local_error(squared, counted),
         squared, scale, v,
     )  # fmt: skip
+
+
+def _doubtful(squared: Float64, other: JudgedPicture, counted: Float64) -> bool:
+    """Return whether the halves find a clearly larger error of another picture than it is known to have.
+
+    If most paths miss a small opening through which the light comes, both halves are too dark alike, and everything else looks
+    too bright beside them. Their differences do not show that.
+    """
+    known, deviation = _mean(other.squared, counted), math.hypot(other.deviation, _deviation(squared, counted))
+    return _mean(squared, counted) > 1.5 * known + DOUBT * deviation
 
 
 def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:

@@ -70,7 +70,7 @@ def gathered(
         probed = probed and picture.probed(before, None)
         image, stated = picture.finished(before, probed), picture.error_of(before.found, before.noise, probed)
     part = replace(picture, prepared=prepared, estimate=None, first_seed=SEEDS)
-    other = _judged(before, stated or ErrorEstimate(0.0, 0.0, math.inf))
+    other = _judged(picture, before, stated or ErrorEstimate(0.0, 0.0, math.inf))
     sampling = sampling_of(part, Halves.each, [], False, None, begun, other, GATHERED)
     sampling.rays = before.rays
     if preview is not None:
@@ -92,14 +92,21 @@ def gathered(
     return _blended(part, image, sampling, found), sampling
 
 
-def _judged(before: Sampling, stated: ErrorEstimate) -> JudgedPicture:
-    """Distribute the stated error of a picture over its pixels as the differences between its halves are distributed."""
-    assert before.found is not None
+def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> JudgedPicture:
+    """Distribute the stated error of a picture over its pixels as the differences between its halves are distributed.
+
+    What all paths have in common is at most the error of the records, times the albedo of the surface that they come from.
+    """
+    assert before.found is not None and isinstance(before.film, Halves)
+    albedo = float(before.film.within(before.film.whole().albedo).mean())
+    records = stated if picture.estimate is None else picture.estimate
     local = before.found.local_error**2
     mean = float(local.mean())
     share = local / mean if mean > 0 else np.ones_like(local)
     deviation = (stated.high**2 - stated.error**2) / SIGMAS
-    return JudgedPicture(before.found.pixels, stated.error**2 * share, deviation, before.found.scale)
+    return JudgedPicture(
+        before.found.pixels, stated.error**2 * share, deviation, before.found.scale, (albedo * records.error) ** 2
+    )
 
 
 def _unfinished(image: Image) -> Image:

@@ -278,7 +278,7 @@ def _rendered(
     """
     if preview is not None:
         sampling.after_pass = previewing(picture, sampling, preview, display)
-    goal = _goal_of_samples(wanted, picture.estimate, probes)
+    goal = _goal_of_samples(wanted, picture, probes)
     with picture.kept(sampling):
         sampling.run(goal)
         probed = picture.probed(sampling, wanted.deadline) if probes else None
@@ -307,12 +307,13 @@ def _refuse_contradictions(samples: int | None, time: float | None, refine: bool
     require_check(check, refine)
 
 
-def _goal_of_samples(goal: Goal, estimate: ErrorEstimate | None, probes: bool) -> Goal:
-    """Return the goal for the samples beside records with that estimated error. A deadline is moved forward to leave time for
-    the probes, if there are any.
+def _goal_of_samples(goal: Goal, picture: Picture, probes: bool) -> Goal:
+    """Return the goal for the samples beside the records of the picture. A deadline is moved forward to leave time for the
+    probes, if there are any.
     """
-    if estimate is not None:
-        goal = replace(goal, max_error=noise_beside_records(goal.max_error, estimate.quoted))
+    if picture.estimate is not None:
+        gather = probes and picture.prepared.final_gather() is not None
+        goal = replace(goal, max_error=noise_beside_records(goal.max_error, picture.estimate.quoted, gather))
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()
