@@ -34,6 +34,10 @@ AIM = 0.9
 """The error at which this sampling stops, as a share of the wanted one. The error that is stated is measured anew, and more often
 above than below the estimate that ended the sampling."""
 
+COMMON = 0.5
+"""The part of the errors of records that does not average out over those which the paths of a pixel meet, chosen by judgement. It
+is nearly all of them in a room that is lit through a gap, where few records hold the light, and little in others."""
+
 ADDED = "gathered_samples"
 """Name, in statistics, of the number of these samples per pixel."""
 
@@ -95,7 +99,8 @@ def gathered(
 def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> JudgedPicture:
     """Distribute the stated error of a picture over its pixels as the differences between its halves are distributed.
 
-    What all paths have in common is at most the error of the records, times the albedo of the surface that they come from.
+    What all paths have in common is the part `COMMON` of the error of the records, times the albedo of the surface that they
+    come from.
     """
     assert before.found is not None and isinstance(before.film, Halves)
     albedo = float(before.film.within(before.film.whole().albedo).mean())
@@ -105,7 +110,11 @@ def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> Judged
     share = local / mean if mean > 0 else np.ones_like(local)
     deviation = (stated.high**2 - stated.error**2) / SIGMAS
     return JudgedPicture(
-        before.found.pixels, stated.error**2 * share, deviation, before.found.scale, (albedo * records.error) ** 2
+        before.found.pixels,
+        stated.error**2 * share,
+        deviation,
+        before.found.scale,
+        (COMMON * albedo * records.error) ** 2,
     )
 
 
