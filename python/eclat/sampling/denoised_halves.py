@@ -63,7 +63,8 @@ pixels, is precise enough that choosing the least one hardly biases it."""
 @dataclass(frozen=True, eq=False)
 class JudgedPicture:
     """A picture whose error is known: `pixels` (H, W, 3), the estimated mean over channels of (s' − R)² / (R² + c) at each pixel,
-    `squared` (H, W), the standard error of its mean, `deviation`, and R² + c (H, W, 3), `scale`. `common` is the squared error
+    `squared` (H, W), the standard error of its mean, `deviation`, which is infinite if the error is not known, and R² + c
+    (H, W, 3), `scale`. `common` is the squared error
     that halves beside it may have in common, which their differences do not show.
     """
 
@@ -183,8 +184,11 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     alone = squared_error(v[..., None])
     change = alone - errors[-1]
     deviations = (_deviation(alone, counted), math.hypot(other.deviation, _deviation(change, counted)))
-    trust = deviations[1] ** 2 / max(sum(d**2 for d in deviations), np.finfo(np.float64).tiny)
-    squared = trust * alone + (1 - trust) * (other.squared + change)
+    if math.isinf(deviations[1]):
+        squared = alone
+    else:
+        trust = deviations[1] ** 2 / max(sum(d**2 for d in deviations), np.finfo(np.float64).tiny)
+        squared = trust * alone + (1 - trust) * (other.squared + change)
     deviation = math.hypot(min(deviations), other.common * float(((1 - v) ** 2).mean()))
     pixels = v[..., None] * others + (1 - v[..., None]) * found.pixels
     return DenoisedHalves(

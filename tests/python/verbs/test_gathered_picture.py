@@ -65,6 +65,7 @@ def test_the_numbers_of_samples_repeat_it(scene: eclat.Scene, blend: eclat.Image
         scene, COARSE, **counts, size=SIZE, halves=True, denoise=False, adaptive=blend.metadata["adaptive"], check=False
     )
     np.testing.assert_array_equal(again.pixels, blend.pixels)
+    assert np.isfinite(again.metadata["statistics"]["noise_left"])
     with pytest.raises(eclat.EclatError, match="gathered_samples: expected samples and halves=True"):
         eclat.render(scene, COARSE, gathered_samples=4, size=SIZE)
 
