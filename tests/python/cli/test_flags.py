@@ -28,6 +28,7 @@ VALUES: dict[str, list[str]] = {
     "--max-error": ["0.07"],
     "--max-depth": ["4"],
     "--samples": ["7"],
+    "--gathered-samples": ["6"],
     "--reference-samples": ["9"],
     "--time": ["3"],
     "--exposure": ["1.5"],
@@ -91,7 +92,7 @@ ENDING = {
     "compare": ".html",
 }
 BESIDE = {
-    "render": {"--camera-up": ["--camera-from", "0,0,3"]},
+    "render": {"--camera-up": ["--camera-from", "0,0,3"], "--gathered-samples": ["--samples", "8", "--halves"]},
     "bake": {"--exposure": ["--flatten"], "--no-denoise": ["--denoise"]},
 }
 """Flags that say something only beside others."""

@@ -35,7 +35,8 @@ def test_channel_names_and_values_as_the_library_reads_them(tmp_path: Path) -> N
     channels = {name: channel.pixels for name, channel in file.channels().items()}
     colours = [f"{layer}.{letter}" for layer in ("direct", "indirect", "albedo") for letter in "RGB"]
     vectors = [f"{layer}.{letter}" for layer in ("normal", "motion_next", "motion_previous") for letter in "XYZ"]
-    assert sorted(channels) == sorted([*"RGB", *colours, *vectors, "depth.Z", "record_density.Y", "object_id.Y"])
+    greys = ["depth.Z", "record_density.Y", "record_weight.Y", "object_id.Y"]
+    assert sorted(channels) == sorted([*"RGB", *colours, *vectors, *greys])
     assert all(pixels.dtype == np.float32 for pixels in channels.values())
     np.testing.assert_array_equal(channels["G"], image.pixels[..., 1])
     np.testing.assert_array_equal(channels["indirect.B"], image.layers["indirect"][..., 2])
