@@ -80,16 +80,15 @@ class Goal:
     gathered_samples: int | None = None
 
 
-def noise_beside_records(max_error: float, records: float, gather: bool = False) -> float:
+def noise_beside_records(max_error: float, records: float) -> float:
     """Return the noise at which sampling stops, for a wanted error of the picture and the estimated error of its records.
 
     Squared errors add up. The noise gets what the records leave of the wanted error, and at least half of its square. If the
     records have more than the wanted error, noise of half of their error adds only an eighth to the error of the picture,
-    and less noise would take many samples for nothing. If a final `gather` follows where the error of the picture is too large,
-    noise of the error of the records is enough: both fall by what is gathered, and samples that read records lower only one.
+    and less noise would take many samples for nothing.
     """
     left = max_error * math.sqrt(max(0.5, 1 - (records / max_error) ** 2))
-    return max(left, records if gather else records / 2)
+    return max(left, records / 2)
 
 
 class Sampling:
@@ -183,7 +182,8 @@ class Sampling:
                     self.look(True)
                 # The noise decreases at most with the square root of the number of samples, which doubles in each pass.
                 wanted = self._rounds * (self.error / max_error) ** 2
-                foreseen = goal.blended and self._rounds >= FORESIGHT and wanted > most
+                certain = self._rounds * ((self.noise if self.found is None else self.found.error) / max_error) ** 2
+                foreseen = goal.blended and self._rounds >= FORESIGHT and certain > most
                 early = goal.blended and self._rounds < LEAST_ROUNDS
                 if (self.error <= max_error and not early) or given_up or foreseen:
                     return

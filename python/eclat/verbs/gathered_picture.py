@@ -26,9 +26,9 @@ from eclat.verbs.continuing import GATHERED, Begun
 from eclat.verbs.picture import SEEDS, Picture
 from eclat.verbs.picture_samples import sampling_of
 
-MOST_SAMPLES = 512
-"""Largest number of these samples per pixel. In a furnished room they take about four times as long as the solve; a picture
-that would need more ends earlier, and says so."""
+MOST_SAMPLES = 1024
+"""Largest number of these samples per pixel. In a furnished room they take about eight times as long as the solve; a
+picture that would need more ends earlier, and says so."""
 
 AIM = 0.9
 """The error at which this sampling stops, as a share of the wanted one. The error that is stated is measured anew, and more often

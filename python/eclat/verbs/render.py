@@ -312,8 +312,7 @@ def _goal_of_samples(goal: Goal, picture: Picture, probes: bool) -> Goal:
     probes, if there are any.
     """
     if picture.estimate is not None:
-        gather = probes and picture.prepared.final_gather() is not None
-        goal = replace(goal, max_error=noise_beside_records(goal.max_error, picture.estimate.quoted, gather))
+        goal = replace(goal, max_error=noise_beside_records(goal.max_error, picture.estimate.quoted))
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()
