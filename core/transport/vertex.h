@@ -33,8 +33,8 @@ struct PathState {
     Vec3 from{};                       // position of the last vertex
     int panes = 0;           // panes that it passed; they are no vertices, because light samples pass them too
     bool described = false;  // whether the result holds the first rough surface
-    bool all_lights =
-        false;  // whether the last vertex sampled all lights, whatever `PathOptions::light_set` leaves out
+    /// Whether the last vertex sampled all lights, whatever `PathOptions::light_set` leaves out.
+    bool all_lights = false;
     bool past_matte = false;  // whether it went on from a matte lobe that no cache served
     float read_albedo = 0;    // sum over its vertices of throughput times the albedo of the lobes that a cache served
 };

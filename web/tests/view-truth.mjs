@@ -28,7 +28,7 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
     await page.waitForFunction(
       (samples) => window.eclatView.truth?.samples >= samples && window.eclatView.truth.pictures === 16,
       samples,
-      { timeout: 3000000 },
+      { timeout: 600000 },
     );
     // What the page says of records that grow would cover a part of the picture.
     await page.waitForFunction(() => document.getElementById('live').hidden, undefined, { timeout: 300000 });
