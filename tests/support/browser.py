@@ -34,7 +34,7 @@ BROWSERS = ("chromium", "chromium-browser", "google-chrome", "google-chrome-stab
 DOES_NOT_START = 3
 """web/tests/browser.mjs ends with it; a browser that tells its version may still be barred from running (snaps in containers)."""
 
-SECONDS = 900
+SECONDS = 400
 """After which a browser that says nothing has failed."""
 
 

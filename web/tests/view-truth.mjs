@@ -28,10 +28,10 @@ const answer = await inBrowser(process.argv[2], async (page, messages) => {
     await page.waitForFunction(
       (samples) => window.eclatView.truth?.samples >= samples && window.eclatView.truth.pictures === 16,
       samples,
-      { timeout: 600000 },
+      { timeout: 300000 },
     );
     // What the page says of records that grow would cover a part of the picture.
-    await page.waitForFunction(() => document.getElementById('live').hidden, undefined, { timeout: 300000 });
+    await page.waitForFunction(() => document.getElementById('live').hidden, undefined, { timeout: 200000 });
     const found = await page.evaluate(async () => {
       for (let i = 0; i < 3; ++i) await new Promise(requestAnimationFrame);
       return { figures: window.eclatView.truth, told: [...document.querySelectorAll('section p')].map((p) => p.textContent) };

@@ -34,6 +34,7 @@ from __future__ import annotations
 import asyncio
 import json
 import math
+import os
 from collections.abc import Iterator, Mapping
 from dataclasses import asdict
 from functools import partial
@@ -193,6 +194,8 @@ class Live:
         self._loaded_gloss = self.gloss.records
         self.growth = Growth(scene, solution, self.gloss, whole=whole, threads=threads, seed=seed)
         self._scene, self._max_depth, self._threads = scene, solution.max_depth, threads
+        # It refines for minutes, on the machine of a page that must go on drawing, perhaps without a graphics card.
+        self.truth_threads = threads or max(1, (os.cpu_count() or 1) - 1)
         self._reading = reading_of(solution)
         self._loaded = self.growth.rows
         self._connections: set[_Connection] = set()
@@ -334,7 +337,7 @@ class _Connection:
         await asyncio.to_thread(self.stop)
         self._samples_sent, self._truth_number = 0, request.number
         self._truth = TruthPicture(
-            camera, size, self._live.truth_by(request.by), self.changed, threads=self._live._threads
+            camera, size, self._live.truth_by(request.by), self.changed, threads=self._live.truth_threads
         )
 
     async def _send(self) -> int:
