@@ -9,6 +9,7 @@ a sun in its image. The smooth part of the sky is in the records, whose gathers 
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -18,6 +19,7 @@ from eclat import _core
 from eclat.bridge.arguments import picture_size
 from eclat.errors import warn
 from eclat.gltf_export import Part, scene_parts
+from eclat.lightmap.directional import AXES, MOMENT
 from eclat.lightmap.lightmap import Lightmap
 from eclat.measure.photometry import luminance
 from eclat.scene import Camera, DirectionalLight, Environment, FloatArray, PointLight, ProfileLight, Scene, SpotLight
@@ -37,7 +39,12 @@ def soft_light_of(scene: Scene, **options: Any) -> Lightmap | None:
     sky = sharp_sky(scene.environment)
     if sky is None and all(mesh.material.emission is None for mesh in scene.meshes):
         return None
-    return bake(replace(scene, lights=(), environment=sky), component="direct", **options)
+    lamps = replace(scene, lights=(), environment=sky)
+    directional = any(mesh.material.normal_map is not None for mesh in scene.meshes)
+    with warnings.catch_warnings():
+        # The page applies normal maps to the map's light, of which it knows from where it comes.
+        warnings.filterwarnings("ignore", message="bake: the light map ignores normal maps")
+        return bake(lamps, component="direct", directional=directional, **options)
 
 
 def sharp_sky(sky: Environment | None) -> Environment | None:
@@ -68,7 +75,17 @@ def light_message(lightmap: Lightmap | None) -> bytes:
     scale = LARGEST_HALF / largest if largest > LARGEST_HALF else 1.0
     texels = np.ones((*values.shape[:2], 4), np.float16)
     texels[..., :3] = values * scale
-    return encode_message("light", {"scale": scale}, {"map": texels})
+    moments = {} if lightmap is None or lightmap.harmonics is None else _moments(lightmap.harmonics, scale)
+    return encode_message("light", {"scale": scale, "moments": bool(moments)}, {"map": texels} | moments)
+
+
+def _moments(harmonics: np.ndarray, scale: float) -> dict[str, np.ndarray]:
+    """Return M = ∫ L ω dω of each channel as half floats (H, W, 4), from the coefficients (H, W, 4, 3) of a directional map."""
+    axes = [1 + AXES.index(axis) for axis in range(3)]
+    moment = np.clip(harmonics[:, :, axes] * (scale / MOMENT), -LARGEST_HALF, LARGEST_HALF)
+    texels = np.zeros((3, *moment.shape[:2], 4), np.float16)
+    texels[..., :3] = np.moveaxis(moment, 3, 0)
+    return {f"moment_{color}": texels[channel] for channel, color in enumerate("rgb")}
 
 
 def lights_of(scene: Scene, center: FloatArray) -> list[dict[str, Any]]:

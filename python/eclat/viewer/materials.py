@@ -7,10 +7,12 @@ A material of the page has the fields
     name, two_sided, culled, vertex_colors, emission_two_sided, cutoff (−1 for none)
     hidden                            whether the eye sees through it, while mirrors show it
     diffuse, emission, opacity        values, see below; of glass, `diffuse` is the colour of what passes
+    relief                            null, or the `kind` "normal" or "bump", the `scale` and the `map` of a `NormalMap`
     metallic, transmission            values by which the diffuse reflectance is reduced: (1 − metallic) (1 − transmission)
     gloss                             "none", or what it is like: "rough", "mirror" or "glass"
-    mirrored, alpha                   the reflectance of the gloss at these cosines (32 × 3 numbers, one after another)
-                                      without the metallic part, and its roughness α: see `mirrors`
+    mirrored, metal, alpha            the reflectance of the gloss at these cosines (32 × 3 numbers, one after another)
+                                      without the metallic part, what a metal mirrors there (32 × 2 numbers a and b: a
+                                      times its colour + b), and the roughness α: see `mirrors`
     coat                              the albedo of a white base below the coat, seen at the cosines 0, 1/(n − 1), …, 1
     inside                            R of the light that the coat reflects back to the base: the albedo ρ of the base
                                       looks like coat · ρ / (1 − R ρ), or, where `saturates` is false, coat · ρ / (1 − R)
@@ -34,8 +36,8 @@ from eclat.errors import warn
 from eclat.gltf_export.metallic_roughness import as_metallic_roughness
 from eclat.gltf_export.textures import average, constant_of
 from eclat.measured_brdf import normal_albedo
-from eclat.scene import DEFAULTS, Material, Texture, Value, grey, rgb
-from eclat.viewer.mirrors import alpha_of, reflectance_of
+from eclat.scene import DEFAULTS, Material, NormalMap, Texture, Value, grey, rgb
+from eclat.viewer.mirrors import alpha_of, metal_shares, reflectance_of
 
 COSINES = 32
 """Number of entries of the table `coat`."""
@@ -80,13 +82,20 @@ class PageMaterials:
             "transmission": self._value(parameters["transmission"] if shown.kind == "metallic_roughness" else black),
             "emission": self._value(material.emission or black),
             "opacity": self._value(material.opacity),
+            "relief": self._relief(material.normal_map),
             "gloss": gloss_of(shown),
             "mirrored": reflectance_of(shown).ravel().tolist(),
+            "metal": metal_shares(shown).ravel().tolist(),
             "alpha": alpha_of(shown),
             "coat": coat.tolist(),
             "inside": inside,
             "saturates": shown.nonlinear,
         }
+
+    def _relief(self, relief: NormalMap | None) -> Json | None:
+        if relief is None or relief.value.texture is None:
+            return None
+        return {"kind": relief.kind, "scale": relief.scale, "map": self._value(relief.value)}
 
     def _value(self, value: Value) -> Json:
         entry: Json = {"constant": list(map(float, constant_of(value)))}

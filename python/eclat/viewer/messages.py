@@ -16,10 +16,11 @@ depend on the kind:
 
     scene      name, center, up, photometric, exposure, cameras, materials, lights, meshes, textures, notes.
                A mesh names its arrays: `positions` (V, 3) relative to the center, `triangles` (T, 3), and where it has
-               them `normals`, `uvs`, `uvs2`, `colors` and `light_uvs`. A texture is an array of the bytes of a PNG
+               them `normals`, `uvs`, `uvs2`, `colors`, `tangents` and `light_uvs`. A texture is an array of the bytes of a PNG
                file ("u1") or of half floats (H, W, 4). See `surfaces`, `materials` and `lamps`.
     light      the direct irradiance of glowing surfaces and of what is sharp in the sky: `map` (H, W, 4) half floats,
-               in W/m² times `scale`, which the coordinates `light_uvs` of the meshes read.
+               in W/m² times `scale`, which the coordinates `light_uvs` of the meshes read. Where a scene has normal maps,
+               `moments` is true, and `moment_r`, `moment_g` and `moment_b` (H, W, 4) hold M = ∫ L ω dω of each channel.
     records    `first` and `count` (the number of records of irradiance that there are after this message), `reading`
                (how they are read), and `rows` (n, 52) of "f4": they become the records first, first + 1, …, so that a
                message may append records, or replace some whose radius has changed. See `record_rows`.

@@ -12,7 +12,7 @@ import numpy as np
 from eclat.bridge.compiled import compiled
 from eclat.errors import heard_warnings
 from eclat.gltf_export import Part
-from eclat.scene import Scene
+from eclat.scene import Material, Scene
 from eclat.viewer.lamps import cameras_of, lights_of
 from eclat.viewer.materials import PageMaterials
 from eclat.viewer.messages import encode_message
@@ -68,6 +68,7 @@ def _mesh(
         "normals": mesh.normals,
         "uvs": mesh.uvs,
         "uvs2": mesh.uvs2,
+        "tangents": mesh.tangents if _reads_tangents(mesh.material) else None,
         "colors": mesh.colors if mesh.material.vertex_colors else None,
         "light_uvs": part.lightmap_uvs,
     }
@@ -83,5 +84,10 @@ def _mesh(
         "name": mesh.name,
         "material": materials.number(mesh.material),
         "front_only": part.one_of_two,
+        "back": part.back,
         "arrays": names,
     }
+
+
+def _reads_tangents(material: Material) -> bool:
+    return material.normal_map is not None and material.normal_map.kind == "normal"

@@ -42,8 +42,11 @@ export interface MaterialEntry {
   readonly transmission: Value;
   readonly emission: Value;
   readonly opacity: Value;
+  /** A normal map or a height map; `scale` is that of the slopes, or the height of white in metres. */
+  readonly relief: { readonly kind: 'normal' | 'bump'; readonly scale: number; readonly map: Value } | null;
   readonly gloss: 'none' | 'rough' | 'mirror' | 'glass';
   readonly mirrored: readonly number[];
+  readonly metal: readonly number[];
   readonly alpha: number;
   readonly coat: readonly number[];
   readonly inside: number;
@@ -60,12 +63,14 @@ export interface TextureEntry {
 }
 export type Wrap = 'repeat' | 'mirror' | 'clamp';
 
-export type MeshArray = 'positions' | 'triangles' | 'normals' | 'uvs' | 'uvs2' | 'colors' | 'light_uvs';
+export type MeshArray = 'positions' | 'triangles' | 'normals' | 'uvs' | 'uvs2' | 'colors' | 'tangents' | 'light_uvs';
 
 export interface MeshEntry {
   readonly name: string;
   readonly material: number;
   readonly front_only: boolean;
+  /** Whether it is the reversed side of another mesh. */
+  readonly back: boolean;
   readonly arrays: Readonly<Partial<Record<MeshArray, string>>>;
 }
 
@@ -123,6 +128,8 @@ export interface SceneHeader {
 export interface LightHeader {
   readonly kind: 'light';
   readonly scale: number;
+  /** Whether the message has from where the light comes. */
+  readonly moments: boolean;
 }
 
 /** How records are read. */

@@ -19,6 +19,7 @@ import { Planes, type Plane } from './mirrors';
 import { shadowFragment, surfaceFragment, surfaceVertex } from './shaders/surfaces';
 
 const GLOSS = { none: 0, rough: 1, mirror: 2, glass: 3 };
+const RELIEFS = { none: 0, normal: 1, bump: 2 };
 
 const WRAPS: Record<Wrap, three.Wrapping> = {
   repeat: three.RepeatWrapping,
@@ -79,6 +80,8 @@ export async function makeSurfaces(
   const { header } = message;
   const textures = await Promise.all(header.textures.map((entry) => makeTexture(message, entry)));
   const lightMap = floatTexture(light, 'map');
+  const { moments } = light.header;
+  const [momentR, momentG, momentB] = ['moment_r', 'moment_g', 'moment_b'].map((name) => (moments ? floatTexture(light, name) : null));
   const scale = { value: 1 / light.header.scale };
   const seen = new three.Scene();
   const shading = new three.Scene();
@@ -89,7 +92,7 @@ export async function makeSurfaces(
   for (const entry of header.meshes) {
     const material = header.materials[entry.material];
     if (!material) throw new Error(`The mesh ${entry.name} has no material.`);
-    const geometry = makeGeometry(message, entry);
+    const geometry = makeGeometry(message, entry, material.relief?.map);
     triangles += geometry.getAttribute('position').count / 3;
     bounds.union(geometry.boundingBox ?? new three.Box3());
     const isGlass = material.gloss === 'glass';
@@ -104,6 +107,10 @@ export async function makeSurfaces(
       number: { value: entry.material + 1 },
       lightMap: { value: lightMap },
       lightScale: scale,
+      momentR: { value: momentR },
+      momentG: { value: momentG },
+      momentB: { value: momentB },
+      hasMoments: { value: moments },
       hasLight: { value: entry.arrays.light_uvs !== undefined },
     };
     (isGlass ? glass : seen).add(surface(geometry, surfaceFragment, shown));
@@ -167,13 +174,19 @@ function surfaceUniforms(entry: MeshEntry, material: MaterialEntry, textures: re
     cutoff: { value: material.cutoff },
     coat: { value: material.coat },
     mirrored: { value: vectors(material.mirrored) },
+    metal: { value: material.metal },
     inside: { value: material.inside },
     saturates: { value: material.saturates },
+    reliefKind: { value: RELIEFS[material.relief?.kind ?? 'none'] },
+    reliefScale: { value: material.relief?.scale ?? 0 },
+    back: { value: entry.back },
+    hasTangents: { value: material.relief?.kind === 'normal' && entry.arrays.tangents !== undefined },
   };
-  for (const name of ['diffuse', 'metallic', 'transmission', 'emission', 'opacity'] as const) {
-    uniforms[name] = { value: valueUniform(material[name]) };
-    const number = material[name].texture;
-    uniforms[`${name}Map`] = { value: number === undefined ? null : textures[number] };
+  const { diffuse, metallic, transmission, emission, opacity } = material;
+  const relief = material.relief?.map ?? { constant: [0, 0, 0] as const };
+  for (const [name, value] of Object.entries({ diffuse, metallic, transmission, emission, opacity, relief })) {
+    uniforms[name] = { value: valueUniform(value) };
+    uniforms[`${name}Map`] = { value: value.texture === undefined ? null : textures[value.texture] };
   }
   return uniforms;
 }
@@ -196,10 +209,10 @@ function valueUniform(value: Value): Record<string, unknown> {
 }
 
 /** Makes a geometry of separate triangles, because each has the normal of its plane, as the core computes it. */
-function makeGeometry(message: Message<SceneHeader>, entry: MeshEntry): three.BufferGeometry {
+function makeGeometry(message: Message<SceneHeader>, entry: MeshEntry, relief?: Value): three.BufferGeometry {
   const triangles = entry.arrays.triangles === undefined ? undefined : arrayOf(message, entry.arrays.triangles).data;
   if (!triangles) throw new Error(`The mesh ${entry.name} has no triangles.`);
-  const corners = (name: 'positions' | 'normals' | 'uvs' | 'uvs2' | 'colors' | 'light_uvs', width: number) => {
+  const corners = (name: 'positions' | 'normals' | 'uvs' | 'uvs2' | 'colors' | 'tangents' | 'light_uvs', width: number) => {
     const key = entry.arrays[name];
     if (key === undefined) return undefined;
     const { data } = arrayOf(message, key);
@@ -223,8 +236,37 @@ function makeGeometry(message: Message<SceneHeader>, entry: MeshEntry): three.Bu
   set('uv2', corners('uvs2', 2), 2);
   set('lightUv', corners('light_uvs', 2), 2);
   set('color', corners('colors', 4), 4);
+  set('tangent', corners('tangents', 4), 4);
+  const places = relief && corners(relief.uv_set === 1 ? 'uvs2' : 'uvs', 2);
+  if (relief && places) {
+    const [along, across] = derivatives(positions, places, relief.transform);
+    set('alongU', along, 3);
+    set('alongV', across, 3);
+  }
   geometry.computeBoundingBox();
   return geometry;
+}
+
+/** The derivatives of positions along the coordinates of a map, constant on each triangle; 0 where the coordinates do not tell. */
+function derivatives(positions: Float32Array, uvs: Float32Array, transform: Value['transform']): [Float32Array, Float32Array] {
+  const [a = 1, b = 0, , c = 0, d = 1] = transform ?? [];
+  const [alongU, alongV] = [new Float32Array(positions.length), new Float32Array(positions.length)];
+  for (let corner = 0; corner < positions.length / 3; corner += 3) {
+    const turned = (k: number) => {
+      const u = (uvs[2 * (corner + k)] ?? 0) - (uvs[2 * corner] ?? 0), v = (uvs[2 * (corner + k) + 1] ?? 0) - (uvs[2 * corner + 1] ?? 0);
+      return [a * u + b * v, c * u + d * v] as const;
+    };
+    const [[u1, v1], [u2, v2]] = [turned(1), turned(2)];
+    const determinant = u1 * v2 - v1 * u2;
+    if (determinant === 0) continue;
+    for (let i = 0; i < 9; ++i) {
+      const at = 3 * corner + (i % 3), from = positions[at] ?? 0;
+      const [e1, e2] = [(positions[at + 3] ?? 0) - from, (positions[at + 6] ?? 0) - from];
+      alongU[3 * corner + i] = (e1 * v2 - e2 * v1) / determinant;
+      alongV[3 * corner + i] = (e2 * u1 - e1 * u2) / determinant;
+    }
+  }
+  return [alongU, alongV];
 }
 
 function faceNormals(positions: Float32Array): Float32Array {
