@@ -98,8 +98,8 @@ class Facets:
         masked = self._masking(mu, np.where(seen, leaving, 1))
         weight = np.where(seen, np.maximum(facing, 0) / (mu * cosine) * masked, 0)
         found = reflectance(np.clip(facing, 0, 1)[..., None])
-        share: FloatArray = (found * weight[..., None]).mean(axis=(1, 2))
-        return np.minimum(share, 1)
+        share: FloatArray = np.minimum((found * weight[..., None]).mean(axis=(1, 2)), 1)
+        return share
 
     def _masking(self, out: FloatArray, into: FloatArray) -> FloatArray:
         """Return the share of facets that neither hides: G of Smith."""
