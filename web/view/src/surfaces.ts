@@ -19,7 +19,6 @@ import { Planes, type Plane } from './mirrors';
 import { shadowFragment, surfaceFragment, surfaceVertex } from './shaders/surfaces';
 
 const GLOSS = { none: 0, rough: 1, mirror: 2, glass: 3 };
-const RELIEFS = { none: 0, normal: 1, bump: 2 };
 
 const WRAPS: Record<Wrap, three.Wrapping> = {
   repeat: three.RepeatWrapping,
@@ -113,7 +112,7 @@ export async function makeSurfaces(
       hasMoments: { value: moments },
       hasLight: { value: entry.arrays.light_uvs !== undefined },
     };
-    (isGlass ? glass : seen).add(surface(geometry, surfaceFragment, shown));
+    (isGlass ? glass : seen).add(surface(geometry, surfaceFragment, shown, material.relief ? { RELIEF: '' } : {}));
     if (!isGlass) shading.add(surface(geometry, shadowFragment, { ...uniforms, ...lamp }));
   }
   const materials = header.materials.map((m) => m.name);
@@ -142,12 +141,18 @@ function alphasOf(materials: readonly MaterialEntry[]): three.DataTexture {
   return texture;
 }
 
-function surface(geometry: three.BufferGeometry, fragmentShader: string, uniforms: Uniforms): three.Mesh {
+function surface(
+  geometry: three.BufferGeometry,
+  fragmentShader: string,
+  uniforms: Uniforms,
+  defines: Record<string, string> = {},
+): three.Mesh {
   const material = new three.RawShaderMaterial({
     glslVersion: three.GLSL3,
     vertexShader: withoutVersion(surfaceVertex),
     fragmentShader: withoutVersion(fragmentShader),
     uniforms,
+    defines, // the software that draws without a graphics card takes long to compile what no surface needs
     side: three.DoubleSide, // the shader knows better which sides are seen, also where a camera mirrors
   });
   const mesh = new three.Mesh(geometry, material);
@@ -177,7 +182,7 @@ function surfaceUniforms(entry: MeshEntry, material: MaterialEntry, textures: re
     metal: { value: material.metal },
     inside: { value: material.inside },
     saturates: { value: material.saturates },
-    reliefKind: { value: RELIEFS[material.relief?.kind ?? 'none'] },
+    isHeight: { value: material.relief?.kind === 'bump' },
     reliefScale: { value: material.relief?.scale ?? 0 },
     back: { value: entry.back },
     hasTangents: { value: material.relief?.kind === 'normal' && entry.arrays.tangents !== undefined },

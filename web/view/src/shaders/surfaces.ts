@@ -71,13 +71,13 @@ float opacityOf() {
 vec3 towardsEye() { return normalize(eye.xyz - eye.w * vPosition); }
 `;
 
-/** The normal that a normal map or a height map gives, as Geometry::mapped_normal of core/scene/scene.cpp. */
+/** For RELIEF: the normal that a normal map or a height map gives, as Geometry::mapped_normal of core/scene/scene.cpp. */
 const relief = /* glsl */ `
 in vec4 vTangent;
 flat in vec3 vAlongU, vAlongV;  // derivatives of the position along the map's coordinates
-uniform int reliefKind;  // 0: none, 1: a normal map, 2: a height map
+uniform bool isHeight;  // or else a normal map
 uniform float reliefScale;
-uniform bool back, hasTangents;  // whether the mesh is the reversed side of another
+uniform bool hasTangents;
 uniform Value relief;
 uniform sampler2D reliefMap;
 
@@ -98,7 +98,7 @@ float heightAt(vec2 at) {
   return reliefScale * (relief.channel < 0 ? dot(found, ${LUMINANCE}) : found.r);
 }
 vec3 withRelief(vec3 n, bool turned) {
-  if (reliefKind == 1) return inTangentSpace(n, turned);
+  if (!isHeight) return inTangentSpace(n, turned);
   vec2 at = placeOf(relief), texel = 1.0 / vec2(textureSize(reliefMap, 0));
   // Differences of one texel, or of what the pixel covers: its normal is then about the mean of those that it covers.
   vec2 across = max(texel, 0.5 * (abs(dFdx(at)) + abs(dFdy(at))));
@@ -109,6 +109,13 @@ vec3 withRelief(vec3 n, bool turned) {
   if (area <= 0.0) return n;
   vec3 gradient = (cross(vAlongV, plane) * hu + cross(plane, vAlongU) * hv) / area;
   return normalize(n - gradient + n * dot(gradient, n));
+}
+
+uniform bool hasMoments;
+uniform sampler2D momentR, momentG, momentB;  // of the light map: from where its light comes
+// What the light map's irradiance changes by if the normal does: exact where all of its light is above both horizons.
+vec3 lightAlong(vec3 turn) {
+  return vec3(dot(texture(momentR, vLightUv).xyz, turn), dot(texture(momentG, vLightUv).xyz, turn), dot(texture(momentB, vLightUv).xyz, turn));
 }
 `;
 
@@ -121,27 +128,25 @@ layout(location = 1) out vec4 outNormal;
 layout(location = 2) out vec4 outAlbedo;
 layout(location = 3) out vec4 outRadiance;
 uniform float number, gloss, inside;
-uniform bool saturates, emissionTwoSided, hasLight, hasMoments, hidden, inMirror;
+uniform bool saturates, emissionTwoSided, hasLight, hidden, inMirror;
+uniform bool back;  // whether the mesh is the reversed side of another
 uniform Value diffuse, metallic, transmission, emission;
 uniform sampler2D diffuseMap, metallicMap, transmissionMap, emissionMap, lightMap;
-uniform sampler2D momentR, momentG, momentB;  // of the light map: from where its light comes
 uniform float coat[32];
 uniform vec3 mirrored[32];
 uniform vec2 metal[32];
 uniform vec4 clip;  // a plane, behind which nothing is drawn: normal and offset
 uniform float lightScale;
 uniform vec2 depths;  // of perspective views
+#ifdef RELIEF
 ${relief}
+#endif
 
 float packed(vec3 n) {
   n /= abs(n.x) + abs(n.y) + abs(n.z);
   vec2 f = n.z >= 0.0 ? n.xy : (1.0 - abs(n.yx)) * vec2(n.x >= 0.0 ? 1.0 : -1.0, n.y >= 0.0 ? 1.0 : -1.0);
   vec2 whole = floor((f * 0.5 + 0.5) * 4095.0 + 0.5);
   return whole.x + 4096.0 * whole.y;
-}
-// What the light map's irradiance changes by if the normal does: exact where all of its light is above both horizons.
-vec3 lightAlong(vec3 turn) {
-  return vec3(dot(texture(momentR, vLightUv).xyz, turn), dot(texture(momentG, vLightUv).xyz, turn), dot(texture(momentB, vLightUv).xyz, turn));
 }
 float coatAt(float cosine) {
   float x = clamp(cosine, 0.0, 1.0) * 31.0;
@@ -169,7 +174,10 @@ void main() {
   vec3 outer = back ? -vFace : vFace, even = back ? -normalize(vNormal) : normalize(vNormal);
   bool turned = dot(even, outer) < 0.0;
   if (turned) even = -even;
-  vec3 s = reliefKind == 0 ? even : withRelief(even, turned);
+  vec3 s = even;
+#ifdef RELIEF
+  s = withRelief(even, turned);
+#endif
   if (dot(outer, n) < 0.0) even = -even, s = -s;
   // As in the core, a normal that faces away from the eye is bent towards it.
   float facing = dot(s, towards);
@@ -184,8 +192,10 @@ void main() {
   else if (!front && !twoSided) albedo = share = vec3(0.0);
   vec3 radiance = front || emissionTwoSided ? valueOf(emission, emissionMap) : vec3(0.0);
   if (hasLight) {
-    vec3 E = texture(lightMap, vLightUv).rgb, turn = s - even;
-    if (hasMoments && reliefKind != 0) E = max(E + lightAlong(turn), 0.0);
+    vec3 E = texture(lightMap, vLightUv).rgb;
+#ifdef RELIEF
+    if (hasMoments) E = max(E + lightAlong(s - even), 0.0);
+#endif
     radiance += albedo * E * lightScale * ${1 / Math.PI};
   }
   // Floats between 0 and 1 tell near depths apart far better than distant ones, which their logarithms make alike.
