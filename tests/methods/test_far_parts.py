@@ -90,6 +90,17 @@ def test_patches_are_linked_as_finely_beside_stray_parts(distance: float) -> Non
     assert on_the_floor(beside) == pytest.approx(on_the_floor(room(np.zeros(3))), rel=0.01)
 
 
+@pytest.mark.filterwarnings("ignore:.*lie so far from most of the scene")
+def test_patches_of_a_stray_part_are_no_smaller_than_its_rounding() -> None:
+    """Halves of its rounded corners had no area, over which light was divided: no patch of the scene had any, silently."""
+    far = Mesh(np.array([[0.0, 0, 0], [1, 0, 0], [0, 1, 0]]), QUAD[:1], Material(), name="stray")
+    method = eclat.Radiosity(patches=6000)
+    alone, beside = (eclat.solve(scene, method, check=False) for scene in (room(np.zeros(3)), room(UTM, far)))
+    assert beside.areas.min() > 0
+    light = [np.average(s.irradiance[s.triangles < 12, 0], weights=s.areas[s.triangles < 12]) for s in (alone, beside)]
+    assert light[1] == pytest.approx(light[0], rel=0.02)
+
+
 @pytest.mark.parametrize("gather", [0, 4])
 @pytest.mark.parametrize("far", ["ground", "large stray part"])
 def test_patches_here_are_as_fine_beside_large_parts(far: str, gather: int) -> None:

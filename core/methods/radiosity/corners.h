@@ -35,6 +35,12 @@ struct Corners {
         return second ? Corners{{middle, b, apex}} : Corners{{a, middle, apex}};
     }
     float area() const { return 0.5f * length(cross(v[1] - v[0], v[2] - v[0])); }
+    /// Returns whether the halves are halves: far from the origin, corners are rounded to multiples of more than a small triangle.
+    bool is_divisible() const {
+        const uint8_t k = longest();
+        const float least = 0.25f * area();
+        return half(k, false).area() > least && half(k, true).area() > least;
+    }
 };
 
 inline Corners corners_of(const Geometry& g, uint32_t triangle) {

@@ -18,7 +18,7 @@ constexpr int deepest_count = 40;  // bisections, which give a million parts alo
 /// Counts the leaves of the triangle `corners`, up to `most`.
 size_t count_parts(const Corners& corners, float size, size_t most, int depth) {
     if (most == 0) return 0;
-    if (depth == 0 || !(corners.longest_edge() > size)) return 1;
+    if (depth == 0 || !(corners.longest_edge() > size) || !corners.is_divisible()) return 1;
     const uint8_t k = corners.longest();
     const size_t first = count_parts(corners.half(k, false), size, most, depth - 1);
     return first >= most ? first : first + count_parts(corners.half(k, true), size, most - first, depth - 1);

@@ -14,6 +14,8 @@ namespace eclat {
 
 namespace {
 
+Corners corners_of(const PatchNode& node) { return {{node.corner[0], node.corner[1], node.corner[2]}}; }
+
 void set_corners(PatchNode& node, const Corners& corners) {
     for (int k = 0; k < 3; ++k) node.corner[k] = corners.v[k];
     node.longest = corners.longest();
@@ -221,7 +223,10 @@ PatchTree::PatchTree(const Geometry& geometry, std::span<const PatchName> names)
         if (side >= side_.size() || side_[side] == no_node || name.path == 0) fail();
         uint32_t node = side_[side];
         for (int bit = 62 - __builtin_clzll(name.path); bit >= 0; --bit) {
-            if (nodes_[node].is_leaf()) halve(node);
+            if (nodes_[node].is_leaf()) {
+                if (!corners_of(nodes_[node]).is_divisible()) fail();
+                halve(node);
+            }
             node = nodes_[node].child + static_cast<uint32_t>(name.path >> bit & 1);
         }
     }
@@ -257,7 +262,7 @@ void PatchTree::halve(uint32_t node) {
     PatchNode& n = nodes_[node];
     n.child = child;
     n.ends_links = false;
-    const Corners corners{{n.corner[0], n.corner[1], n.corner[2]}};
+    const Corners corners = corners_of(n);
     for (const bool second : {false, true}) {
         PatchNode& half = nodes_[child + second];
         half.parent = node;
@@ -270,8 +275,8 @@ void PatchTree::halve(uint32_t node) {
 }
 
 void PatchTree::halve_down_to(uint32_t node, float size, int depth) {
-    const PatchNode& n = nodes_[node];
-    if (depth == 0 || !(Corners{{n.corner[0], n.corner[1], n.corner[2]}}.longest_edge() > size)) return;
+    const Corners corners = corners_of(nodes_[node]);
+    if (depth == 0 || !(corners.longest_edge() > size) || !corners.is_divisible()) return;
     halve(node);
     const uint32_t child = nodes_[node].child;
     halve_down_to(child, size, depth - 1);
@@ -280,11 +285,11 @@ void PatchTree::halve_down_to(uint32_t node, float size, int depth) {
 
 void PatchTree::divide(std::span<const uint32_t> patches) {
     for (const uint32_t patch : patches) {
-        if (depth(patch) + 2 > deepest) continue;
+        if (depth(patch) + 2 > deepest || !corners_of(nodes_[patch]).is_divisible()) continue;
         halve(patch);
         const uint32_t child = nodes_[patch].child;
-        halve(child);
-        halve(child + 1);
+        for (const uint32_t half : {child, child + 1})
+            if (corners_of(nodes_[half]).is_divisible()) halve(half);
     }
     list_leaves();
     join_faces();
