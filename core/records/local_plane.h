@@ -34,14 +34,14 @@ class LocalPlane {
 
     /// Counts a place at `way` from the point. All must have been added before `share` is called.
     void add(Vec3 way, float weight) {
-        const float x = dot(way, u_), y = dot(way, v_);
-        weights_ += weight;
-        squares_ += weight * weight;
-        x_ += weight * x;
-        y_ += weight * y;
-        xx_ += weight * x * x;
-        xy_ += weight * x * y;
-        yy_ += weight * y * y;
+        const double x = dot(way, u_), y = dot(way, v_), w = weight;
+        weights_ += w;
+        squares_ += w * w;
+        x_ += w * x;
+        y_ += w * y;
+        xx_ += w * x * x;
+        xy_ += w * x * y;
+        yy_ += w * y * y;
     }
 
     /// Ends the additions.
@@ -49,15 +49,16 @@ class LocalPlane {
         if (!(weights_ > 0)) return;
         x_ /= weights_;
         y_ /= weights_;
-        const float xx = xx_ / weights_ - x_ * x_, xy = xy_ / weights_ - x_ * y_, yy = yy_ / weights_ - y_ * y_;
+        const double xx = xx_ / weights_ - x_ * x_, xy = xy_ / weights_ - x_ * y_, yy = yy_ / weights_ - y_ * y_;
+        // Places that all but coincide tell nothing of a slope; what is left of their variance is rounding.
+        if (!(xx + yy > 1e-6 * (x_ * x_ + y_ * y_))) return;
         // The mean variance of n ways is known to its share 1 / n. Adding this keeps few places from giving a slope of noise, and
         // places in a line from giving one across it.
-        const float unknown = 0.5f * (xx + yy) * squares_ / (weights_ * weights_);
-        if (!(unknown > 0)) return;
-        const float a = xx + unknown, b = yy + unknown, determinant = a * b - xy * xy;
+        const double unknown = 0.5 * (xx + yy) * squares_ / (weights_ * weights_);
+        const double a = xx + unknown, b = yy + unknown, determinant = a * b - xy * xy;
         slope_x_ = (b * x_ - xy * y_) / determinant;
         slope_y_ = (a * y_ - xy * x_) / determinant;
-        const float added = slope_x_ * x_ + slope_y_ * y_;
+        const double added = slope_x_ * x_ + slope_y_ * y_;
         if (added <= most_added) return;
         slope_x_ *= std::sqrt(most_added / added);
         slope_y_ *= std::sqrt(most_added / added);
@@ -65,16 +66,18 @@ class LocalPlane {
 
     /// Returns the share of the value at `way` in the sum. The shares of all places add up to 1; some may be negative.
     float share(Vec3 way, float weight) const {
-        return weight / weights_ * (1 - slope_x_ * (dot(way, u_) - x_) - slope_y_ * (dot(way, v_) - y_));
+        const double fall = slope_x_ * (dot(way, u_) - x_) + slope_y_ * (dot(way, v_) - y_);
+        return static_cast<float>(weight / weights_ * (1 - fall));
     }
 
   private:
     /// Most that the fit adds to the variance of the mean, as a share of it. Where the places lie more to one side, the fit is drawn
     /// towards the mean: it would add 1.85 at the straight border of a face and 3.8 in a corner (weights (1 − e)² up to e = 1).
-    static constexpr float most_added = 1;
+    static constexpr double most_added = 1;
 
     Vec3 u_, v_;
-    float weights_ = 0, squares_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, slope_x_ = 0, slope_y_ = 0;
+    // In double precision: the variance of places far from the point is a small difference of large numbers.
+    double weights_ = 0, squares_ = 0, x_ = 0, y_ = 0, xx_ = 0, xy_ = 0, yy_ = 0, slope_x_ = 0, slope_y_ = 0;
 };
 
 }  // namespace eclat

@@ -213,7 +213,8 @@ std::optional<Color> RadianceCache::reflect(Vec3 p, Vec3 normal, const Frame& sh
         bending.add(gradient, p - record.position, w);
     });
     if (weights == 0) return std::nullopt;
-    const Color first_order = sum / weights;
+    // Extrapolated harmonics, and the plane through the excess around a record, may be below 0.
+    const Color first_order = max(sum / weights, Color());
     if (!cache_.options().translation_gradient) return first_order;
     Color out;
     for (int c = 0; c < 3; ++c) out[c] = clamp(first_order[c] - 0.5f * bending.covariance(c), 0, 2 * first_order[c]);

@@ -296,7 +296,8 @@ std::optional<Color> RecordCache::interpolate(Vec3 p, Vec3 normal, Vec3 shading,
     });
     if (weights == 0) return std::nullopt;  // no record serves the point, which does not mean that it is dark
     if (mean_radius) *mean_radius = radii / weights;
-    const Color first_order = sum / weights;
+    // The plane through the excess around a record may be below 0 there.
+    const Color first_order = max(sum / weights, Color());
     if (!options_.translation_gradient) return first_order;
     Color out;
     for (int c = 0; c < 3; ++c)

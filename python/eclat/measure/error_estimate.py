@@ -46,8 +46,9 @@ class ErrorEstimate:
     @staticmethod
     def of_squared(squared: float, deviation: float, unserved: float) -> ErrorEstimate:
         """Make an estimate from the squared error, which is unbiased, and its standard error; the interval is that of
-        the square."""
-        bounds = (squared + sign * SIGMAS * deviation for sign in (0, -1, 1))
+        the square. Noise can make the square negative; however negative, it says no more than that the error is small beside
+        its standard error."""
+        bounds = (squared, squared - SIGMAS * deviation, max(0.0, squared) + SIGMAS * deviation)
         error, low, high = (math.sqrt(max(0.0, bound)) for bound in bounds)
         return ErrorEstimate(error, low, high, unserved)
 

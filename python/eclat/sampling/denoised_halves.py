@@ -29,8 +29,8 @@ be shown beside s (`with_picture`): v s' + (1 − v) s. The formula gives its er
 d(A), where s(A) is what s makes of A; for v = 1 it is (s' − A)(s' − B). The weight v is chosen as w is. All these values share
 the product of the noise of A and of B, which is large where the halves have few samples. The error of s' is known from elsewhere,
 so there is a second estimate: this error, plus the difference of the formula between v and 1, which does not contain the product.
-Both are averaged with the inverse of their variances as weights. Where the formula contradicts the known error of s', s' is
-shown. The error that A and B may have in common adds to the standard error of the estimate.
+Both are averaged with the inverse of their variances as weights. The first contains no error that A and B have in common, so what
+this may be adds to its standard error; the second does. Where the formula contradicts the known error of s', s' is shown.
 
 The estimate of the squared error is unbiased, but the estimate of the relative error is not, because it divides by R² +
 c and takes R from the picture shown. Where a denoiser spreads much light into dark pixels, the estimated relative error
@@ -64,8 +64,8 @@ pixels, is precise enough that choosing the least one hardly biases it."""
 class JudgedPicture:
     """A picture whose error is known: `pixels` (H, W, 3), the estimated mean over channels of (s' − R)² / (R² + c) at each pixel,
     `squared` (H, W), the standard error of its mean, `deviation`, which is infinite if the error is not known, and R² + c
-    (H, W, 3), `scale`. `common` is the squared error
-    that halves beside it may have in common, which their differences do not show.
+    (H, W, 3), `scale`. `common` is the standard deviation of the squared error that halves beside it may have in common,
+    which their differences do not show.
     """
 
     pixels: Float64
@@ -183,13 +183,16 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     v = _best_weights(errors, counted)
     alone = squared_error(v[..., None])
     change = alone - errors[-1]
-    deviations = (_deviation(alone, counted), math.hypot(other.deviation, _deviation(change, counted)))
+    hidden = other.common * float(((1 - v) ** 2).mean())
+    deviations = (
+        math.hypot(_deviation(alone, counted), hidden), math.hypot(other.deviation, _deviation(change, counted))
+    )  # fmt: skip
     if math.isinf(deviations[1]):
         squared = alone
     else:
         trust = deviations[1] ** 2 / max(sum(d**2 for d in deviations), np.finfo(np.float64).tiny)
         squared = trust * alone + (1 - trust) * (other.squared + change)
-    deviation = math.hypot(min(deviations), other.common * float(((1 - v) ** 2).mean()))
+    deviation = min(deviations)
     pixels = v[..., None] * others + (1 - v[..., None]) * found.pixels
     return DenoisedHalves(
         pixels, found.weight, _mean(squared, counted), deviation, found.raw_squared_error, _local_error(squared, counted),

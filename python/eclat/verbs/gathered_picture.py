@@ -34,9 +34,10 @@ AIM = 0.9
 """The error at which this sampling stops, as a share of the wanted one. The error that is stated is measured anew, and more often
 above than below the estimate that ended the sampling."""
 
-COMMON = 0.5
-"""The part of the errors of records that does not average out over those which the paths of a pixel meet, chosen by judgement. It
-is nearly all of them in a room that is lit through a gap, where few records hold the light, and little in others."""
+COMMON = 12**-0.5
+"""What all paths have in common of the squared error of the records may be any part of it between none and all: nearly all in a
+room that is lit through a gap, where few records hold the light, and little in others. This is the standard deviation of a
+number of which nothing else is known."""
 
 ADDED = "gathered_samples"
 """Name, in statistics, of the number of these samples per pixel."""
@@ -99,11 +100,13 @@ def gathered(
 def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> JudgedPicture:
     """Distribute the stated error of a picture over its pixels as the differences between its halves are distributed.
 
-    What all paths have in common is the part `COMMON` of the error of the records, times the albedo of the surface that they
-    come from.
+    What all paths may have in common is an error of the records (`COMMON`) in the light that has been reflected, because only that
+    comes by way of records.
     """
     assert before.found is not None and isinstance(before.film, Halves)
-    albedo = float(before.film.within(before.film.whole().albedo).mean())
+    whole = before.film.whole()
+    light, direct = (float(before.film.within(layer).mean()) for layer in (whole.radiance, whole.direct))
+    reflected = min(1.0, max(0.0, 1 - direct / light)) if light > 0 else 0.0
     records = stated if picture.estimate is None else picture.estimate
     local = before.found.local_error**2
     mean = float(local.mean())
@@ -114,7 +117,7 @@ def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> Judged
         stated.error**2 * share,
         deviation,
         before.found.scale,
-        (COMMON * albedo * records.error) ** 2,
+        COMMON * (reflected * records.high) ** 2,
     )
 
 

@@ -81,4 +81,14 @@ TEST_CASE("few places, in one place or in a line, share their values") {
     const float of_two = read({{{0, 0, 0}, 1}, {{0.5f, 0, 0}, 0.5f}}, [](Vec3 way) { return way.x > 0 ? 0.0f : 3.0f; });
     CHECK(of_two > 2.0f);  // the mean
     CHECK(of_two < 2.9f);
+    // Of places that all but coincide, away from the point, rounding is no slope.
+    for (const float apart : {0.0f, 1e-8f, 1e-7f, 1e-6f, 1e-5f}) {
+        std::vector<Place> together;
+        for (int i = 0; i < 7; ++i)
+            together.push_back(
+                {{0.7f + apart * static_cast<float>(i % 3), 0.3f + apart * static_cast<float>(i % 2), 0}, 0.3f});
+        const float found = read(together, [&](Vec3 way) { return way.x > 0.7f ? 3.0f : 0.0f; });
+        CHECK(found > -6);
+        CHECK(found < 9);
+    }
 }

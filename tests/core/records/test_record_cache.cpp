@@ -464,6 +464,28 @@ TEST_CASE("excess that rises evenly is shared without a change, where radii do, 
     CHECK(cache.shared_excess(narrow).g == doctest::Approx(1 + records[narrow].position.x).epsilon(0.05).scale(0));
 }
 
+TEST_CASE("irradiance is never below 0 beside a steep excess") {
+    const Vec3 up{0, 0, 1};
+    std::vector<IrradianceRecord> records;
+    for (int x = 0; x < 12; ++x)
+        for (int y = 0; y < 25; ++y) {
+            IrradianceRecord r =
+                bare_record({0.4f * static_cast<float>(x), 0.4f * static_cast<float>(y), 0}, 1, Color(1e-3f), up);
+            r.least_radius = r.largest_radius = r.radius;
+            r.excess = Color(x < 3 ? 0.0f : static_cast<float>(x * x));
+            r.excess_noise = 1;
+            records.push_back(r);
+        }
+    RecordCache cache;
+    cache.insert(records, spacing, 2);
+    float least = infinity;
+    for (uint32_t i = 0; i < records.size(); ++i) {
+        least = std::min(least, cache.shared_excess(i).g);
+        CHECK(cache.interpolate(records[i].position, up, up)->g >= 0);
+    }
+    CHECK(least < -0.1f);  // the plane through the excess is
+}
+
 TEST_CASE(
     "a view is tried at each pixel once, at fewer where records are larger than pixels, at more where they may be "
     "smaller") {
