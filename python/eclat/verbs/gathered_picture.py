@@ -117,7 +117,7 @@ def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> Judged
         stated.error**2 * share,
         deviation,
         before.found.scale,
-        COMMON * (reflected * records.high) ** 2,
+        COMMON * (reflected * records.error) ** 2,
     )
 
 
