@@ -183,10 +183,10 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     v = _best_weights(errors, counted)
     alone = squared_error(v[..., None])
     change = alone - errors[-1]
-    hidden = other.common * float(((1 - v) ** 2).mean())
     deviations = (
-        math.hypot(_deviation(alone, counted), hidden), math.hypot(other.deviation, _deviation(change, counted))
-    )  # fmt: skip
+        math.hypot(_deviation(alone, counted), other.common),
+        math.hypot(other.deviation, _deviation(change, counted)),
+    )
     if math.isinf(deviations[1]):
         squared = alone
     else:

@@ -43,3 +43,11 @@ def test_noise_of_a_picture_adds_in_squares() -> None:
 def test_an_uncertain_estimate_is_quoted_as_its_upper_bound() -> None:
     assert ErrorEstimate(0.01, 0.0, 0.0149).quoted == 0.01
     assert ErrorEstimate(0.01, 0.0, 0.016).quoted == 0.016
+
+
+@pytest.mark.parametrize("squared", [0.0, -1e-4, -1.0])
+def test_a_square_below_zero_states_no_more_certainty_than_zero(squared: float) -> None:
+    """Two standard errors below 0 it was stated as 0, with certainty: true errors of 12 % and more stood behind it."""
+    estimate = ErrorEstimate.of_squared(squared, 1e-4, 0.0)
+    assert (estimate.error, estimate.low) == (0.0, 0.0)
+    assert estimate.quoted == estimate.high == pytest.approx((1.96 * 1e-4) ** 0.5)

@@ -164,3 +164,24 @@ def test_a_blend_of_few_noisy_samples_knows_its_error_from_the_other_picture() -
         found = with_other(reference, other, 2.0, seed)
         true = true_squared_error(found.pixels, reference)
         assert abs(found.squared_error - true) < 4 * found.deviation and found.deviation < 0.6 * true
+
+
+@pytest.mark.parametrize("deviation", [0.2, 1.0])
+def test_an_error_that_halves_share_with_the_other_picture_is_within_what_is_stated(deviation: float) -> None:
+    """All paths read the same records, which are 10 % too bright: the differences of the halves do not show it."""
+    reference = truth(False)
+    other = 1.1 * reference
+    a, b = halves(1.1 * reference, 0.1, 3)
+    scale = reference**2 + RELATIVE_C * (reference**2).mean()
+    squared = ((other - reference) ** 2 / scale).mean(axis=-1)
+    mean = float(squared.mean())
+
+    def stated(common: float) -> tuple[float, float]:
+        known = JudgedPicture(other, np.full(squared.shape, mean), deviation * mean, scale, common)
+        found = with_picture(denoised(a, b), (a, b, blur(a), blur(b)), known)
+        return found.estimate.high, true_squared_error(found.pixels, reference) ** 0.5
+
+    high, true = stated(12**-0.5 * mean)
+    assert true < 1.35 * high
+    blind, true = stated(0.0)
+    assert blind < 0.5 * true
