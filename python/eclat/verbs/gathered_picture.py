@@ -100,8 +100,8 @@ def gathered(
 def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> JudgedPicture:
     """Distribute the stated error of a picture over its pixels as the differences between its halves are distributed.
 
-    What all paths may have in common is an error of the records (`COMMON`) in the light that has been reflected, because only that
-    comes by way of records.
+    What all paths may have in common is an error of the records (`COMMON`) in the light that has been reflected, because only
+    that comes by way of records.
     """
     assert before.found is not None and isinstance(before.film, Halves)
     whole = before.film.whole()
