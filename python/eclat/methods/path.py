@@ -14,7 +14,7 @@ from eclat.measure.error_estimate import LEAST_BY_CHANCE
 from eclat.methods.method import Method, Prepared
 from eclat.methods.ranges import check_range, check_types
 from eclat.methods.traced import ROULETTE_DEPTH, Traced
-from eclat.methods.work import Care, Purpose, Work
+from eclat.methods.work import AtPoints, Care, Purpose, Work
 from eclat.scene import Scene
 
 
@@ -36,7 +36,8 @@ class Path(Method):
         check_range(self, "roulette_depth", 1, 10**6)
 
     def prepare(self, scene: Scene, purpose: Purpose, work: Work, care: Care | None = None) -> Prepared:
-        if missing := missing_caustics(scene, work):
+        # At points, rays find light of small lamps by mirrors no better, and whoever asks is told of both (`chance_warning`).
+        if not isinstance(purpose, AtPoints) and (missing := missing_caustics(scene, work)):
             warn(f"path: {missing}; no path can find this light, so it is missing; use photon-map to compute it")
         return Traced(self, roulette_depth=self.roulette_depth)
 
