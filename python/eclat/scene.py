@@ -379,7 +379,7 @@ class Scene:
             "units": "photometric (cd, lx)" if self.photometric else "radiometric (W)",
         }
         facts |= {f"warning {i}": text for i, text in enumerate(self.warnings, 1)}
-        return facts_table(f"Scene {self.name}", facts)
+        return facts_table(f"Scene {self.name}".rstrip(), facts)
 
     def __repr__(self) -> str:
         triangles = sum(len(mesh.triangles) for mesh in self.meshes)

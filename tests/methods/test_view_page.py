@@ -84,6 +84,7 @@ def test_a_notebook_shows_the_viewer_in_a_frame(tmp_path: Path) -> None:
             ]
             done = subprocess.run(command, capture_output=True, text=True, timeout=240, check=False)
     assert done.returncode == 0, done.stderr
+    assert "iframe" not in viewer._repr_html_() and "closed" in repr(viewer)
     answer = json.loads(done.stdout)
     assert answer["title"] == "Éclat: cornell-box" and answer["records"] > 20
     assert [m for m in answer["messages"] if "favicon" not in m and "404" not in m] == []

@@ -131,7 +131,7 @@ _output_options = together(
     output_option("Files to write, .exr or .png with %d or %04d for the number, or an .mp4 [SCENE/%04d.png]."),
     exposure_option(
         "Exposure of .png files in stops, or auto, which makes the average of the middle frame mid-grey in all frames "
-        "[auto if all light comes from --sun or a default, else 0].",
+        "[auto if light is in candela and lux, or comes from --sun or a default, else 0].",
         default=None,
         auto=True,
     ),

@@ -114,7 +114,7 @@ _output_options = together(
     ),
     exposure_option(
         "Exposure of a .png in stops (each doubles the brightness), or auto, which makes the average mid-grey "
-        "[auto if all light comes from --sun or a default, else 0].",
+        "[auto if light is in candela and lux, or comes from --sun or a default, else 0].",
         default=None,
         auto=True,
     ),

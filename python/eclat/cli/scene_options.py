@@ -154,8 +154,8 @@ def load_scene(flags: Mapping[str, Any]) -> Scene:
 def load_scene_to_show(flags: Mapping[str, Any]) -> tuple[Scene, float | Literal["auto"]]:
     """Load the scene as `load_scene` does, and choose the exposure of its pictures.
 
-    The exposure is that of the flags if they give one. Otherwise it is "auto" if all light comes from `--sun` or from a
-    light that was added by default, and 0 if not.
+    The exposure is that of the flags if they give one. Otherwise it is "auto" if light is in candela and lux, or comes from
+    `--sun` or from a light that was added by default, and 0 if not.
     """
     from eclat.stage.defaults import complete, wants_exposure
     from eclat.stage.light_overrides import parsed_light_override

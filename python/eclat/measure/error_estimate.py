@@ -193,4 +193,5 @@ def _interval_text(what: str, quoted: float, low: float, high: float) -> str:
         return f"{what} at most {high:.2g} % (95 %)"
     margin = (high - low) / 2
     digits = max(0, 1 - math.floor(math.log10(high)))
+    digits += digits < 2 and margin < 0.5 / 10**digits  # "± 0" would sound certain
     return f"{what} {quoted:.{digits}f} % ± {margin:.{digits}f} (95 %)"

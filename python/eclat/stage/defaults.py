@@ -96,11 +96,12 @@ def complete(
 def wants_exposure(
     scene: Scene, *, sun: tuple[float, float] | None = None, environment: Path | Point | None = None
 ) -> bool:
-    """Return whether `complete`, with these overrides, lights the scene by real daylight or by a default lamp.
+    """Return whether `complete`, with these overrides, lights the scene by real daylight or by a default lamp, or whether its
+    light is in candela and lux.
 
-    The brightness of such pictures was not chosen by an author, so they are displayed with `auto_exposure`.
+    The brightness of such pictures was not chosen for a screen, so they are displayed with `auto_exposure`.
     """
-    return sun is not None or (environment is None and not has_light(scene))
+    return scene.photometric or sun is not None or (environment is None and not has_light(scene))
 
 
 def has_light(scene: Scene) -> bool:

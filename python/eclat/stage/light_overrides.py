@@ -35,8 +35,10 @@ def override_lights(scene: Scene, profiles: Mapping[str, IntensityProfile | str 
     names = [light.name for light in scene.lights if isinstance(light, PointLight | SpotLight) and light.name]
     loaded: dict[str, IntensityProfile] = {}
     for name, profile in profiles.items():
+        if not names:
+            raise EclatError(f"light {name!r}: the scene has no point or spot light with a name")
         if name not in names:
-            known = ", ".join(dict.fromkeys(names)) or "none"
+            known = ", ".join(dict.fromkeys(names))
             raise EclatError(
                 f"light {name!r}: expected the name of a point or spot light ({known}), got another"
                 f"{did_you_mean(str(name), names)}"

@@ -35,6 +35,7 @@ class Viewer:
     def __init__(self, contents: Contents, *, whole: bool = False, seed: int = 0, threads: int | None = None) -> None:
         """Start to serve the contents on this machine, and to solve what views lack, and then all surfaces if `whole`."""
         self.contents = contents
+        self._closed = False
         self._live = Live(
             contents.scene, contents.solution, contents.gloss, whole=whole, seed=seed, threads=threads or 0
         )
@@ -61,6 +62,7 @@ class Viewer:
 
     def close(self) -> None:
         """Stop serving the page."""
+        self._closed = True
         self._live.close()
         self._server.close()
 
@@ -73,9 +75,12 @@ class Viewer:
         self.close()
 
     def __repr__(self) -> str:
-        return f"<Viewer of {self.contents.scene.name or 'a scene'} at {self.url}>"
+        where = "closed" if self._closed else f"at {self.url}"
+        return f"<Viewer of {self.contents.scene.name or 'a scene'}, {where}>"
 
     def _repr_html_(self) -> str:
+        if self._closed:
+            return f"<p>{escape(repr(self))}</p>"
         width, height = FRAME
         title = escape(f"Éclat: {self.contents.scene.name or 'scene'}", quote=True)
         return (

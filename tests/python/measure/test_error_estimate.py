@@ -14,6 +14,7 @@ from eclat.measure.error_estimate import ErrorEstimate, error_text
     [
         (ErrorEstimate(0.009, 0.008, 0.010), "estimated error 0.9 % ± 0.1 (95 %)"),
         (ErrorEstimate(0.12, 0.10, 0.14), "estimated error 12 % ± 2 (95 %)"),
+        (ErrorEstimate(0.36, 0.358, 0.362), "estimated error 36.0 % ± 0.2 (95 %)"),
         (ErrorEstimate(0.005, 0.0, 0.009), "estimated error at most 0.9 % (95 %)"),
         (ErrorEstimate(0.0, 0.0, 0.0), "estimated error 0 % (95 %)"),
         (ErrorEstimate(0.03, 0.02, 0.04, in_one_tile=0.2), "estimated error 3.0 % ± 1.0 (95 %)"),

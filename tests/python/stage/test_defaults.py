@@ -184,7 +184,15 @@ def test_daylight_has_true_units() -> None:
         scene = complete(Scene(meshes=meshes, cameras=(CAMERA,), photometric=photometric), sun=(180, 61.9))
         found = eclat.irradiance(scene, [[0.0, 0, 0]], [[0.0, 1, 0]], eclat.Path(), samples=64)
         assert 100_000 < lumens * float(luminance(found)[0]) < 120_000
-    assert wants_exposure(scene, sun=(180, 61.9)) and not wants_exposure(scene, environment=(1, 1, 1))
+    radiometric = replace(scene, photometric=False)
+    assert wants_exposure(radiometric, sun=(180, 61.9)) and not wants_exposure(radiometric, environment=(1, 1, 1))
+
+
+def test_pictures_of_scenes_in_candela_have_an_exposure_that_shows_them() -> None:
+    """A lamp of an office has 2000 cd/m²: the picture of the guide's USD example was white all over."""
+    lamp = PointLight((0.0, 2.0, 0.0), (800.0, 800.0, 800.0))
+    assert wants_exposure(Scene(lights=(lamp,), photometric=True))
+    assert not wants_exposure(Scene(lights=(lamp,)))
 
 
 def test_lights_environments_and_emitting_materials_count_as_light() -> None:

@@ -40,6 +40,8 @@ def test_mistakes() -> None:
         eclat.EclatError, match=r"light 'blub': expected the name of a point or spot light \(bulb, spot\), got"
     ):
         override_lights(Scene(lights=LIGHTS), {"blub": cosine_lamp()})
+    with pytest.raises(eclat.EclatError, match="light 'bulb': the scene has no point or spot light with a name"):
+        override_lights(Scene(), {"bulb": cosine_lamp()})
     with pytest.raises(eclat.EclatError, match="light 'bulb': expected a profile or the path of a file, got 3"):
         override_lights(Scene(lights=LIGHTS), {"bulb": 3})  # type: ignore[dict-item]
     with pytest.raises(eclat.EclatError, match="expected LIGHT=FILE"):

@@ -127,10 +127,12 @@ def _ies(node: Node, textures: Textures) -> Emission:
     `intensity` is a colour or a factor. The candela of the file become W·sr⁻¹, because Mitsuba's scenes are radiometric.
     """
     path = node.file("filename")
-    profile = parse_ies(read_bytes(path, where=f"{node.where}, filename"), path.name)
     factor = node.number("scale", default=1.0) / LUMENS_PER_WATT
     r, g, b = (factor * c for c in _color(node, textures, "intensity"))
-    return [ProfileLight(_position(node), profile, (r, g, b), _rotation(node) @ np.diag([1.0, -1.0, -1.0]))], None
+    position, rotation = _position(node), _rotation(node) @ np.diag([1.0, -1.0, -1.0])
+    # Last, because it may fail, and what was not read by then would be told to be unused.
+    profile = parse_ies(read_bytes(path, where=f"{node.where}, filename"), path.name)
+    return [ProfileLight(position, profile, (r, g, b), rotation)], None
 
 
 def _constant(node: Node, textures: Textures) -> Emission:

@@ -13,8 +13,9 @@ import pytest
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
-from eclat.errors import EclatError
+from eclat.errors import EclatError, EclatWarning
 from eclat.loaders.mitsuba import load_dict, load_xml
+from support.luminaires import DOWNLIGHT
 from support.mitsuba_files import WHOLE
 
 
@@ -34,6 +35,17 @@ def test_truncated_and_foreign_files_are_refused(tmp_path: Path) -> None:
         load_xml(tmp_path / "none.xml")
     with pytest.raises(EclatError):
         load_xml(tmp_path)
+
+
+def test_a_lamp_with_a_faulty_profile_is_left_out_and_nothing_else_is_told_of_it(tmp_path: Path) -> None:
+    """The properties that come after its file were told to be unused."""
+    (tmp_path / "lamp.ies").write_text(DOWNLIGHT[:-20])
+    lamp = '<emitter type="ies"><string name="filename" value="lamp.ies"/><rgb name="intensity" value="1"/></emitter>'
+    (tmp_path / "scene.xml").write_text(f'<scene version="3.0.0"><shape type="sphere"/>{lamp}</scene>')
+    with pytest.warns(EclatWarning) as told:
+        assert not load_xml(tmp_path / "scene.xml").lights
+    assert [str(w.message) for w in told if "not used" in str(w.message)] == []
+    assert any("lamp.ies" in str(w.message) for w in told)
 
 
 def test_entities_and_deep_nesting_are_refused_before_they_hurt(tmp_path: Path) -> None:
