@@ -129,13 +129,21 @@ def test_light_through_a_pane_does_not_count_as_found_by_chance(half_width: floa
 
 
 @pytest.mark.parametrize(
-    "method", [eclat.Path(), eclat.PhotonMap(photons=1000, caustic_photons=1000)], ids=lambda m: m.name
+    ("method", "remedies"),
+    [(eclat.Path(), []), (eclat.PhotonMap(photons=1000, caustic_photons=1000), ["use pictures"])],
+    ids=["path", "photon-map"],
 )
-def test_methods_warn_at_points_that_light_of_point_lights_by_mirrors_is_missing(method: eclat.Method) -> None:
+def test_methods_warn_at_points_that_light_of_point_lights_by_mirrors_is_missing(
+    method: eclat.Method, remedies: list[str]
+) -> None:
     floor, mirror = lamp_beside(MIRROR, 0.01).meshes[1:]
     scene = Scene(meshes=(floor, mirror), lights=(PointLight((0.8, 1.5, 0.0), (1.0, 1.0, 1.0)),))
-    with pytest.warns(EclatWarning, match="light of the lamps comes from point.* missing"):
+    with pytest.warns(EclatWarning) as record:
         eclat.irradiance(scene, POINTS, NORMALS, method, samples=1)
+    told = [str(warning.message) for warning in record if "by way of mirrors" in str(warning.message)]
+    assert sum("so points miss it" in text for text in told) == 1
+    assert [remedy for text in told for remedy in remedies if remedy in text] == remedies
+    assert len(told) == 1 + len(remedies)
     assert statistics(scene)[LIGHT_BY_CHANCE] > 0.1
 
 
