@@ -98,7 +98,9 @@ def write_scenes(app: Sphinx, exception: Exception | None) -> None:
         folder = Path(app.outdir) / "demo" / name
         made_from = f"{eclat.__version__} {MAX_ERROR} {VIEWS.get(name)} {page}\n"
         mark = folder / MADE_FROM
-        if mark.exists() and mark.read_text() == made_from:
+        # Sphinx removes pages that it did not make itself when it builds the site again.
+        whole = mark.exists() and (folder / "index.html").exists()
+        if whole and mark.read_text() == made_from:
             continue
         export(name, folder)
         mark.write_text(made_from)
