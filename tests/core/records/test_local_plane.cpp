@@ -5,6 +5,8 @@
 
 #include <doctest/doctest.h>
 
+#include <cmath>
+#include <random>
 #include <vector>
 
 using namespace eclat;
@@ -81,14 +83,18 @@ TEST_CASE("few places, in one place or in a line, share their values") {
     const float of_two = read({{{0, 0, 0}, 1}, {{0.5f, 0, 0}, 0.5f}}, [](Vec3 way) { return way.x > 0 ? 0.0f : 3.0f; });
     CHECK(of_two > 2.0f);  // the mean
     CHECK(of_two < 2.9f);
-    // Of places that all but coincide, away from the point, rounding is no slope.
-    for (const float apart : {0.0f, 1e-8f, 1e-7f, 1e-6f, 1e-5f}) {
-        std::vector<Place> together;
-        for (int i = 0; i < 7; ++i)
-            together.push_back(
-                {{0.7f + apart * static_cast<float>(i % 3), 0.3f + apart * static_cast<float>(i % 2), 0}, 0.3f});
-        const float found = read(together, [&](Vec3 way) { return way.x > 0.7f ? 3.0f : 0.0f; });
-        CHECK(found > -6);
-        CHECK(found < 9);
+}
+
+TEST_CASE("the shares of places that all but coincide, away from the point, are no slopes of rounding") {
+    // In single precision every twelfth such group gave shares that did not add up to 1: 344 where values are 0 to 3.
+    std::mt19937 random(1);
+    const auto uniform = [&] { return static_cast<float>(random()) * 0x1p-32f; };
+    for (int group = 0; group < 2000; ++group) {
+        const Vec3 middle{2 * uniform() - 1, 2 * uniform() - 1, 0};
+        const float apart = std::pow(10.0f, -8 + 5 * uniform());
+        std::vector<Place> places(2 + random() % 8);
+        for (Place& p : places)
+            p = {middle + Vec3{apart * (uniform() - 0.5f), apart * (uniform() - 0.5f), 0}, uniform() + 1e-3f};
+        CHECK(read(places, [](Vec3) { return 1.0f; }) == doctest::Approx(1).epsilon(0.01));
     }
 }
