@@ -43,6 +43,16 @@ MARGIN = 0.8
 """Share of the wanted error at which a step aims, because the scaling laws are not exact."""
 
 
+ERROR_OF_PIXELS = 0.02
+"""Value of `max_error` for which records may be as small as a pixel. Each time that it doubles, their least radius does; values
+between give no fewer records, because the distance of the places of records is a power of two."""
+
+MOST_PIXELS = 4.0
+"""Largest lower bound of the radius of a record, in pixels, that `max_error` chooses."""
+
+FEWEST_ROWS = 6
+"""Smallest number of rows of a gather that `max_error` chooses."""
+
 FIRST_PIXELS = 4.0
 """Lower bound of the radius of a record in the first solve, in pixels; it is also the distance between the pixels at
 which records may be placed."""
@@ -56,14 +66,18 @@ def core_options(
     The error of first-order extrapolation is proportional to the square of the radius of a record, and the noise of a
     gather falls with the number M of rows of its grid of about π·M² rays. The spacing is never more than √2 times the
     spacing for an error of 1 %, because records that are larger than the objects near them require many small records
-    between them. The errors of far records are averaged over the hemisphere of each gather, so the number of far
-    records and of their rays decreases more slowly than `max_error` increases.
+    between them. In furnished rooms most records are as small as they may be, so for large errors the lower bound of their
+    radius rises, and details that are too fine for them are left to paths. The errors of far records are averaged over the
+    hemisphere of each gather, so the number of far records and of their rays decreases more slowly than `max_error`
+    increases.
     """
     out = _core.IrradianceCacheOptions()
     relative = options.max_error / REFERENCE_ERROR
     usual = 0.4 if options.metric in ("minimum", "harmonic") else 0.8
     out.spacing = options.spacing if options.spacing is not None else usual * min(2.0, relative) ** 0.5
-    out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), 8, 64))
+    out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), FEWEST_ROWS, 64))
+    least = float(np.clip(2.0 ** math.floor(math.log2(options.max_error / ERROR_OF_PIXELS) + 1e-9), 1.0, MOST_PIXELS))
+    out.least_pixels = options.least_pixels if options.least_pixels is not None else min(options.largest_pixels, least)
     out.far_records = options.far_records if options.far_records is not None else round(2000 * relative ** (-1 / 3))
     out.far_rows = options.far_rows if options.far_rows is not None else round(9 * relative**-0.2)
     out.disagreement = 2 * options.max_error if options.shrink_disagreeing else math.inf
@@ -72,7 +86,7 @@ def core_options(
     out.weight = core_enum(_core.Weight, options.weight)
     for name in (
         "relaxation", "rotation_gradient", "translation_gradient", "neighbor_clamping", "gradient_limit", "obstacle_limit",
-        "least_pixels", "largest_pixels", "far_spacing",
+        "largest_pixels", "far_spacing",
     ):  # fmt: skip
         setattr(out, name, getattr(options, name))
     out.max_depth, out.seed, out.threads = max_depth, seed, threads
@@ -119,7 +133,7 @@ def finer(options: Settings, ratio: float) -> Settings:
         max_error=max(0.0005, options.max_error * ratio),
         spacing=max(0.01, now.spacing * ratio**0.5),
         rows=min(256, round(now.rows * rows)),
-        least_pixels=max(0.25, options.least_pixels * ratio),
+        least_pixels=max(0.25, now.least_pixels * ratio),
         far_spacing=max(0.01, options.far_spacing * ratio**0.5),
         far_rows=min(256, round(now.far_rows * rows)),
         far_records=min(10**7, round(now.far_records / ratio)),
@@ -146,7 +160,7 @@ def first_options(options: Settings) -> Settings:
         options,
         spacing=coarse.spacing,
         rows=coarse.rows,
-        least_pixels=min(options.largest_pixels, max(options.least_pixels, FIRST_PIXELS)),
+        least_pixels=min(options.largest_pixels, max(core_options(options).least_pixels, FIRST_PIXELS)),
         far_records=min(coarse.far_records, 500),
         far_rows=coarse.far_rows,
     )

@@ -42,8 +42,8 @@ class RecordOptions(Method):
     """Radius of a record divided by the length that `metric` chooses."""
     rows: int | None = None
     """Number M of rows of a gather, which then takes about π·M² rays."""
-    least_pixels: float = 1.0
-    """Lower bound of a record's radius, in pixels."""
+    least_pixels: float | None = None
+    """Lower bound of a record's radius, in pixels. Details that records of this width cannot show are left to paths."""
     largest_pixels: float = 40.0
     """Upper bound of a record's radius, in pixels."""
     relaxation: float = 2.0
@@ -87,7 +87,7 @@ class RecordOptions(Method):
         check_range(self, "far_records", 0, 10**7)
         check_range(self, "far_photons", 0, 10**8)
         check_range(self, "least_pixels", 0.25, 1000)
-        check_range(self, "largest_pixels", self.least_pixels, 10**5)
+        check_range(self, "largest_pixels", self.least_pixels or 0.25, 10**5)
         check_range(self, "relaxation", 1, 4)
         check_names(self, "weight", "metric", "balanced")
 

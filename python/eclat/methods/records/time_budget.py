@@ -17,7 +17,7 @@ from dataclasses import replace
 from eclat.bridge.running import ProgressReport
 from eclat.errors import warn
 from eclat.measure.error_estimate import CHECK_SHARE
-from eclat.methods.records.laws import RAYS_EXPONENT, finer, first_options
+from eclat.methods.records.laws import RAYS_EXPONENT, core_options, finer, first_options
 from eclat.methods.records.options import RecordOptions
 from eclat.methods.records.solution import Solution
 from eclat.methods.records.solving import Job
@@ -74,11 +74,12 @@ def solve_within(
     try:
         # First, records are placed as densely as the options request, because pixels without records take the most
         # time.
-        least, rays, most = last.options.least_pixels, last.statistics["rays"], fitting()
-        while least >= 2 * options.least_pixels and rays * RAYS_OF_HALVING <= SHARE_OF_COVERAGE * most:
+        wanted, first = (core_options(each).least_pixels for each in (options, last.options))
+        least, rays, most = first, last.statistics["rays"], fitting()
+        while least >= 2 * wanted and rays * RAYS_OF_HALVING <= SHARE_OF_COVERAGE * most:
             least, rays = least / 2, rays * RAYS_OF_HALVING
         finer_fits = rays <= SHARE_OF_RECORDS / 2 * most
-        if least < last.options.least_pixels:
+        if least < first:
             begun = clock.perf_counter()
             covering = replace(last.options, least_pixels=least)
             last = job.solve(covering, 0.0 if finer_fits else check_share)

@@ -23,7 +23,7 @@ from eclat.methods.work import Work
 from eclat.scene import Camera, Material, Mesh, Scene, grey
 from support.over_time import BALL, rolling, times_of
 
-METHOD = eclat.IrradianceCache(max_error=0.1, far_records=100, far_rows=3, rows=8)
+METHOD = eclat.IrradianceCache(max_error=0.1, least_pixels=1, far_records=100, far_rows=3, rows=8)
 COUNT = 31
 
 
