@@ -32,8 +32,7 @@ from eclat.scenes.geometry import box as solid_box
 from eclat.scenes.geometry import mesh
 from eclat.viewer.contents import GLOSS, RECORDS
 from eclat.viewer.messages import decode_message, encode_message
-from eclat.viewer.showing import Viewer
-from support.browser import ViewedPage, look_at_page, require_browser, require_node, require_page
+from support.browser import ViewedPage, keep_records, look_at_page, require_browser, require_node, require_page
 
 SIZE = (160, 120)
 
@@ -87,11 +86,6 @@ def points_near(solution: Solution, rng: np.random.Generator) -> tuple[FloatArra
     turned /= np.linalg.norm(turned, axis=1, keepdims=True)
     local = solution.positions[chosen] - solution.center + away
     return local.astype(np.float32), turned.astype(np.float32)
-
-
-def keep_records(viewer: Viewer) -> None:
-    """Make the page show the records that were solved, without a live server that adds those which its views lack."""
-    viewer._files.update(viewer.contents.files())
 
 
 @pytest.fixture(scope="module")

@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 import math
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -12,9 +13,9 @@ import pytest
 
 import eclat
 from eclat.measured_brdf import normal_albedo
-from eclat.scene import Camera, DirectionalLight, Material, Mesh, Scene, grey, look_at, rgb
+from eclat.scene import Camera, DirectionalLight, Environment, Material, Mesh, Scene, grey, look_at, rgb
 from support.brdf_files import merl_file, shiny_paint
-from support.browser import look_at_page, require_browser, require_node, require_page
+from support.browser import keep_records, look_at_page, require_browser, require_node, require_page
 
 SIZE = (32, 32)
 
@@ -94,6 +95,24 @@ def test_a_plate_close_above_a_wide_floor_hides_it() -> None:
     camera = Camera(look_at((0, 20, 0), (0, 0, 0), up=(0, 0, 1)), fov=4, size=SIZE)
     scene = Scene((square(0.002, 2, True, plate), square(0, 30, True, floor)), (), cameras=(camera,))
     np.testing.assert_allclose(middle(scene), (3, 2, 1), rtol=1e-3)
+
+
+def test_a_rib_without_records_takes_the_light_of_what_is_beside_it() -> None:
+    floor = Material("diffuse", {"reflectance": grey(REFLECTANCE)}, "floor")
+    # Three pixels wide from above, and so steep that no record of the floor serves it.
+    corners = np.array([[-0.05, 0, -4], [-0.05, 0, 4], [0.05, 0.3, 4], [0.05, 0.3, -4]])
+    rib = Mesh(corners, np.array([[0, 1, 2], [0, 2, 3]]), floor, name="rib")
+    camera = Camera(look_at((0, 3, 0), (0, 0, 0), up=(0, 0, 1)), fov=20, size=SIZE)
+    scene = Scene((square(0, 4, True, floor), rib), (), Environment(np.ones((2, 4, 3), np.float32)), (camera,))
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.3), size=SIZE, check=False)
+    on_floor = solution.normals[:, 1] > 0.9
+    assert 0 < on_floor.sum() < len(solution)
+    with eclat.view(scene, replace(solution, near=solution.near[on_floor]), texel_size=0.1, samples=16) as viewer:
+        keep_records(viewer)
+        page = look_at_page(viewer.url, [{"camera": 0, "width": SIZE[0], "height": SIZE[1]}])
+    assert page.message == "" and page.messages == []
+    # Under an open sky, a bit of which the rib hides from the floor.
+    assert page.pictures[0][:, 15:17].min() > 0.6 * REFLECTANCE and page.pictures[0].max() < 1.1 * REFLECTANCE
 
 
 def test_a_pane_shows_what_is_behind_it_and_mirrors_what_is_before_it() -> None:

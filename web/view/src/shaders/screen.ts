@@ -127,12 +127,14 @@ uniform vec2 size;
 const float pi = 3.14159265358979;
 
 // The sums of splats of an image at a pixel. Where no record serves, in cracks between records, the nearest pixels of the same surface
-// stand in: of the same plane if there are any, otherwise of similar normals. An overlay marks them.
+// stand in: of the same plane if there are any, otherwise of similar normals, and on mouldings thinner than pixels any surface that is
+// about as far away. An overlay marks them.
 vec4 sumAt(highp sampler2D image, ivec2 pixel) {
   vec4 sum = texelFetch(image, pixel, 0);
   vec3 p = texelFetch(positions, pixel, 0).xyz, n = texelFetch(normals, pixel, 0).xyz;
-  for (int attempt = 0; attempt < 2; ++attempt) {
-    vec2 similar = attempt == 0 ? vec2(0.98, 0.1) : vec2(0.5, 0.7);
+  for (int attempt = 0; attempt < 3; ++attempt) {
+    vec2 similar = attempt == 0 ? vec2(0.98, 0.1) : attempt == 1 ? vec2(0.5, 0.7) : vec2(-2.0, 2.0);
+    float most = attempt == 2 && eye.w > 0.5 ? 0.1 * length(p - eye.xyz) : 1e30;
     for (int ring = 1; ring <= 16 && sum.w <= 0.0; ring *= 2) {
       for (int i = 0; i < 16; ++i) {
         float angle = 2.0 * pi * (float(i) + 0.5) / 16.0;
@@ -141,7 +143,8 @@ vec4 sumAt(highp sampler2D image, ivec2 pixel) {
         vec3 d = texelFetch(positions, other, 0).xyz - p;
         float turned = dot(texelFetch(normals, other, 0).xyz, n);
         vec4 found = texelFetch(image, other, 0);
-        if (turned > similar.x && abs(dot(d, n)) < similar.y * length(d) && found.w > 0.0) sum += vec4(found.rgb / found.w, 1.0);
+        if (turned > similar.x && abs(dot(d, n)) < similar.y * length(d) && length(d) < most && found.w > 0.0)
+          sum += vec4(found.rgb / found.w, 1.0);
       }
     }
   }
