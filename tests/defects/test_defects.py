@@ -155,7 +155,7 @@ def test_points_inside_of_solids_take_no_part() -> None:
     assert counts["served"] == 0 and not dark.any()
     deep = ((everywhere.positions > (0.65, -0.1, 0.85)) & (everywhere.positions < (1.35, 0.1, 1.55))).all(axis=1)
     # Close under the ball, whose front it sees, a point may not know that it is inside; it is as dark all the same.
-    assert deep.any() and everywhere.enclosed[deep].mean() > 0.99 and not everywhere.irradiance[deep].any()
+    assert deep.any() and everywhere.enclosed[deep].mean() > 0.97 and not everywhere.irradiance[deep].any()
     assert 0 < everywhere.enclosed.mean() < 0.5
     assert read(scene, everywhere, floor(0.7, 1.605, 0.55, 0.055, (4, 20))).error < 0.25
 
