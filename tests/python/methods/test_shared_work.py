@@ -40,7 +40,9 @@ def view() -> tuple[eclat.Scene, View]:
 def filled(share: Any = None, tell: Any = None) -> tuple[np.ndarray, int]:
     """Solve records of the Cornell box with an exchange; return the rows of the near cache and the number of rays."""
     scene, seen = view()
-    settings = core_options(eclat.IrradianceCache(max_error=0.2), max_depth=-1, seed=3, threads=1)
+    settings = core_options(
+        eclat.IrradianceCache(max_error=0.2, least_pixels=1, rows=8), max_depth=-1, seed=3, threads=1
+    )
     if share is not None:
         settings.share_work(share, tell or (lambda _: None))
     caches, progress, prepared = _core.SolvedCaches(), _core.Progress(), compiled(scene)
@@ -85,7 +87,7 @@ def test_gathers_in_ranges_are_those_of_one_process() -> None:
 
 def test_sessions_gather_what_one_process_would_also_when_they_come_late() -> None:
     scene, seen = view()
-    followed = Followed(SharedSolve(scene, seen, eclat.IrradianceCache(max_error=0.2), WORK))
+    followed = Followed(SharedSolve(scene, seen, eclat.IrradianceCache(max_error=0.2, least_pixels=1, rows=8), WORK))
     alone, rays = filled()
     shared, shared_rays = filled(followed.share, followed.tell)
     assert np.array_equal(alone, shared)
@@ -98,7 +100,7 @@ def test_sessions_gather_what_one_process_would_also_when_they_come_late() -> No
 def test_records_of_radiance_are_shared() -> None:
     scene = eclat.load("glossy-box")
     seen = View(scene.cameras[0], SIZE)
-    options = eclat.RadianceCache(max_error=0.3)
+    options = eclat.RadianceCache(max_error=0.3, least_pixels=1)
     followed = Followed(SharedSolve(scene, seen, options, WORK))
     found = []
     for exchange in (None, (followed.share, followed.tell)):
@@ -112,7 +114,7 @@ def test_records_of_radiance_are_shared() -> None:
 
 def test_probes_of_errors_are_shared() -> None:
     scene, seen = view()
-    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.2), size=SIZE, check=False)
+    solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.2, least_pixels=1, rows=8), size=SIZE, check=False)
     followed = Followed(SharedCheck(scene, seen, solution, WORK, 200_000, 0.01))
     found = []
     for exchange in (None, (followed.share, followed.tell)):
