@@ -153,7 +153,7 @@ def test_a_page_is_shown_what_a_point_sees_and_points_without_sense_are_refused(
 
 def test_a_page_gets_records_of_radiance_as_they_are_made() -> None:
     scene = glossy_box.build(alpha=0.4)
-    running = Running(scene, empty_solution(scene, eclat.RadianceCache(max_error=0.3)))
+    running = Running(scene, empty_solution(scene, eclat.RadianceCache(max_error=0.3, least_pixels=1)))
     try:
         with running.page() as page:
             ask(page, "wish")

@@ -16,7 +16,7 @@ from eclat.methods.records.solution import Solution
 from eclat.viewer.messages import decode_message
 from eclat.viewer.record_rows import ROW, reading_of, record_rows, records_message, stretches
 
-METHOD = eclat.IrradianceCache(max_error=0.1)
+METHOD = eclat.IrradianceCache(max_error=0.1, least_pixels=1, rows=8)
 
 SPACING = core_options(METHOD).spacing
 
