@@ -95,6 +95,15 @@ def test_the_mean_over_many_seeds_is_the_error_of_the_picture() -> None:
     assert 0.6 * spread < told < 2 * spread
 
 
+def test_a_large_error_takes_fewer_records_and_is_kept_where_details_are_fine() -> None:
+    scene, size, wanted = build("atrium"), (64, 36), 0.08
+    a, b = (eclat.render(scene, eclat.Path(), size=size, samples=256, seed=seed, adaptive=False) for seed in (8, 9))
+    shown = eclat.render(scene, max_error=wanted, size=size, seed=1)
+    assert relative_rmse(shown.pixels, a.layers.get("noisy", a.pixels), b.layers.get("noisy", b.pixels)) < wanted
+    small = eclat.solve(scene, eclat.IrradianceCache(max_error=wanted, least_pixels=1), size=size, check=False)
+    assert shown.metadata["statistics"]["records"] < len(small) / 2
+
+
 def test_same_bits_on_one_thread_and_two() -> None:
     scene = build("glossy-box")
     solution = eclat.solve(scene, eclat.IrradianceCache(max_error=0.08), size=SIZE, check=False)

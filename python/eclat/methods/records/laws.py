@@ -45,7 +45,7 @@ MARGIN = 0.8
 
 ERROR_OF_PIXELS = 0.02
 """Value of `max_error` for which records may be as small as a pixel. Each time that it doubles, their least radius does; values
-between give no fewer records, because the distance of the places of records is a power of two."""
+between give hardly fewer records, because the distance of the places of records is a power of two."""
 
 MOST_PIXELS = 4.0
 """Largest lower bound of the radius of a record, in pixels, that `max_error` chooses."""
@@ -76,7 +76,7 @@ def core_options(
     usual = 0.4 if options.metric in ("minimum", "harmonic") else 0.8
     out.spacing = options.spacing if options.spacing is not None else usual * min(2.0, relative) ** 0.5
     out.rows = options.rows if options.rows is not None else int(np.clip(round(14 * relative**-0.5), FEWEST_ROWS, 64))
-    least = float(np.clip(2.0 ** math.floor(math.log2(options.max_error / ERROR_OF_PIXELS) + 1e-9), 1.0, MOST_PIXELS))
+    least = float(np.clip(2.0 ** math.floor(math.log2(options.max_error / ERROR_OF_PIXELS)), 1.0, MOST_PIXELS))
     out.least_pixels = options.least_pixels if options.least_pixels is not None else min(options.largest_pixels, least)
     out.far_records = options.far_records if options.far_records is not None else round(2000 * relative ** (-1 / 3))
     out.far_rows = options.far_rows if options.far_rows is not None else round(9 * relative**-0.2)

@@ -29,6 +29,16 @@ def test_all_parts_of_the_error_are_made_finer() -> None:
     assert abs(twice.rows - once.rows) <= 1
 
 
+def test_records_are_no_smaller_than_the_wanted_error_asks_for() -> None:
+    found = [
+        core_options(eclat.IrradianceCache(max_error=error)).least_pixels for error in (0.005, 0.039, 0.04, 0.08, 0.5)
+    ]
+    assert found == [1, 1, 2, 4, 4]
+    # What is given counts, and the largest radius is never below the least.
+    assert core_options(eclat.IrradianceCache(max_error=0.5, least_pixels=1)).least_pixels == 1
+    assert core_options(eclat.IrradianceCache(max_error=0.5, largest_pixels=2)).least_pixels == 2
+
+
 def test_refining_reduces_all_parts_of_the_error_of_gloss() -> None:
     coarse = eclat.RadianceCache(max_error=0.04)
     half = finer(coarse, 0.5)
