@@ -98,7 +98,8 @@ def test_the_mean_over_many_seeds_is_the_error_of_the_picture() -> None:
 def test_a_large_error_takes_fewer_records_and_is_kept_where_details_are_fine() -> None:
     scene, size, wanted = build("atrium"), (64, 36), 0.08
     a, b = (eclat.render(scene, eclat.Path(), size=size, samples=256, seed=seed, adaptive=False) for seed in (8, 9))
-    shown = eclat.render(scene, max_error=wanted, size=size, seed=1)
+    at_sight = eclat.IrradianceCache(max_error=wanted, final_gather=False)
+    shown = eclat.render(scene, at_sight, max_error=wanted, size=size, seed=1)
     assert relative_rmse(shown.pixels, a.layers.get("noisy", a.pixels), b.layers.get("noisy", b.pixels)) < wanted
     small = eclat.solve(scene, eclat.IrradianceCache(max_error=wanted, least_pixels=1), size=size, check=False)
     assert shown.metadata["statistics"]["records"] < len(small) / 2

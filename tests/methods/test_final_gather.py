@@ -5,14 +5,17 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
 from numpy.typing import NDArray
 
 import eclat
+from eclat.measure.metrics import relative_rmse
 from eclat.methods.method import Prepared
 from eclat.methods.records.solution import Solution
+from eclat.scenes import build
 from support.courtyard import court
 from support.statistics import block_means, welch
 
@@ -64,6 +67,38 @@ def _brighter(records: NDArray[np.float32], factor: float) -> NDArray[np.float32
     for values in (probe.irradiance, probe.excess):
         values *= factor
     return probe.near
+
+
+def test_denoised_pictures_are_final_gathers_and_can_be_repeated() -> None:
+    scene, wanted, size = build("atrium"), 0.06, (64, 36)
+    image = eclat.render(scene, max_error=wanted, size=size, seed=3)
+    options, statistics = image.metadata["options"], image.metadata["statistics"]
+    assert options["final_gather"] and options["least_pixels"] == 1
+    assert "cache_error" not in statistics and statistics["records"] > 0 and image.layers["record_density"].any()
+    a, b = (eclat.render(scene, eclat.Path(), size=size, samples=256, seed=seed, adaptive=False) for seed in (8, 9))
+    assert relative_rmse(image.pixels, a.pixels, b.pixels) < 1.2 * wanted
+    again = eclat.render(
+        scene, eclat.IrradianceCache(**options), samples=int(statistics["samples"]), adaptive=image.metadata["adaptive"],
+        halves=True, denoise=image.metadata["denoised"], size=size, seed=3,
+    )  # fmt: skip
+    np.testing.assert_array_equal(again.pixels, image.pixels)
+
+
+@pytest.mark.parametrize(
+    ("size", "arguments", "gathers", "least_pixels"),
+    [
+        ((160, 8), {"denoise": True, "samples": 2}, True, 2),
+        ((16, 16), {"denoise": True, "samples": 2, "max_error": 0.019}, False, None),
+        ((16, 16), {"denoise": False, "samples": 1}, False, None),
+        ((16, 16), {"denoise": True, "time": 0.5}, False, None),
+    ],
+)
+def test_what_is_a_final_gather(
+    size: tuple[int, int], arguments: dict[str, Any], gathers: bool, least_pixels: float
+) -> None:
+    """Noise that nothing removes, and errors that only records make small enough, are left to records read at sight."""
+    options = eclat.render(build("cornell-box"), size=size, check=False, **arguments).metadata["options"]
+    assert options["final_gather"] is gathers and (options["least_pixels"] == least_pixels or least_pixels is None)
 
 
 def test_lobes_of_radiance_records_are_traced_too() -> None:

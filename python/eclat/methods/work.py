@@ -35,6 +35,9 @@ class Care:
     """Whether to solve again until the estimated error is below the `max_error` of the options."""
     keep_partial: bool = False
     """Whether a KeyboardInterrupt gets what is finished as its attribute `partial`."""
+    denoised: bool = False
+    """Whether this is for a picture that is denoised. Noise then does less harm than errors that neighbouring pixels have in
+    common, which no denoiser removes."""
     deadline: float | None = None
     """Value of `time.perf_counter` at which the picture must be finished; the scene is prepared as finely as this
     allows. None sets no limit."""

@@ -17,9 +17,11 @@ has the same expectation as (m − R)²: it is an unbiased estimate of the squar
 only that the halves are independent. It does not include errors that both halves share, such as the error of a cache
 that both read.
 
-Where the denoiser increases the error, the sampled picture is kept. The picture shown is s = w m + (1 − w) (A + B) / 2,
-with a weight w in 0..1. The formula above gives the error of s if w d(A) + (1 − w) A takes the place of d(A), and
-likewise for B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight with the
+Where the denoiser increases the error, the sampled picture is kept. The picture shown is s = w m + (1 − w) (k(A) + k(B)) / 2,
+with a weight w in 0..1. k(A) is A, but not more than `KEPT` times what d(A) has around a pixel: a few samples that are a
+hundred times too bright would be seen as specks even with a small weight, on a wall beside a window whose frame needs it. The
+formula above gives the error of s if w d(A) + (1 − w) k(A) takes the place of d(A), and likewise for B, because k(A) does not
+depend on B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight with the
 least error is computed for windows of `WINDOW` × `WINDOW` pixels and interpolated between their centres. If it were
 chosen for each pixel separately, estimates that are low by chance would be selected, and the estimated error would be
 too low.
@@ -53,6 +55,10 @@ from eclat.measure.metrics import RELATIVE_C
 Float64 = NDArray[np.float64]
 DOUBT = 2.0
 """Standard errors by which halves must find another picture worse than it is known to be before they are doubted."""
+
+KEPT = 2.0
+"""Largest factor by which samples that are shown beside the denoised picture may be above its brightest value of the 3 × 3
+pixels around, by judgement. Edges stay, because both their sides are among these pixels."""
 
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
 WINDOW = 32
@@ -142,11 +148,19 @@ def judged_halves(
     counted = np.ones(a.shape[:2]) if covered is None else covered.astype(np.float64)
     products = (np.minimum(denoised_a, denoised_b) ** 2, a * b)
     scale = _scale(*products, 0.5, counted)
-    weight = _best_weights([_squared_error(halves, w, scale) for w in (0.0, 0.5, 1.0)], counted)
+    kept_a, kept_b = (
+        kept_samples(half, clean * counted[..., None]) for half, clean in ((a, denoised_a), (b, denoised_b))
+    )
+
+    def shown(w: Float64 | float) -> tuple[Float64, Float64]:
+        return w * denoised_a + (1 - w) * kept_a, w * denoised_b + (1 - w) * kept_b
+
+    weight = _best_weights([_squared_error(a, b, *shown(w), scale) for w in (0.0, 0.5, 1.0)], counted)
     scale = _scale(*products, weight[..., None], counted)
-    squared = _squared_error(halves, weight[..., None], scale) * counted
-    pixels = weight[..., None] * (denoised_a + denoised_b) / 2 + (1 - weight[..., None]) * (a + b) / 2
-    raw = _squared_error(halves, 0.0, scale)
+    shown_a, shown_b = shown(weight[..., None])
+    squared = _squared_error(a, b, shown_a, shown_b, scale) * counted
+    pixels = (shown_a + shown_b) / 2
+    raw = _squared_error(a, b, a, b, scale)
     return DenoisedHalves(
         pixels, weight, _mean(squared, counted), _deviation(squared, counted), _mean(raw, counted),
         _local_error(squared, counted), squared, scale,
@@ -168,10 +182,13 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     """
     a, b, denoised_a, denoised_b, others = _of_one_shape(*halves, other.pixels)
     w, scale, counted = found.weight[..., None], other.scale, np.ones(found.weight.shape)
-    own_a, own_b = w * denoised_a + (1 - w) * a, w * denoised_b + (1 - w) * b
+    own_a, own_b = (
+        w * denoised_a + (1 - w) * kept_samples(a, denoised_a),
+        w * denoised_b + (1 - w) * kept_samples(b, denoised_b),
+    )
 
     def squared_error(v: Float64 | float) -> Float64:
-        return _squared_error((a, b, v * others + (1 - v) * own_a, v * others + (1 - v) * own_b), 1.0, scale)
+        return _squared_error(a, b, v * others + (1 - v) * own_a, v * others + (1 - v) * own_b, scale)
 
     errors = [squared_error(v) for v in (0.0, 0.5, 1.0)]
     if _doubtful(errors[-1], other, counted):
@@ -220,7 +237,7 @@ def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
     first, last = _of_one_shape(a, b)
     counted = np.ones(first.shape[:2])
     scale = _scale(first * last, first * last, 0.0, counted)
-    squared = _squared_error((first, last, first, last), 0.0, scale)
+    squared = _squared_error(first, last, first, last, scale)
     mean = _mean(squared, counted)
     weight = np.zeros(squared.shape)
     deviation, local = _deviation(squared, counted), _local_error(squared, counted)
@@ -274,10 +291,13 @@ def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float, counted
     return np.asarray(np.maximum(square + RELATIVE_C * mean, np.finfo(np.float64).tiny))
 
 
-def _squared_error(halves: tuple[Float64, ...], weight: Float64 | float, scale: Float64) -> Float64:
-    """Compute the relative squared error (H, W) for a weight of the denoiser; noise makes single pixels negative."""
-    a, b, denoised_a, denoised_b = halves
-    shown_a, shown_b = (weight * d + (1 - weight) * x for d, x in ((denoised_a, a), (denoised_b, b)))
+def kept_samples(samples: Float64, denoised: Float64) -> Float64:
+    """Keep samples (H, W, 3) below `KEPT` times the brightest denoised value of the 3 × 3 pixels around."""
+    return np.minimum(samples, KEPT * _most_of_nine(denoised))
+
+
+def _squared_error(a: Float64, b: Float64, shown_a: Float64, shown_b: Float64, scale: Float64) -> Float64:
+    """Compute the relative squared error (H, W) of the mean of what is made of each half; noise makes single pixels negative."""
     squares = (shown_a - b) ** 2 + (shown_b - a) ** 2 - (a - b) ** 2
     error = 0.5 * squares - 0.25 * (shown_a - shown_b) ** 2
     return np.asarray((error / scale).mean(axis=-1))
@@ -287,6 +307,13 @@ def _mean_of_nine(values: Float64) -> Float64:
     """Average each pixel with its eight neighbours; pixels beyond the border repeat those at the border."""
     padded = np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge")
     return np.asarray(sliding_window_view(padded, (3, 3), axis=(0, 1)).mean(axis=(-1, -2)))
+
+
+def _most_of_nine(values: Float64) -> Float64:
+    """Take the largest value of each pixel and its eight neighbours."""
+    padded = np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge")
+    rows = np.maximum.reduce([padded[k : k + values.shape[0]] for k in range(3)])
+    return np.asarray(np.maximum.reduce([rows[:, k : k + values.shape[1]] for k in range(3)]))
 
 
 def _best_weights(errors: list[Float64], counted: Float64) -> Float64:

@@ -36,7 +36,7 @@ from eclat.stage.staging import staged
 from eclat.tev.display import Display
 from eclat.typed import typed
 from eclat.verbs.continuing import FROM_PICTURE, Begun, make_continuable
-from eclat.verbs.gathered_picture import gathered
+from eclat.verbs.gathered_picture import AIM, gathered
 from eclat.verbs.part_of_picture import part_of_picture
 from eclat.verbs.picture import Picture, warn_of_error
 from eclat.verbs.picture_of_groups import picture_of_groups
@@ -216,7 +216,9 @@ def render(
         begun.require_match(scene, view.camera, source.options.name, samples)
     elif preview is not None:
         show_looks(scene, source, view, work, denoise, preview)
-    prepared = source.prepare(scene, view, work, Care(check=check, refine=refine, deadline=goal.deadline))
+    prepared = source.prepare(
+        scene, view, work, Care(check=check, refine=refine, denoised=denoise, deadline=goal.deadline)
+    )
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
     picture = Picture(
         scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
@@ -284,8 +286,9 @@ def _rendered(
         probed = picture.probed(sampling, wanted.deadline) if probes else None
     image, gather = picture.finished(sampling, probed), None
     if goal.samples is None and goal.deadline is None:
-        if sampling.error > goal.max_error:
-            _warn_of_noise(sampling, goal)
+        least = goal if picture.estimate is not None else wanted
+        if sampling.error > least.max_error:
+            _warn_of_noise(sampling, least)
         else:
             if probed is not None:
                 image, gather = gathered(picture, image, wanted, sampling, probed, preview, begun)
@@ -313,6 +316,8 @@ def _goal_of_samples(goal: Goal, picture: Picture, probes: bool) -> Goal:
     """
     if picture.estimate is not None:
         goal = replace(goal, max_error=noise_beside_records(goal.max_error, picture.estimate.quoted))
+    elif probes and picture.prepared.errs_by_noise_alone:
+        goal = replace(goal, max_error=AIM * goal.max_error)
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()

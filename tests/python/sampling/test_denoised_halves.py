@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from scipy.ndimage import uniform_filter
+from scipy.ndimage import median_filter, uniform_filter
 
 from eclat.errors import EclatError
 from eclat.measure.metrics import RELATIVE_C
@@ -65,6 +65,22 @@ def test_pixels_that_the_denoiser_makes_worse_keep_their_samples() -> None:
     assert found.weight[:, : SIZE // 8].mean() > 0.8
     assert found.weight[:, 7 * SIZE // 8 :].mean() < 0.25
     assert np.abs(np.diff(found.weight, axis=1)).max() < 0.05  # no border shows
+
+
+def test_specks_beside_what_keeps_its_samples_are_not_shown() -> None:
+    """A dark wall with a few samples that are far too bright, beside fine detail that this denoiser destroys."""
+    wall = np.broadcast_to(np.mgrid[0:SIZE, 0:SIZE][1] < SIZE // 2, (SIZE, SIZE))
+    reference = np.where(wall[..., None], 0.2, truth(True))
+    specks = [np.random.default_rng(seed).random((SIZE, SIZE, 1)) < 0.002 for seed in (1, 2)]
+    a, b = (
+        np.where(speck & wall[..., None], 20.0, half)
+        for speck, half in zip(specks, halves(reference, 0.2, 4), strict=True)
+    )
+    clean = [np.stack([median_filter(half[..., c], 9) for c in range(3)], axis=-1) for half in (a, b)]
+    found = judged_halves(a, b, *clean)
+    beside = np.s_[:, SIZE // 2 - 24 : SIZE // 2 - 8]
+    assert 0.05 < found.weight[beside].mean() < 0.95 and (specks[0] | specks[1])[beside].any()
+    assert found.pixels[beside].max() < 3 * 0.2
 
 
 def test_the_result_is_never_much_worse_than_the_better_input() -> None:

@@ -17,7 +17,7 @@ from eclat.verbs.gathered_picture import ADDED
 from eclat.verbs.picture import Picture
 
 WANTED, LESS = 0.02, 0.012
-COARSE = eclat.IrradianceCache(max_error=0.3)
+COARSE = eclat.IrradianceCache(max_error=0.3, final_gather=False)
 SIZE = (40, 40)
 
 

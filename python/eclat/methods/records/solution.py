@@ -308,6 +308,13 @@ class FinalGather(Prepared):
     def errs_by_noise_alone(self) -> bool:
         return True
 
+    @property
+    def record_positions(self) -> FloatArray:
+        return self.solution.record_positions
+
+    def picture_statistics(self, film: _core.Film) -> dict[str, float]:
+        return self.solution.picture_statistics(film)
+
     def radiance_estimator(self, scene: Scene, work: Work) -> _core.Estimator:
         return self.solution.radiance_estimator(scene, work, gather_first=True)
 
