@@ -54,8 +54,8 @@ class Glossy(Entrant):
 PATHS = (4, 16, 64, 256)
 """Samples a pixel of the levels of paths."""
 
-DENOISED_LEVELS = {0.16: 8, 0.08: 16, 0.04: 32, 0.02: 64}
-"""max_error → samples a pixel of the denoised cache: the denoiser takes noise, and leaves what records err by."""
+DENOISED_LEVELS = {0.16: 4, 0.08: 16, 0.04: 64, 0.02: 256}
+"""max_error → samples a pixel of the denoised cache, a final gather: its error is nearly all noise."""
 
 
 class _Denoised(Entrant):

@@ -100,7 +100,8 @@ def render(
         picture, and the number of samples is doubled until the noise is small enough or `convergence.MOST_SAMPLES` is
         reached. If records are solved for this picture, `max_error` bounds the error of the whole picture: the noise
         may take the part that the estimated error of the records leaves, and always at least half. If the picture is
-        denoised, `max_error` bounds the error that is left after the denoiser. If the picture is in halves and `check` finds
+        denoised, `max_error` bounds the error that is left after the denoiser, and from 0.02 on irradiance caching makes a
+        final gather (`IrradianceCache.final_gather`). If records are read at sight, the picture is in halves and `check` finds
         its error above `max_error` although its noise is low enough, paths that read the records only after a matte surface are
         added, and are blended with it region by region, until the error of the blend is below `max_error` or too many samples
         would be needed (`gathered_picture`); the statistics then hold their number as `gathered_samples`.
