@@ -64,8 +64,7 @@ class IrradianceCache(RecordOptions):
         """
         care = care or Care()
         if isinstance(purpose, View) and self._gathers(care):
-            options = self._for_gathering(purpose)
-            return options.solve(scene, purpose, work, replace(care, check=False)).final_gather()
+            return self._for_gathering(purpose).solve(scene, purpose, work, care).final_gather()
         solution = self.solve(scene, purpose, work, care)
         if care.deadline is not None and not solution.statistics["records"]:
             return Path().prepare(scene, purpose, work)
