@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 CHECK_SHARE = 0.25
 """Largest number of rays of an error estimate, relative to those of the solve that it checks."""
@@ -73,6 +73,12 @@ class ErrorEstimate:
         """Return the estimated error of a picture that reads the cache and has the given relative noise."""
         error, low, high = (math.hypot(part, noise) for part in (self.error, self.low, self.high))
         return ErrorEstimate(error, low, high, self.unserved)
+
+    def less_certain(self, deviation: float) -> ErrorEstimate:
+        """Return the estimate with a further, independent standard error of its square."""
+        above, below = (math.hypot(abs(end**2 - self.error**2), SIGMAS * deviation) for end in (self.high, self.low))
+        low, high = (math.sqrt(max(0.0, self.error**2 + part)) for part in (-below, above))
+        return replace(self, low=low, high=high)
 
     def joined(self, other: ErrorEstimate) -> ErrorEstimate:
         """Return the estimate of the sum of two independent errors: their squares add up, and so do the squares of the

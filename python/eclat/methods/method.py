@@ -82,6 +82,13 @@ class Prepared(ABC):
         """
         return False
 
+    @property
+    def error_behind(self) -> ErrorEstimate | None:
+        """The estimated error of prepared data that paths read only after a matte surface, those of all pixels alike; None if
+        there are no such data or their error was not estimated.
+        """
+        return None
+
     def reference_estimator(self, scene: Scene, work: Work) -> _core.Estimator | None:
         """Make an unbiased estimator that does not read prepared data, with which the error of pictures is measured;
         None if there is none.

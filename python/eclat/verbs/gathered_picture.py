@@ -23,7 +23,7 @@ from eclat.sampling.denoised_halves import JudgedPicture
 from eclat.sampling.halves import Halves
 from eclat.sampling.picture_probes import ProbedError
 from eclat.verbs.continuing import GATHERED, Begun
-from eclat.verbs.picture import SEEDS, Picture
+from eclat.verbs.picture import COMMON, SEEDS, Picture
 from eclat.verbs.picture_samples import sampling_of
 
 MOST_SAMPLES = 1024
@@ -33,11 +33,6 @@ picture that would need more ends earlier, and says so."""
 AIM = 0.9
 """The error at which this sampling stops, as a share of the wanted one. The error that is stated is measured anew, and more often
 above than below the estimate that ended the sampling."""
-
-COMMON = 12**-0.5
-"""What all paths have in common of the squared error of the records may be any part of it between none and all: nearly all in a
-room that is lit through a gap, where few records hold the light, and little in others. This is the standard deviation of a
-number of which nothing else is known."""
 
 ADDED = "gathered_samples"
 """Name, in statistics, of the number of these samples per pixel."""
@@ -105,8 +100,7 @@ def _judged(picture: Picture, before: Sampling, stated: ErrorEstimate) -> Judged
     """
     assert before.found is not None and isinstance(before.film, Halves)
     whole = before.film.whole()
-    light, direct = (float(before.film.within(layer).mean()) for layer in (whole.radiance, whole.direct))
-    reflected = min(1.0, max(0.0, 1 - direct / light)) if light > 0 else 0.0
+    reflected = picture.reflected(whole)
     records = stated if picture.estimate is None else picture.estimate
     local = before.found.local_error**2
     mean = float(local.mean())

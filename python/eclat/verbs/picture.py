@@ -36,6 +36,11 @@ from eclat.tev.growing import GrowingPicture
 FIRST_SEED_OF_PROBES = 2
 """The halves have the first two seeds of a picture, its probes the next ones."""
 
+COMMON = 12**-0.5
+"""What all paths of a final gather have in common of the squared error of the records may be any part of it between none and all:
+nearly all in a room that is lit through a gap, where few records hold the light, and little in others. This is the standard
+deviation of a number of which nothing else is known."""
+
 SEEDS = 5
 """The number of these seeds. The picture that is gathered for another one has those that follow."""
 
@@ -265,21 +270,35 @@ class Picture:
             statistics |= found.estimate.noise_statistics()
         if self.estimate is not None:
             statistics["cache_error"] = self.estimate.quoted
-        whole = self.error_of(found, statistics.get("noise", 0.0), probed)
+        whole = self.error_of(found, statistics.get("noise", 0.0), probed, self.reflected(film))
         if whole is not None:
             statistics |= whole.statistics()
             statistics |= with_light_by_chance(statistics, self.prepared.statistics)
         return statistics
 
-    def error_of(self, found: DenoisedHalves | None, noise: float, probed: ProbedError | None) -> ErrorEstimate | None:
+    def reflected(self, film: _core.Film) -> float:
+        """Return the share of the light in the picture that has been reflected."""
+        x0, y0, x1, y1 = self.region
+        light, direct = (float(layer[y0:y1, x0:x1].mean()) for layer in (film.radiance, film.direct))
+        return min(1.0, max(0.0, 1 - direct / light)) if light > 0 else 0.0
+
+    def error_of(
+        self, found: DenoisedHalves | None, noise: float, probed: ProbedError | None, reflected: float = 1.0
+    ) -> ErrorEstimate | None:
         """Return the estimated error of the whole picture, from that of its records, of its halves or its noise, and of its
-        probes, as far as they are known; None if the error of its method is not.
+        probes, as far as they are known; None if the error of its method is not. `reflected` is the share of reflected light.
+
+        Halves do not show what all paths have in common: of the squared error of records that they read later, in the light
+        that has been reflected, this may be any part (`COMMON`), so it makes the halves' estimate less certain.
         """
         own, whole = None if found is None else found.estimate, None
         if self.estimate is not None:
             whole = self.estimate.joined(own) if own is not None else self.estimate.with_noise(noise)
         elif self.prepared.errs_by_noise_alone:
+            behind = self.prepared.error_behind
             whole = own
+            if found is not None and own is not None and behind is not None and found.other_weight is None:
+                whole = own.less_certain(COMMON * (reflected * behind.error) ** 2)
         return whole if probed is None else joined(probed, whole)
 
     def _count_bad_samples(self, image: Image, film: _core.Film) -> None:

@@ -309,6 +309,10 @@ class FinalGather(Prepared):
         return True
 
     @property
+    def error_behind(self) -> ErrorEstimate | None:
+        return self.solution.estimate
+
+    @property
     def record_positions(self) -> FloatArray:
         return self.solution.record_positions
 
