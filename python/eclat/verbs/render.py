@@ -217,9 +217,7 @@ def render(
         begun.require_match(scene, view.camera, source.options.name, samples)
     elif preview is not None:
         show_looks(scene, source, view, work, denoise, preview)
-    prepared = source.prepare(
-        scene, view, work, Care(check=check, refine=refine, denoised=denoise, deadline=goal.deadline)
-    )
+    prepared = source.prepare(scene, view, work, Care(check, refine, denoised=denoise, deadline=goal.deadline))
     adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
     picture = Picture(
         scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
