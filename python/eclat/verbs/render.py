@@ -30,7 +30,7 @@ from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.methods import IrradianceCache, Method, Prepared, Source, as_method
 from eclat.methods.work import Care, View, Work
-from eclat.sampling.convergence import Goal, Sampling, noise_beside_records
+from eclat.sampling.convergence import MOST_SAMPLES, Goal, Sampling, noise_beside_records
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
 from eclat.tev.display import Display
@@ -52,6 +52,10 @@ SHARE_OF_PROBES = 0.15
 """The share of the time for samples that is reserved for the probes of the finished picture, which take as many paths
 as 0.15 of the samples, or fewer if the time is over before.
 """
+
+
+MOST_GATHERED = 1 << 28
+"""Number of paths at which a final gather ends if its error is still too large, about half an hour of one core."""
 
 
 @typed
@@ -317,6 +321,9 @@ def _goal_of_samples(goal: Goal, picture: Picture, probes: bool) -> Goal:
         goal = replace(goal, max_error=noise_beside_records(goal.max_error, picture.estimate.quoted))
     elif probes and picture.prepared.errs_by_noise_alone:
         goal = replace(goal, max_error=AIM * goal.max_error)
+        if picture.prepared.options.has_records:
+            width, height = picture.view.size
+            goal = replace(goal, most_samples=min(MOST_SAMPLES, max(256, MOST_GATHERED // (width * height))))
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()

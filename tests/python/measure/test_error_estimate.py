@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import math
+
 import pytest
 
 from eclat.measure.error_estimate import ErrorEstimate, error_text
@@ -52,3 +54,12 @@ def test_a_square_below_zero_states_no_more_certainty_than_zero(squared: float) 
     estimate = ErrorEstimate.of_squared(squared, 1e-4, 0.0)
     assert (estimate.error, estimate.low) == (0.0, 0.0)
     assert estimate.quoted == estimate.high == pytest.approx((1.96 * 1e-4) ** 0.5)
+
+
+def test_a_further_deviation_widens_the_interval_of_the_square() -> None:
+    known = ErrorEstimate.of_squared(0.01, 0.001, 0.0)
+    assert known.less_certain(0.0) == known
+    wider = known.less_certain(0.002)
+    expected = ErrorEstimate.of_squared(0.01, math.hypot(0.001, 0.002), 0.0)
+    assert (wider.error, wider.low, wider.high) == pytest.approx((expected.error, expected.low, expected.high))
+    assert known.less_certain(1.0).low == 0
