@@ -55,8 +55,8 @@ as 0.15 of the samples, or fewer if the time is over before.
 
 
 MOST_GATHERED = 1 << 27
-"""Number of paths from which on a final gather ends though its error is still too large. Furnished rooms take some ten minutes for
-them on two cores."""
+"""Number of paths from which on a final gather ends though its error is still too large. Furnished rooms take some ten
+minutes for them on two cores."""
 
 
 @typed
