@@ -24,9 +24,9 @@ GATHERED_ERROR = 0.02
 """Least `max_error` for which a denoised picture is a final gather. In furnished rooms this takes about the same time as records
 that are read at sight, without their blotches; for smaller errors it takes more samples than records save."""
 
-GATHERED_SHARE = 1 / 80
-"""Lower bound of the radius of records that only a final gather reads, as a share of the picture's longer side. These records are
-not seen, so pixels say nothing about them: in `living-room` a tenth of the records left the error of the picture as it was."""
+GATHERED_WIDTH = 80
+"""The picture's longer side over the lower bound of the radius of records that only a final gather reads. These records are not
+seen, so pixels say nothing about them: in `living-room` a tenth of the records left the error of the picture as it was."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +80,7 @@ class IrradianceCache(RecordOptions):
         """Return the options of records that only a final gather reads. Pictures keep them, so that they can be repeated."""
         least = self.least_pixels
         if least is None:
-            least = min(max(1.0, GATHERED_SHARE * max(view.size)), self.largest_pixels)
+            least = min(max(1.0, max(view.size) / GATHERED_WIDTH), self.largest_pixels)
         return replace(self, final_gather=True, least_pixels=least)
 
     @property
