@@ -36,13 +36,13 @@ from eclat.tev.growing import GrowingPicture
 FIRST_SEED_OF_PROBES = 2
 """The halves have the first two seeds of a picture, its probes the next ones."""
 
+SEEDS = 5
+"""The number of these seeds. The picture that is gathered for another one has those that follow."""
+
 COMMON = 12**-0.5
 """What all paths of a final gather have in common of the squared error of the records may be any part of it between none and all:
 nearly all in a room that is lit through a gap, where few records hold the light, and little in others. This is the standard
 deviation of a number of which nothing else is known."""
-
-SEEDS = 5
-"""The number of these seeds. The picture that is gathered for another one has those that follow."""
 
 
 class SampleTaker:

@@ -56,7 +56,9 @@ as 0.15 of the samples, or fewer if the time is over before.
 
 MOST_GATHERED = 1 << 27
 """Number of paths from which on a final gather ends though its error is still too large. Furnished rooms take some ten
-minutes for them on two cores."""
+minutes for them on two cores. At least `LEAST_GATHERED` samples per pixel are allowed."""
+
+LEAST_GATHERED = 256
 
 
 @typed
@@ -324,7 +326,7 @@ def _goal_of_samples(goal: Goal, picture: Picture, probes: bool) -> Goal:
         goal = replace(goal, max_error=AIM * goal.max_error)
         if picture.prepared.options.has_records:
             width, height = picture.view.size
-            goal = replace(goal, most_samples=min(MOST_SAMPLES, max(256, MOST_GATHERED // (width * height))))
+            goal = replace(goal, most_samples=min(MOST_SAMPLES, max(LEAST_GATHERED, MOST_GATHERED // (width * height))))
     if goal.deadline is None or not probes:
         return goal
     now = clock.perf_counter()
