@@ -108,13 +108,15 @@ class HorizonLook {
 
     /// Lowers the clearances to the distances of the hits; returns the least distance.
     float tell(std::span<const Look> looks, std::span<const Met> found, IrradianceRecord& record) const {
+        // A wide record in a garden would else be read on the floor behind the corner of a thin-walled house.
+        const float corner = closest_corner(pi / turns);
         float nearest = infinity;
         for (size_t i = 0; i < looks.size(); ++i) {
             // A wall continues between two rays and may be nearest at the border of a sector, so the adjacent sectors
             // are lowered too.
             for (int heard : {looks[i].turn, looks[i].turn + 1, looks[i].turn - 1}) {
                 float& clearance = record.clearance[clearance_sector(frame_, direction({looks[i].elevation, heard}))];
-                clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation));
+                clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation) * corner);
             }
             nearest = std::min(nearest, found[i].distance);
         }
