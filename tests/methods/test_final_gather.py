@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
+import sys
+import warnings
 from dataclasses import replace
 from typing import Any
 
@@ -12,9 +14,10 @@ import pytest
 from numpy.typing import NDArray
 
 import eclat
+from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import relative_rmse
 from eclat.methods.method import Prepared
-from eclat.methods.records.solution import Solution
+from eclat.methods.records.solution import FinalGather, Solution
 from eclat.scenes import build
 from support.courtyard import court
 from support.statistics import block_means, welch
@@ -99,6 +102,31 @@ def test_what_is_a_final_gather(
     """Noise that nothing removes, and errors that only records make small enough, are left to records read at sight."""
     options = eclat.render(build("cornell-box"), size=size, check=False, **arguments).metadata["options"]
     assert options["final_gather"] is gathers and (options["least_pixels"] == least_pixels or least_pixels is None)
+
+
+def test_what_all_paths_may_have_in_common_makes_the_statement_less_certain(monkeypatch: pytest.MonkeyPatch) -> None:
+    def stated(behind: ErrorEstimate | None) -> dict[str, float]:
+        monkeypatch.setattr(FinalGather, "error_behind", property(lambda _: behind))
+        method = eclat.IrradianceCache(max_error=0.1, final_gather=True)
+        image = eclat.render(build("cornell-box"), method, samples=64, size=SIZE, denoise=True, check=False)
+        return dict(image.metadata["statistics"])
+
+    certain, doubtful = stated(None), stated(ErrorEstimate(1.0, 0.9, 1.1))
+    assert doubtful["estimated_error_high"] > 1.2 * certain["estimated_error_high"]
+
+
+@pytest.mark.parametrize("check", [True, False])
+def test_it_ends_after_a_number_of_paths(check: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+    rendering = sys.modules["eclat.verbs.render"]
+    monkeypatch.setattr(rendering, "MOST_GATHERED", 24 * 24 * 16)
+    monkeypatch.setattr(rendering, "LEAST_GATHERED", 8)
+    method = eclat.IrradianceCache(max_error=0.1, final_gather=True)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore", eclat.EclatWarning)
+        image = eclat.render(
+            build("cornell-box"), method, max_error=0.001, size=(24, 24), denoise=True, halves=True, check=check
+        )
+    assert image.metadata["statistics"]["samples"] == 16
 
 
 def test_lobes_of_radiance_records_are_traced_too() -> None:

@@ -17,8 +17,12 @@ has the same expectation as (m − R)²: it is an unbiased estimate of the squar
 only that the halves are independent. It does not include errors that both halves share, such as the error of a cache
 that both read.
 
+Denoisers carry some per cent of a bright lamp over its edge, to pixels that become up to twenty times too bright. Beside what is
+far brighter, d(A) is therefore limited to `BRIGHTER` times the samples that A has there (`LEAK`). The formula still holds for
+it, because it still depends on A alone.
+
 Where the denoiser increases the error, the sampled picture is kept. The picture shown is s = w m + (1 − w) (k(A) + k(B)) / 2,
-with a weight w in 0..1. k(A) is A, but not more than `KEPT` times what d(A) has around a pixel: a few samples that are a
+with a weight w in 0..1. k(A) is A, limited in its turn to `BRIGHTER` times what d(A) has around a pixel: a few samples that are a
 hundred times too bright would be seen as specks even with a small weight, on a wall beside a window whose frame needs it. The
 formula above gives the error of s if w d(A) + (1 − w) k(A) takes the place of d(A), and likewise for B, because k(A) does not
 depend on B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight with the
@@ -51,19 +55,22 @@ from numpy.typing import ArrayLike, NDArray
 from eclat.errors import EclatError
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import RELATIVE_C
+from eclat.sampling.windows import WINDOW, between_centres, local_means, window_means, window_sums
 
 Float64 = NDArray[np.float64]
 DOUBT = 2.0
 """Standard errors by which halves must find another picture worse than it is known to be before they are doubted."""
 
-KEPT = 2.0
-"""Largest factor by which samples that are shown beside the denoised picture may be above its brightest value of the 3 × 3
-pixels around, by judgement. Edges stay, because both their sides are among these pixels."""
+BRIGHTER = 2.0
+"""Largest factor by which a sample that is shown beside the denoised picture may be above the brightest denoised value of the
+3 × 3 pixels around, so that edges stay; and by which a denoised value beside an edge may be above the samples. By judgement."""
+
+LEAK = 0.1
+"""A denoised value is limited where it is below this part of the brightest one of the 3 × 3 pixels around. Open Image Denoise
+carries 3 to 5 % of a lamp to the pixels beside it. It is limited by the pixel's own samples or by the median of the samples of
+these 3 × 3, whichever is brighter, because its own ones may have missed the light by chance."""
 
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
-WINDOW = 32
-"""Side of the windows in which one weight is chosen, in pixels. The estimate over such a window, of about a thousand
-pixels, is precise enough that choosing the least one hardly biases it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -146,17 +153,16 @@ def judged_halves(
     halves = _of_one_shape(a, b, denoised_a, denoised_b)
     a, b, denoised_a, denoised_b = halves
     counted = np.ones(a.shape[:2]) if covered is None else covered.astype(np.float64)
-    products = (np.minimum(denoised_a, denoised_b) ** 2, a * b)
-    scale = _scale(*products, 0.5, counted)
-    kept_a, kept_b = (
-        kept_samples(half, clean * counted[..., None]) for half, clean in ((a, denoised_a), (b, denoised_b))
-    )
+    denoised_a, kept_a = _limited_pair(a, denoised_a, counted)
+    denoised_b, kept_b = _limited_pair(b, denoised_b, counted)
+    darker = np.minimum(denoised_a, denoised_b) ** 2
+    scale = _scale(_blended_square(darker, a, b, 0.5, counted), counted)
 
     def shown(w: Float64 | float) -> tuple[Float64, Float64]:
         return w * denoised_a + (1 - w) * kept_a, w * denoised_b + (1 - w) * kept_b
 
     weight = _best_weights([_squared_error(a, b, *shown(w), scale) for w in (0.0, 0.5, 1.0)], counted)
-    scale = _scale(*products, weight[..., None], counted)
+    scale = _scale(_blended_square(darker, a, b, weight[..., None], counted), counted)
     shown_a, shown_b = shown(weight[..., None])
     squared = _squared_error(a, b, shown_a, shown_b, scale) * counted
     pixels = (shown_a + shown_b) / 2
@@ -182,10 +188,10 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     """
     a, b, denoised_a, denoised_b, others = _of_one_shape(*halves, other.pixels)
     w, scale, counted = found.weight[..., None], other.scale, np.ones(found.weight.shape)
-    own_a, own_b = (
-        w * denoised_a + (1 - w) * kept_samples(a, denoised_a),
-        w * denoised_b + (1 - w) * kept_samples(b, denoised_b),
+    (clean_a, kept_a), (clean_b, kept_b) = (
+        _limited_pair(half, clean, counted) for half, clean in ((a, denoised_a), (b, denoised_b))
     )
+    own_a, own_b = w * clean_a + (1 - w) * kept_a, w * clean_b + (1 - w) * kept_b
 
     def squared_error(v: Float64 | float) -> Float64:
         return _squared_error(a, b, v * others + (1 - v) * own_a, v * others + (1 - v) * own_b, scale)
@@ -236,7 +242,7 @@ def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
     """
     first, last = _of_one_shape(a, b)
     counted = np.ones(first.shape[:2])
-    scale = _scale(first * last, first * last, 0.0, counted)
+    scale = _scale(_square(first * last, counted), counted)
     squared = _squared_error(first, last, first, last, scale)
     mean = _mean(squared, counted)
     weight = np.zeros(squared.shape)
@@ -261,7 +267,7 @@ def _deviation(squared: Float64, counted: Float64) -> float:
     """Compute the standard error of the mean from the differences between windows. In small pictures windows are
     smaller, so that there are at least four along each side."""
     window = max(1, min(WINDOW, min(squared.shape) // 4))
-    means, counts = _window_means(squared, counted, window), _window_sums(counted, window)
+    means, counts = window_means(squared, counted, window), window_sums(counted, window)
     if not counts.any():
         return 0.0
     spread = float(np.average((means - _mean(squared, counted)) ** 2, weights=counts))
@@ -271,29 +277,54 @@ def _deviation(squared: Float64, counted: Float64) -> float:
 def _local_error(squared: Float64, counted: Float64) -> Float64:
     """Compute the local error (H, W): the root of the mean over a window and its neighbours, interpolated between
     windows."""
-    means = _between_centres(_local_means(squared, counted), squared.shape)
+    means = between_centres(local_means(squared, counted), squared.shape)
     return np.asarray(np.sqrt(np.maximum(means, 0.0)))
 
 
-def _scale(denoised: Float64, sampled: Float64, weight: Float64 | float, counted: Float64) -> Float64:
-    """Estimate R² + c, (H, W, 3).
+def _square(sampled: Float64, counted: Float64) -> Float64:
+    """Estimate R², (H, W, 3), where samples are shown: the product of the halves, averaged over 3 × 3 pixels, which their noise
+    does not make too large."""
+    counted = counted[..., None]
+    return _mean_of_nine(sampled * counted) / np.maximum(_mean_of_nine(counted), np.finfo(np.float64).tiny)
+
+
+def _blended_square(denoised: Float64, a: Float64, b: Float64, weight: Float64 | float, counted: Float64) -> Float64:
+    """Estimate R², (H, W, 3), where both may be shown, from the squares of the darker half, `denoised`, and from the samples.
 
     Where the denoised halves are shown, R² is the square of the darker half: most of the error is at edges, where
-    denoisers spread light to the dark side. Where the samples are shown, R² is the product of the halves averaged over
-    3 × 3 pixels, which their noise does not make too large. For a picture of a furnished room, the error computed with
-    the darker half is 96 to 98 % of the error computed with the true R²; with the product of the denoised halves it is
-    87 to 91 %.
+    denoisers spread light to the dark side. For a picture of a furnished room, the error computed with the darker half is 96 to
+    98 % of the error computed with the true R²; with the product of the denoised halves it is 87 to 91 %. Beside what is far
+    brighter (`LEAK`), products of samples are not averaged with it, and R² is no less than the square of the samples' mean: where
+    a few of them meet the edge of a lamp, R² is not that of the darkness beside it.
     """
-    counted = counted[..., None]
-    nearby = _mean_of_nine(sampled * counted) / np.maximum(_mean_of_nine(counted), np.finfo(np.float64).tiny)
-    square = np.maximum(weight * denoised + (1 - weight) * nearby, 0.0)
+    nearby = _square(a * b, counted)
+    beside = np.any(denoised < LEAK**2 * _most_of_nine(denoised * counted[..., None]), axis=-1)
+    nearby[beside] = _own_or_median(a * b, beside, counted[..., None])
+    square = weight * denoised + (1 - weight) * nearby
+    square[beside] = np.maximum(square[beside], ((a + b)[beside] / 2) ** 2)
+    return square
+
+
+def _scale(square: Float64, counted: Float64) -> Float64:
+    """Return R² + c, (H, W, 3), for an estimate of R² that noise may have made negative."""
+    square, counted = np.maximum(square, 0.0), counted[..., None]
     mean = float((square * counted).sum()) / max(1.0, square.shape[2] * float(counted.sum()))
     return np.asarray(np.maximum(square + RELATIVE_C * mean, np.finfo(np.float64).tiny))
 
 
-def kept_samples(samples: Float64, denoised: Float64) -> Float64:
-    """Keep samples (H, W, 3) below `KEPT` times the brightest denoised value of the 3 × 3 pixels around."""
-    return np.minimum(samples, KEPT * _most_of_nine(denoised))
+def _limited_pair(samples: Float64, denoised: Float64, counted: Float64) -> tuple[Float64, Float64]:
+    """Limit the denoised half (H, W, 3) beside what is far brighter, and then the samples by the result."""
+    counted = counted[..., None]
+    clean = denoised.copy()
+    beside = np.any(denoised < LEAK * _most_of_nine(denoised * counted), axis=-1)
+    clean[beside] = np.minimum(denoised[beside], BRIGHTER * _own_or_median(samples, beside, counted))
+    return clean, np.minimum(samples, BRIGHTER * _most_of_nine(clean * counted))
+
+
+def _own_or_median(values: Float64, pixels: NDArray[np.bool_], counted: Float64) -> Float64:
+    """Take, of the n `pixels`, the values (n, 3) or the median of the 3 × 3 pixels around, whichever is more."""
+    nines = _nines(values * counted)[pixels]
+    return np.maximum(values[pixels], np.median(nines.reshape(*nines.shape[:2], 9), axis=-1))
 
 
 def _squared_error(a: Float64, b: Float64, shown_a: Float64, shown_b: Float64, scale: Float64) -> Float64:
@@ -303,10 +334,14 @@ def _squared_error(a: Float64, b: Float64, shown_a: Float64, shown_b: Float64, s
     return np.asarray((error / scale).mean(axis=-1))
 
 
+def _nines(values: Float64) -> Float64:
+    """View the 3 × 3 pixels around each one, as (H, W, 3, 3, 3); pixels beyond the border repeat those at the border."""
+    return sliding_window_view(np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge"), (3, 3), axis=(0, 1))
+
+
 def _mean_of_nine(values: Float64) -> Float64:
-    """Average each pixel with its eight neighbours; pixels beyond the border repeat those at the border."""
-    padded = np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge")
-    return np.asarray(sliding_window_view(padded, (3, 3), axis=(0, 1)).mean(axis=(-1, -2)))
+    """Average each pixel with its eight neighbours."""
+    return np.asarray(_nines(values).mean(axis=(-1, -2)))
 
 
 def _most_of_nine(values: Float64) -> Float64:
@@ -323,46 +358,8 @@ def _best_weights(errors: list[Float64], counted: Float64) -> Float64:
     w = (3 f(0) − 4 f(½) + f(1)) / (4 f(0) − 8 f(½) + 4 f(1)). The estimate of each window is averaged with those of its
     neighbours.
     """
-    raw, half, full = (_local_means(error, counted) for error in errors)
+    raw, half, full = (local_means(error, counted) for error in errors)
     slope, bend = 3 * raw - 4 * half + full, 4 * raw - 8 * half + 4 * full
     inside = np.divide(slope, bend, out=np.zeros_like(slope), where=bend > 0)
     weights = np.where(bend > 0, np.clip(inside, 0.0, 1.0), np.where(full <= raw, 1.0, 0.0))
-    return _between_centres(weights, errors[0].shape)
-
-
-def _window_sums(values: Float64, window: int = WINDOW) -> Float64:
-    """Add up each window of `window` pixels a side; the last window of a row or column may be smaller."""
-    rows, columns = (np.arange(0, size, window) for size in values.shape)
-    return np.asarray(np.add.reduceat(np.add.reduceat(values, rows, axis=0), columns, axis=1))
-
-
-def _window_means(values: Float64, counted: Float64, window: int = WINDOW) -> Float64:
-    """Average the pixels of each window that count; 0 where none does."""
-    return np.asarray(_window_sums(values * counted, window) / np.maximum(1.0, _window_sums(counted, window)))
-
-
-def _local_means(values: Float64, counted: Float64) -> Float64:
-    """Average each window with its neighbours, each with the share of its pixels that count as a further weight."""
-    share = _window_sums(counted) / _window_sums(np.ones_like(counted))
-    return _blurred(_window_means(values, counted) * share) / np.maximum(_blurred(share), np.finfo(np.float64).tiny)
-
-
-def _blurred(windows: Float64) -> Float64:
-    """Average each window with its neighbours, with the weights 1, 2, 1 along both axes."""
-    for axis in (0, 1):
-        padded = np.pad(windows, [(1, 1) if axis == k else (0, 0) for k in (0, 1)], mode="edge")
-        count = windows.shape[axis]
-        before, here, after = (np.take(padded, np.arange(count) + k, axis=axis) for k in (0, 1, 2))
-        windows = (before + 2 * here + after) / 4
-    return windows
-
-
-def _between_centres(windows: Float64, shape: tuple[int, ...]) -> Float64:
-    """Interpolate bilinearly between the centres of the windows, to an array of the given shape."""
-    for axis in (0, 1):
-        at = (np.arange(shape[axis]) + 0.5) / WINDOW - 0.5
-        low = np.clip(np.floor(at).astype(int), 0, windows.shape[axis] - 1)
-        high = np.minimum(low + 1, windows.shape[axis] - 1)
-        part = np.clip(at - low, 0.0, 1.0).reshape((-1, 1) if axis == 0 else (1, -1))
-        windows = (1 - part) * np.take(windows, low, axis=axis) + part * np.take(windows, high, axis=axis)
-    return windows
+    return between_centres(weights, errors[0].shape)

@@ -33,7 +33,8 @@ from numpy.typing import NDArray
 from eclat.measure.error_estimate import SIGMAS, ErrorEstimate
 from eclat.measure.metrics import RELATIVE_C
 from eclat.sampling.adaptive_sampling import Counts
-from eclat.sampling.denoised_halves import WINDOW, DenoisedHalves
+from eclat.sampling.denoised_halves import DenoisedHalves
+from eclat.sampling.windows import WINDOW
 
 Float64 = NDArray[np.float64]
 

@@ -322,8 +322,9 @@ def _goal_of_samples(goal: Goal, picture: Picture, probes: bool) -> Goal:
     """
     if picture.estimate is not None:
         goal = replace(goal, max_error=noise_beside_records(goal.max_error, picture.estimate.quoted))
-    elif probes and picture.prepared.errs_by_noise_alone:
-        goal = replace(goal, max_error=AIM * goal.max_error)
+    elif picture.prepared.errs_by_noise_alone:
+        if probes:
+            goal = replace(goal, max_error=AIM * goal.max_error)
         if picture.prepared.options.has_records:
             width, height = picture.view.size
             goal = replace(goal, most_samples=min(MOST_SAMPLES, max(LEAST_GATHERED, MOST_GATHERED // (width * height))))

@@ -58,9 +58,9 @@ def test_a_map_of_several_pages_shows_the_light_of_one(tmp_path: Path) -> None:
     assert one.page_count == 1 < many.page_count == len(many.pages)
     assert max(many.pages[0].shape) <= 48
     assert many.statistics["texels"] == pytest.approx(one.statistics["texels"], rel=0.1)
-    a, b = (np.sort(read_at_random(m, 1500).irradiance.mean(axis=1)) for m in (one, many))
-    np.testing.assert_allclose(b.mean(), a.mean(), rtol=0.03)
-    np.testing.assert_allclose(np.quantile(b, [0.1, 0.5, 0.9]), np.quantile(a, [0.1, 0.5, 0.9]), rtol=0.08)
+    a, b = (np.sort(read_at_random(m, 30000).irradiance.mean(axis=1)) for m in (one, many))
+    np.testing.assert_allclose(b.mean(), a.mean(), rtol=0.02)
+    np.testing.assert_allclose(np.quantile(b, [0.1, 0.5, 0.9]), np.quantile(a, [0.1, 0.5, 0.9]), rtol=0.04)
     files = many.save(tmp_path / "a.glb", ktx2=True)
     names = {file.name for file in files}
     assert {"a.lightmap.exr", "a.lightmap.2.exr", "a.lightmap.ktx2", "a.lightmap.2.ktx2"} <= names
