@@ -284,12 +284,9 @@ int clearance_sector(const Frame& frame, Vec3 d) {
     return u > 0 ? 6 + third(u, v) : 9 + third(v, -u);
 }
 
-float closest_corner(float half_gap) { return std::cos(half_gap) - std::sin(half_gap); }
-
 std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {
     std::array<float, 12> out;
     out.fill(infinity);
-    const float corner = closest_corner(pi / static_cast<float>(samples.columns));
     const Frame frame = Frame::around(samples.frame.n);
     for (int k = 0; k < samples.columns; ++k) {
         const float phi = 2 * pi * (static_cast<float>(k) + 0.5f) / static_cast<float>(samples.columns);
@@ -298,7 +295,7 @@ std::array<float, 12> sector_clearance(const HemisphereSamples& samples) {
             const float s2 = row_middle(samples.kind, j, samples.rows);
             if (s2 < 0.5f || !samples.apart[size_t(j) * samples.columns + k]) continue;
             const float s = std::sqrt(s2);
-            sector = std::min(sector, samples.r(j, k) * s * corner);
+            sector = std::min(sector, samples.r(j, k) * s);
         }
     }
     return out;

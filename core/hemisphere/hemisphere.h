@@ -89,11 +89,8 @@ bool stands_apart(Vec3 here, Vec3 direction, Vec3 there);
 /// Returns the least distance to separate objects.
 float minimum_distance(const HemisphereSamples& samples);
 
-/// Returns how close a right-angled corner between two directions can be, as a share of the distances to its sides that rays in
-/// these directions measure. `half_gap` is half of the angle between them, rad.
-float closest_corner(float half_gap);
 /// Returns, for each sector of azimuth in Frame::around(normal), the least horizontal distance to separate objects up
-/// to 45° above the horizon, or to a corner of theirs between two directions; infinity where there are none.
+/// to 45° above the horizon, or infinity.
 std::array<float, 12> sector_clearance(const HemisphereSamples& samples);
 /// Returns the sector of that frame in which the tangential vector `d` lies.
 int clearance_sector(const Frame& frame, Vec3 d);

@@ -42,6 +42,7 @@ class HorizonLook {
                 edges.push_back({turn, lowest, highest});
         }
         nearest = std::min(nearest, tell(looks, found, record));
+        tell_between(looks, found, record);
         for (int halving = 0; halving < halvings && !edges.empty(); ++halving) {
             looks.clear();
             for (const Edge& e : edges) looks.push_back({std::sqrt(e.met * e.passed), e.turn});
@@ -78,6 +79,7 @@ class HorizonLook {
     struct Met {
         float distance = infinity;  // distance to an object separate from the surface
         bool faces = false;         // whether the object faces the surface
+        Vec3 normal{};              // geometric normal of the object
     };
     struct Edge {
         int turn;
@@ -99,26 +101,70 @@ class HorizonLook {
         std::vector<Met> out(rays.size());
         for (size_t i = 0; i < rays.size(); ++i) {
             if (hits[i].missed()) continue;
-            const Vec3 there = world_.geometry.surface_point(hits[i], -rays[i].direction).frame.n;
-            if (stands_apart(candidate_.shading_normal, rays[i].direction, there))
-                out[i] = {hits[i].t, dot(there, frame_.n) < facing};
+            const SurfacePoint met = world_.geometry.surface_point(hits[i], -rays[i].direction);
+            if (stands_apart(candidate_.shading_normal, rays[i].direction, met.frame.n))
+                out[i] = {hits[i].t, dot(met.frame.n, frame_.n) < facing, met.normal};
         }
         return out;
     }
 
     /// Lowers the clearances to the distances of the hits; returns the least distance.
     float tell(std::span<const Look> looks, std::span<const Met> found, IrradianceRecord& record) const {
-        // A wide record in a garden would else be read on the floor behind the corner of a thin-walled house.
-        const float corner = closest_corner(pi / turns);
         float nearest = infinity;
         for (size_t i = 0; i < looks.size(); ++i) {
             // A wall continues between two rays and may be nearest at the border of a sector, so the adjacent sectors
             // are lowered too.
             for (int heard : {looks[i].turn, looks[i].turn + 1, looks[i].turn - 1}) {
                 float& clearance = record.clearance[clearance_sector(frame_, direction({looks[i].elevation, heard}))];
-                clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation) * corner);
+                clearance = std::min(clearance, found[i].distance * std::cos(looks[i].elevation));
             }
             nearest = std::min(nearest, found[i].distance);
+        }
+        return nearest;
+    }
+
+    /// Lowers the clearances to the distances of corners between neighbouring rays of the same elevation. A wide record in a
+    /// garden would else be read on the floor behind the corner of a thin-walled house.
+    void tell_between(std::span<const Look> looks, std::span<const Met> found, IrradianceRecord& record) const {
+        for (size_t i = 0; i < looks.size(); ++i) {
+            const size_t next = looks[i].turn + 1 < turns ? i + 1 : i + 1 - turns;
+            const float distance = between({direction(looks[i]), found[i]}, {direction(looks[next]), found[next]});
+            for (size_t beside : {i, next}) {
+                float& clearance = record.clearance[clearance_sector(frame_, direction(looks[beside]))];
+                clearance = std::min(clearance, distance * std::cos(looks[i].elevation));
+            }
+        }
+    }
+
+    /// A ray and what it met, which continues as a plane.
+    struct Side {
+        Vec3 direction;
+        Met met;
+
+        float height() const { return dot(met.normal, direction) * met.distance; }
+        /// Returns the distance of the plane in another direction.
+        float distance(Vec3 along) const {
+            const float rise = dot(met.normal, along);
+            return rise * height() > 0 ? height() / rise : infinity;
+        }
+    };
+
+    /// Returns how close something can be between two rays: where the planes of both meet, if that is between the rays, or
+    /// where the nearer plane, which the other ray passes, ends at the latest.
+    static float between(const Side& a, const Side& b) {
+        if (a.met.distance < infinity && b.met.distance < infinity) {
+            const float aa = dot(a.met.normal, a.direction), ab = dot(a.met.normal, b.direction);
+            const float ba = dot(b.met.normal, a.direction), bb = dot(b.met.normal, b.direction);
+            const float det = aa * bb - ab * ba;
+            const float along_a = (a.height() * bb - b.height() * ab) / det;
+            const float along_b = (b.height() * aa - a.height() * ba) / det;
+            if (along_a > 0 && along_b > 0) return length(a.direction * along_a + b.direction * along_b);
+        }
+        float nearest = infinity;
+        for (const auto& [here, there] : {std::pair{a, b}, std::pair{b, a}}) {
+            if (here.met.distance == infinity) continue;
+            const float end = here.distance(there.direction);
+            if (end < there.met.distance) nearest = std::min(nearest, end);
         }
         return nearest;
     }

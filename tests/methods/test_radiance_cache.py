@@ -53,7 +53,7 @@ def picture(scene: Scene, options: eclat.RadianceCache, samples: int = 8) -> ecl
     return eclat.render(scene, eclat.solve(scene, options, size=SIZE, check=False), samples=samples, size=SIZE)
 
 
-@pytest.mark.parametrize(("alpha", "served", "error", "bias"), [(0.4, 0.13, 0.02, 0.015), (0.6, 0.15, 0.012, 0.012)])
+@pytest.mark.parametrize(("alpha", "served", "error", "bias"), [(0.4, 0.13, 0.02, 0.015), (0.6, 0.16, 0.012, 0.012)])
 def test_rough_metal_in_the_box_is_cached_with_a_stated_bias(
     alpha: float, served: float, error: float, bias: float
 ) -> None:
@@ -235,7 +235,7 @@ def test_a_fly_through_needs_no_gathers_and_does_not_flicker() -> None:
     for time in np.linspace(0, 1, 8):
         now, soon = frame(time), frame(time + 1e-3)
         assert now.layers["gloss_cached"].mean() > 0.12
-        assert now.layers["gloss_traced"].mean() < 0.11 * now.layers["gloss_cached"].mean()
+        assert now.layers["gloss_traced"].mean() < 0.1 * now.layers["gloss_cached"].mean()
         cached = (now.layers["gloss_cached"] == 1) & (soon.layers["gloss_cached"] == 1)
         x, y = (image.layers["indirect"][cached] for image in (now, soon))
         # A record that began or ended to serve with a weight would be a jump; but for pixels at edges there is none.
