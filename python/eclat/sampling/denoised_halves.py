@@ -17,12 +17,8 @@ has the same expectation as (m − R)²: it is an unbiased estimate of the squar
 only that the halves are independent. It does not include errors that both halves share, such as the error of a cache
 that both read.
 
-Denoisers carry some per cent of a bright lamp over its edge, to pixels that become up to twenty times too bright. Beside what is
-far brighter, d(A) is therefore limited to `BRIGHTER` times the samples that A has there (`LEAK`). The formula still holds for
-it, because it still depends on A alone.
-
 Where the denoiser increases the error, the sampled picture is kept. The picture shown is s = w m + (1 − w) (k(A) + k(B)) / 2,
-with a weight w in 0..1. k(A) is A, limited in its turn to `BRIGHTER` times what d(A) has around a pixel: a few samples that are a
+with a weight w in 0..1. k(A) is A, limited to `denoiser.BRIGHTER` times what d(A) has around a pixel: a few samples that are a
 hundred times too bright would be seen as specks even with a small weight, on a wall beside a window whose frame needs it. The
 formula above gives the error of s if w d(A) + (1 − w) k(A) takes the place of d(A), and likewise for B, because k(A) does not
 depend on B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight with the
@@ -49,10 +45,11 @@ import math
 from dataclasses import dataclass
 
 import numpy as np
-from numpy.lib.stride_tricks import sliding_window_view
 from numpy.typing import ArrayLike, NDArray
 
 from eclat.errors import EclatError
+from eclat.images.denoiser import BRIGHTER, LEAK
+from eclat.images.nines import mean_of_nine, most_of_nine, own_or_median
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import RELATIVE_C
 from eclat.sampling.windows import WINDOW, between_centres, local_means, window_means, window_sums
@@ -60,15 +57,6 @@ from eclat.sampling.windows import WINDOW, between_centres, local_means, window_
 Float64 = NDArray[np.float64]
 DOUBT = 2.0
 """Standard errors by which halves must find another picture worse than it is known to be before they are doubted."""
-
-BRIGHTER = 2.0
-"""Largest factor by which a sample that is shown beside the denoised picture may be above the brightest denoised value of the
-3 × 3 pixels around, so that edges stay; and by which a denoised value beside an edge may be above the samples. By judgement."""
-
-LEAK = 0.1
-"""A denoised value is limited where it is below this part of the brightest one of the 3 × 3 pixels around. Open Image Denoise
-carries 3 to 5 % of a lamp to the pixels beside it. It is limited by the pixel's own samples or by the median of the samples of
-these 3 × 3, whichever is brighter, because its own ones may have missed the light by chance."""
 
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
 
@@ -141,7 +129,7 @@ def judged_halves(
     ----------
     a, b : (H, W, 3) linear radiance; each is a mean of the same number of samples. Their noise must be independent, so
         they must be rendered with different seeds; two halves of one Sobol' sequence are not independent.
-    denoised_a, denoised_b : (H, W, 3) a and b after denoising. Each must depend on its own half alone; the layers that
+    denoised_a, denoised_b : (H, W, 3) a and b after `denoiser.denoise`. Each must depend on its own half alone; the layers that
         guide the denoiser must come from the same half too.
     covered : (H, W), True for the pixels that count, such as the texels of surfaces in a light map; the others have no part
         in errors and weights, and their error is 0. None means all.
@@ -153,8 +141,7 @@ def judged_halves(
     halves = _of_one_shape(a, b, denoised_a, denoised_b)
     a, b, denoised_a, denoised_b = halves
     counted = np.ones(a.shape[:2]) if covered is None else covered.astype(np.float64)
-    denoised_a, kept_a = _limited_pair(a, denoised_a, counted)
-    denoised_b, kept_b = _limited_pair(b, denoised_b, counted)
+    kept_a, kept_b = _kept(a, denoised_a, counted), _kept(b, denoised_b, counted)
     darker = np.minimum(denoised_a, denoised_b) ** 2
     scale = _scale(_blended_square(darker, a, b, 0.5, counted), counted)
 
@@ -188,10 +175,9 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     """
     a, b, denoised_a, denoised_b, others = _of_one_shape(*halves, other.pixels)
     w, scale, counted = found.weight[..., None], other.scale, np.ones(found.weight.shape)
-    (clean_a, kept_a), (clean_b, kept_b) = (
-        _limited_pair(half, clean, counted) for half, clean in ((a, denoised_a), (b, denoised_b))
+    own_a, own_b = (
+        w * denoised + (1 - w) * _kept(half, denoised, counted) for half, denoised in ((a, denoised_a), (b, denoised_b))
     )
-    own_a, own_b = w * clean_a + (1 - w) * kept_a, w * clean_b + (1 - w) * kept_b
 
     def squared_error(v: Float64 | float) -> Float64:
         return _squared_error(a, b, v * others + (1 - v) * own_a, v * others + (1 - v) * own_b, scale)
@@ -285,7 +271,7 @@ def _square(sampled: Float64, counted: Float64) -> Float64:
     """Estimate R², (H, W, 3), where samples are shown: the product of the halves, averaged over 3 × 3 pixels, which their noise
     does not make too large."""
     counted = counted[..., None]
-    return _mean_of_nine(sampled * counted) / np.maximum(_mean_of_nine(counted), np.finfo(np.float64).tiny)
+    return mean_of_nine(sampled * counted) / np.maximum(mean_of_nine(counted), np.finfo(np.float64).tiny)
 
 
 def _blended_square(denoised: Float64, a: Float64, b: Float64, weight: Float64 | float, counted: Float64) -> Float64:
@@ -294,12 +280,12 @@ def _blended_square(denoised: Float64, a: Float64, b: Float64, weight: Float64 |
     Where the denoised halves are shown, R² is the square of the darker half: most of the error is at edges, where
     denoisers spread light to the dark side. For a picture of a furnished room, the error computed with the darker half is 96 to
     98 % of the error computed with the true R²; with the product of the denoised halves it is 87 to 91 %. Beside what is far
-    brighter (`LEAK`), products of samples are not averaged with it, and R² is no less than the square of the samples' mean: where
-    a few of them meet the edge of a lamp, R² is not that of the darkness beside it.
+    brighter (`denoiser.LEAK`), products of samples are not averaged with it, and R² is no less than the square of the samples'
+    mean: where a few of them meet the edge of a lamp, R² is not that of the darkness beside it.
     """
     nearby = _square(a * b, counted)
-    beside = np.any(denoised < LEAK**2 * _most_of_nine(denoised * counted[..., None]), axis=-1)
-    nearby[beside] = _own_or_median(a * b, beside, counted[..., None])
+    beside = np.any(denoised < LEAK**2 * most_of_nine(denoised * counted[..., None]), axis=-1)
+    nearby[beside] = own_or_median(a * b * counted[..., None], beside)
     square = weight * denoised + (1 - weight) * nearby
     square[beside] = np.maximum(square[beside], ((a + b)[beside] / 2) ** 2)
     return square
@@ -312,19 +298,9 @@ def _scale(square: Float64, counted: Float64) -> Float64:
     return np.asarray(np.maximum(square + RELATIVE_C * mean, np.finfo(np.float64).tiny))
 
 
-def _limited_pair(samples: Float64, denoised: Float64, counted: Float64) -> tuple[Float64, Float64]:
-    """Limit the denoised half (H, W, 3) beside what is far brighter, and then the samples by the result."""
-    counted = counted[..., None]
-    clean = denoised.copy()
-    beside = np.any(denoised < LEAK * _most_of_nine(denoised * counted), axis=-1)
-    clean[beside] = np.minimum(denoised[beside], BRIGHTER * _own_or_median(samples, beside, counted))
-    return clean, np.minimum(samples, BRIGHTER * _most_of_nine(clean * counted))
-
-
-def _own_or_median(values: Float64, pixels: NDArray[np.bool_], counted: Float64) -> Float64:
-    """Take, of the n `pixels`, the values (n, 3) or the median of the 3 × 3 pixels around, whichever is more."""
-    nines = _nines(values * counted)[pixels]
-    return np.maximum(values[pixels], np.median(nines.reshape(*nines.shape[:2], 9), axis=-1))
+def _kept(samples: Float64, denoised: Float64, counted: Float64) -> Float64:
+    """Limit the samples (H, W, 3) to `BRIGHTER` times the brightest denoised value of the 3 × 3 pixels around."""
+    return np.minimum(samples, BRIGHTER * most_of_nine(denoised * counted[..., None]))
 
 
 def _squared_error(a: Float64, b: Float64, shown_a: Float64, shown_b: Float64, scale: Float64) -> Float64:
@@ -332,23 +308,6 @@ def _squared_error(a: Float64, b: Float64, shown_a: Float64, shown_b: Float64, s
     squares = (shown_a - b) ** 2 + (shown_b - a) ** 2 - (a - b) ** 2
     error = 0.5 * squares - 0.25 * (shown_a - shown_b) ** 2
     return np.asarray((error / scale).mean(axis=-1))
-
-
-def _nines(values: Float64) -> Float64:
-    """View the 3 × 3 pixels around each one, as (H, W, 3, 3, 3); pixels beyond the border repeat those at the border."""
-    return sliding_window_view(np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge"), (3, 3), axis=(0, 1))
-
-
-def _mean_of_nine(values: Float64) -> Float64:
-    """Average each pixel with its eight neighbours."""
-    return np.asarray(_nines(values).mean(axis=(-1, -2)))
-
-
-def _most_of_nine(values: Float64) -> Float64:
-    """Take the largest value of each pixel and its eight neighbours."""
-    padded = np.pad(values, ((1, 1), (1, 1), (0, 0)), mode="edge")
-    rows = np.maximum.reduce([padded[k : k + values.shape[0]] for k in range(3)])
-    return np.asarray(np.maximum.reduce([rows[:, k : k + values.shape[1]] for k in range(3)]))
 
 
 def _best_weights(errors: list[Float64], counted: Float64) -> Float64:

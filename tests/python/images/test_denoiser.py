@@ -4,8 +4,11 @@
 
 from __future__ import annotations
 
+import importlib
+
 import numpy as np
 import pytest
+from scipy.ndimage import binary_dilation
 
 from eclat.errors import EclatError
 from eclat.images import denoiser
@@ -29,6 +32,34 @@ def test_the_denoiser_removes_noise_and_keeps_edges(noisy: tuple[np.ndarray, np.
     assert clean.dtype == np.float32 and clean.shape == truth.shape
     assert np.abs(clean - truth).mean() < 0.15 * np.abs(samples - truth).mean()
     assert clean[:, 31].mean() > 3 * clean[:, 32].mean()
+
+
+@needs_denoiser
+def test_a_lamp_stays_within_its_edge() -> None:
+    """A lamp of some pixels before a wall: Open Image Denoise alone makes the wall beside it much too bright."""
+    lamp = np.zeros((64, 64), bool)
+    lamp[30:33, 20:24] = True
+    beside = binary_dilation(lamp, structure=np.ones((3, 3))) & ~lamp
+    wall = np.random.default_rng(3).gamma(8, 1 / 8, (64, 64, 1)).astype(np.float32) * np.ones(3, np.float32)
+    samples = np.where(lamp[..., None], np.float32(3000), wall)
+    oidn = importlib.import_module(denoiser.PACKAGE)
+    assert oidn.denoise(samples, hdr=True, quality="high")[beside].mean() > 4
+    clean = denoiser.denoise(samples)
+    assert 0.5 < clean[beside].mean() < 2.5
+    assert clean[lamp].mean() > 2000
+
+
+def test_only_pixels_beside_what_is_far_brighter_are_limited() -> None:
+    samples = np.full((5, 5, 3), 1.0)
+    denoised = np.full((5, 5, 3), 3.0)
+    denoised[2, 2] = 29  # 3 is more than a tenth of it
+    assert np.array_equal(denoiser.within_edges(samples, denoised), denoised)
+    denoised[2, 2] = 31
+    samples[1, 1] = 1.4  # its own sample counts, because it is above the median
+    expected = np.where(np.ones((5, 5, 1)) > 0, denoised, 0)
+    expected[1:4, 1:4] = 2
+    expected[1, 1], expected[2, 2] = 2.8, 31
+    np.testing.assert_allclose(denoiser.within_edges(samples, denoised), expected)
 
 
 @needs_denoiser

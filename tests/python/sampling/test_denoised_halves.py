@@ -9,6 +9,7 @@ import pytest
 from scipy.ndimage import binary_dilation, median_filter, uniform_filter
 
 from eclat.errors import EclatError
+from eclat.images.denoiser import within_edges
 from eclat.measure.metrics import RELATIVE_C
 from eclat.sampling.denoised_halves import DenoisedHalves, JudgedPicture, judged_halves, with_picture
 
@@ -96,7 +97,7 @@ def test_a_lamp_stays_within_its_edge() -> None:
             blur(np.where(lamp[..., None], truth(False), half)) * ~lamp[..., None] + carried(half * lamp[..., None])
             for half in (a, b)
         ]
-        found = judged_halves(a, b, *clean)
+        found = judged_halves(a, b, within_edges(a, clean[0]), within_edges(b, clean[1]))
         assert clean[0][beside].mean() > 3 * reference[beside].mean()
         assert found.pixels[beside].mean() < 2 * reference[beside].mean()
         estimates.append(found.squared_error)
