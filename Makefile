@@ -13,7 +13,7 @@ demo: .venv/installed ## render the built-in scenes by irradiance caching and by
 	.venv/bin/python examples/demo.py
 
 test: web/node_modules/installed .venv/tested core-test ## all tests but the dearest (tools/check --full has those)
-	.venv/bin/python -m pytest tests -m "not full"
+	.venv/bin/python -m pytest tests -m "not full" -n auto --maxprocesses 4 --dist loadfile
 
 docs: .venv/documented ## the documentation site, in build/docs/html
 	.venv/bin/python tools/docs.py
