@@ -9,6 +9,7 @@ import os
 import secrets
 import time
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import suppress
 from contextvars import ContextVar, Token
 from dataclasses import dataclass, field
 from typing import Any, Self
@@ -17,16 +18,18 @@ from eclat.bridge.running import ProgressReport
 from eclat.errors import EclatError, shown, warn
 from eclat.farm.identity import Identity, identity
 from eclat.farm.parcels import Parcels
+from eclat.farm.sending import Sender
 from eclat.farm.worker import REPORT, Bench, Refused, run_range
-from eclat.farm.workers import POLL, Workers
+from eclat.farm.workers import LOOK_AT_WORKERS, POLL, Workers
 from eclat.typed import typed
 
 PATIENCE = 60.0
-"""Seconds to wait for a worker, or for a scheduler that is started again, before giving up."""
-LOOK_AT_WORKERS = 1.0
-"""Seconds between two looks at which workers there are."""
+"""Seconds to wait for a worker, for a scheduler that is started again, or for ranges that no worker begins, before giving up."""
 MOST_RETRIES = 5
-"""How often a range is sent again after Dask gave it up, each time because several workers died over it."""
+"""How often a range is sent again after Dask gave it up, each time because several workers died over it, and how often after it
+was lost with all workers that had what it needs, while no range was finished."""
+RESULT = 60.0
+"""Seconds in which a result travels, before it is asked for again."""
 
 RangeFunction = Callable[[Any, Any, Bench], Any]
 """A function, which modules of Éclat define, of a shared object, a range and a `Bench`."""
@@ -48,7 +51,8 @@ class Farm:
     Parameters
     ----------
     client : a `distributed.Client` of any cluster.
-    patience : seconds to wait for a first worker, or for a lost scheduler, before an error.
+    patience : seconds to wait for a worker or for a lost scheduler before an error. Ranges that no worker begins within them
+        are sent again, and if again none does, there is an error too.
 
     Examples
     --------
@@ -71,7 +75,7 @@ class Farm:
         """The number of ranges that were sent so far, each counted as often as it was sent."""
         self._expected: Identity = {}
         self._packed, self._pickled = Packed(), pickled
-        self._sent: dict[str, Any] = {}
+        self._sender = Sender(client, self.workers)
         self._tokens: list[Token[Farm | None]] = []
         self._fractions: dict[int, float] = {}
         self._request = ""
@@ -126,7 +130,7 @@ class Farm:
 
     def __exit__(self, *_: object) -> None:
         _current.reset(self._tokens.pop())
-        self._sent.clear()
+        self._sender.forget()
         self.close()
 
     def ordered(
@@ -173,42 +177,32 @@ class Farm:
             request.cancel()
             self._request, self._fractions = outer
 
-    def send(self, parcels: Parcels) -> dict[str, Any]:
-        """Return futures of parcels, which are scattered to the workers once, under their names."""
-        missing = {name: content for name, content in parcels.items() if not _is_there(self._sent.get(name))}
-        if missing:
-            self._sent.update(self._scattered(missing))
-        return {name: self._sent[name] for name in parcels}
-
-    def _scattered(self, parcels: Parcels) -> dict[str, Any]:
-        """Scatter parcels, and again if a worker dies meanwhile, which ends the transfer to all of them."""
-        end = time.monotonic() + self.workers.patience
-        while True:
-            try:
-                found: dict[str, Any] = self.client.scatter(parcels, broadcast=True)
-                return found
-            except (OSError, TimeoutError) as error:
-                if time.monotonic() > end:
-                    raise EclatError(
-                        f"workers could not be sent what they need within {self.workers.patience:g} s: {error}"
-                    ) from None
-                time.sleep(POLL)
-                self.workers.wait()
-
     def submit(
-        self, call: tuple[RangeFunction, Any], shared: str, parcels: Parcels, tag: tuple[str, int], again: int
+        self,
+        call: tuple[RangeFunction, Any],
+        shared: tuple[str, Parcels],
+        tag: tuple[str, int],
+        again: int,
+        workers: list[str] | None,
     ) -> Any:
-        """Send a range, and return its future."""
+        """Send a range to one of some workers, and return its future."""
         self.ranges_sent += 1
+        name, parcels = shared
         key = f"eclat-{tag[0]}-{tag[1]}-{again}"
-        return self.client.submit(
-            run_range, self._expected, self._pickled(call), shared, self.send(parcels), tag, key=key,
-            workers=self.workers.accepted(), priority=-tag[1], pure=False,
-        )  # fmt: skip
+        sent = self._sender.send(parcels)
+        try:
+            return self.client.submit(
+                run_range, self._expected, self._pickled(call), name, sent, tag, key=key,
+                workers=workers, priority=-tag[1], pure=False,
+            )  # fmt: skip
+        except Exception:
+            if self.client.status == "closed":
+                raise EclatError(self.workers.why_nobody_computes()) from None
+            raise
 
     def recover(self) -> None:
         """Wait until the scheduler and a worker are there again. Raises EclatError if they do not come."""
-        self._sent.clear()
+        self._sender.forget()
         self.workers.wait()
 
     def shares(self) -> dict[int, float]:
@@ -234,56 +228,78 @@ class _Request:
     open: dict[int, Any] = field(default_factory=dict)
     """Maps the indices of ranges that are not finished to their futures."""
     limits: dict[int, list[str]] = field(default_factory=dict)
-    """Maps indices to the workers that may compute them, once some are refused."""
+    """Maps indices to the workers that may compute them, if others are refused."""
     sent: dict[int, int] = field(default_factory=dict)
     given_up: dict[int, int] = field(default_factory=dict)
+    lost: dict[int, int] = field(default_factory=dict)
+    """Maps indices to how often ranges were lost since one was finished last."""
+    sign: float = field(default_factory=time.monotonic)
+    """When the last sign came that any range may be finished."""
+    stalled: bool = False
+    """Whether all ranges were sent again because there was no sign, and none was finished since."""
+    trouble: str = ""
+    """Why a result that is there could not be had."""
 
     def results(self) -> Iterator[tuple[int, Any]]:
         """Yield the results as they come."""
         self._send(range(len(self.items)))
-        looked = time.monotonic()
+        looked = self.sign = time.monotonic()
         while self.open:
-            found = [index for index, future in self.open.items() if future.status != "pending"]
-            for index in found:
+            left = len(self.open)
+            for index in [index for index, future in self.open.items() if future.status != "pending"]:
                 yield from self._answer(index)
             if time.monotonic() - looked > LOOK_AT_WORKERS:
-                looked = time.monotonic()
                 self._look_at_workers()
+                looked = time.monotonic()
             self._tell()
-            if not found:
+            if len(self.open) == left:
                 time.sleep(POLL)
 
     def cancel(self) -> None:
         """Tell the cluster that nobody waits any more."""
         if self.open and self.farm.client.status == "running":
-            self.farm.client.cancel(list(self.open.values()), force=True)
+            self._withdraw(list(self.open))
         self.open.clear()
 
+    def _withdraw(self, indices: Sequence[int]) -> None:
+        with suppress(Exception):  # A client that was closed meanwhile has nobody to tell.
+            self.farm.client.cancel([self.open[index] for index in indices], force=True)
+
     def _send(self, indices: Sequence[int]) -> None:
-        name, parcels = self.shared
+        workers = self.farm.workers.accepted()
+        if workers == []:
+            self.farm.workers.wait()
+            workers = self.farm.workers.accepted()
         for index in indices:
             again = self.sent[index] = self.sent.get(index, -1) + 1
             call = (self.function, self.items[index])
-            self.open[index] = self.farm.submit(call, name, parcels, (self.name, index), again)
-            accepted = self.farm.workers.accepted() if again or self.limits else None
-            if accepted is not None:
-                self.limits[index] = accepted
+            self.open[index] = self.farm.submit(call, self.shared, (self.name, index), again, workers or None)
+            if workers:
+                self.limits[index] = workers
+            else:
+                self.limits.pop(index, None)
 
     def _answer(self, index: int) -> Iterator[tuple[int, Any]]:
         future = self.open[index]
         status = future.status
+        if status == "pending":
+            return  # It was sent again since it was looked at, or its worker died, and waiting for it here could last.
         if status in ("cancelled", "lost"):
             self._after_loss()
             return
-        if status == "error":
-            self._after_error(index, future.exception())
-            return
         try:
-            answer = future.result()
-        except Exception:
+            error = future.exception(timeout=RESULT) if status == "error" else None
+            answer = future.result(timeout=RESULT) if status == "finished" else None
+        except Exception as failure:
             # The worker died before it handed its result over. Dask computes the range again, unless it lost it.
-            if future.status != "pending":
+            self.trouble = f"; the last result could not be had ({type(failure).__name__}: {failure})"
+            if future.status in ("cancelled", "lost"):
                 self._after_loss()
+            return
+        if error is not None:
+            self._after_error(index, error)
+            return
+        if answer is None:
             return
         if isinstance(answer, Refused):
             self.farm.workers.refuse(answer.worker, answer.reason)
@@ -291,9 +307,12 @@ class _Request:
             self._send([index])
             return
         del self.open[index]
+        self.stalled, self.trouble = False, ""
+        self.lost.clear()
         for message in answer.warnings:
             warn(message)
         yield index, answer.value
+        self.sign = time.monotonic()
 
     def _after_error(self, index: int, error: BaseException) -> None:
         """Send a range again if its workers died; otherwise raise what went wrong."""
@@ -313,20 +332,49 @@ class _Request:
     def _after_loss(self) -> None:
         """The scheduler was lost, or all workers that held a parcel: wait for them, and send again what is lost."""
         self.farm.recover()
-        self._send([i for i, future in self.open.items() if future.status in ("cancelled", "lost", "error")])
+        lost = [i for i, future in self.open.items() if future.status in ("cancelled", "lost", "error")]
+        for index in lost:
+            self.lost[index] = self.lost.get(index, 0) + 1
+            if self.lost[index] > MOST_RETRIES:
+                raise EclatError(
+                    f"a range was given up: it was lost {self.lost[index]} times with all workers that had what it needs; "
+                    "is memory scarce?"
+                )
+        self._send(lost)
 
     def _look_at_workers(self) -> None:
-        """Send ranges again that wait for workers which are no longer there."""
+        """Send ranges again that wait for workers which are no longer there, or that no worker computes. Raises EclatError if
+        this does not help."""
+        workers = self.farm.workers
         if self.farm.client.status not in ("running", "connecting"):
             self.farm.recover()
-        if not self.limits:
-            return
-        there = set(self.farm.workers.addresses())
+        there = set(workers.addresses()) if self.limits else set()
         stuck = [i for i in self.open if i in self.limits and there and not there & set(self.limits[i])]
         if stuck:
-            self.farm.client.cancel([self.open[i] for i in stuck], force=True)
-            self.farm.workers.wait()
+            self._withdraw(stuck)
+            workers.wait()
             self._send(stuck)
+        waited = time.monotonic() - self.sign
+        if waited > workers.patience / 2 and workers.busy():
+            self.sign = time.monotonic()
+        elif waited > workers.patience:
+            self._after_stall()
+
+    def _after_stall(self) -> None:
+        """Nobody computes, and nothing comes back: hand all ranges out again, once."""
+        workers = self.farm.workers
+        if not set(workers.addresses()) - workers.refused():
+            raise EclatError(workers.why_nobody_computes())
+        if self.stalled:
+            raise EclatError(
+                f"the workers that are there have begun none of {len(self.open)} ranges within {workers.patience:g} s, though "
+                f"they were sent twice{self.trouble}; start the workers again"
+            )
+        self.stalled = True
+        self._withdraw(list(self.open))
+        self.farm.recover()
+        self._send(list(self.open))
+        self.sign = time.monotonic()
 
     def _tell(self) -> None:
         if self.progress is not None and self.items:
@@ -337,10 +385,6 @@ class _Request:
 def share_of(progress: ProgressReport | None, phase: str) -> Callable[[float], None] | None:
     """Make a function of a finished share from a function for progress."""
     return None if progress is None else lambda share: progress(phase, share, {"rays": 0.0})
-
-
-def _is_there(future: Any) -> bool:
-    return future is not None and future.status == "finished"
 
 
 def _distributed() -> Any:

@@ -174,7 +174,8 @@ class Session:
             self.work.follow(self._share, _tell_nobody, self._threads)
             self._answers.put(RuntimeError("the computation has fewer steps here than where it was begun"))
         except InterruptedError:
-            return  # It was stopped. An answer would keep the options alive by the frames of its traceback.
+            # It was stopped. The error that says so would keep the options alive by the frames of its traceback.
+            self._answers.put(RuntimeError("the computation was stopped"))
         except BaseException as error:
             self._answers.put(error.with_traceback(None))
 

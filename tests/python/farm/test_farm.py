@@ -7,6 +7,7 @@ Functions that workers run are defined inside tests, so that they travel to work
 
 from __future__ import annotations
 
+import asyncio
 import os
 import signal
 import time
@@ -19,8 +20,13 @@ import pytest
 
 import eclat
 from eclat.errors import EclatError, EclatWarning, warn
+from eclat.farm import workers
 from eclat.farm.farm import Farm, current_farm
 from support.clusters import Cluster, local_client
+from support.ending import ended
+
+NOBODY = "tcp://127.0.0.1:1"
+"""The address of a worker that is not there."""
 
 
 @pytest.fixture(scope="module")
@@ -76,7 +82,7 @@ def test_workers_that_are_killed_cost_their_ranges_only(client: Any) -> None:
         # Each killed worker had one range in hand, and perhaps one whose result it had not handed over yet.
         assert farm.ranges_sent <= 18 + 4
     assert sorted(done) == [(n, n) for n in range(18)]
-    client.wait_for_workers(3)
+    client.wait_for_workers(3, timeout=120)
 
 
 def test_a_slow_worker_computes_fewer_ranges_and_the_results_are_the_same(client: Any) -> None:
@@ -106,7 +112,7 @@ def test_all_workers_at_once_may_die_with_what_was_sent_to_them(client: Any) -> 
                 for process in client.run(os.getpid).values():
                     os.kill(process, signal.SIGKILL)
     assert sorted(found) == [f"n{n}" for n in range(9)]
-    client.wait_for_workers(3)
+    client.wait_for_workers(3, timeout=120)
 
 
 def test_a_worker_with_another_version_is_left_out_with_the_reason(client: Any) -> None:
@@ -220,22 +226,69 @@ def test_ranges_that_nobody_waits_for_stop(client: Any) -> None:
         assert farm.ordered(quick, None, range(30)) == list(range(30))
 
 
-def test_a_transfer_that_a_dying_worker_ends_is_repeated(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
-    scatter, calls = client.scatter, []
+@pytest.mark.parametrize("lost", [3, 100])
+def test_ranges_that_no_worker_begins_are_sent_again_once(
+    client: Any, monkeypatch: pytest.MonkeyPatch, lost: int
+) -> None:
+    submit, calls = client.submit, []
 
-    def broken(*arguments: Any, **keywords: Any) -> Any:
-        calls.append(arguments)
-        if len(calls) < 3:
-            raise distributed.comm.CommClosedError("the worker is gone")
-        return scatter(*arguments, **keywords)
+    def to_nobody(*arguments: Any, **keywords: Any) -> Any:
+        calls.append(keywords["key"])
+        return submit(*arguments, **keywords | ({"workers": [NOBODY]} if len(calls) <= lost else {}))
 
-    monkeypatch.setattr(client, "scatter", broken)
+    def compute(farm: Farm) -> list[int]:
+        return farm.ordered(lambda shared, item, bench: shared + item, 10, [1, 2, 3])
+
+    monkeypatch.setattr(client, "submit", to_nobody)
+    with Farm(client, patience=1.0) as farm:
+        if lost == 3:
+            assert ended(30, lambda: compute(farm)) == [11, 12, 13]
+        else:
+            with pytest.raises(EclatError, match="have begun none of 3 ranges within 1 s, though they were sent twice"):
+                ended(30, lambda: compute(farm))
+        assert len(calls) == 6
+        monkeypatch.setattr(farm.workers, "addresses", list)
+        with pytest.raises(EclatError, match="no worker has come within 1 s"):
+            calls.clear()
+            ended(30, lambda: compute(farm))
+
+
+def test_ranges_that_take_longer_than_the_patience_are_waited_for(client: Any) -> None:
+    def slow(shared: str, item: int, bench: Any) -> int:
+        time.sleep(4.0)
+        return item
+
+    with Farm(client, patience=1.0) as farm:
+        assert farm.ordered(slow, "", range(2)) == [0, 1]
+        assert farm.ranges_sent == 2
+
+
+def test_ranges_for_workers_that_are_gone_are_sent_to_others(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
     with Farm(client) as farm:
-        assert farm.ordered(lambda shared, item, bench: shared + item, 10, [1, 2]) == [11, 12]
-        assert len(calls) == 3
-    calls.clear()
-    with (
-        Farm(client, patience=0.0) as farm,
-        pytest.raises(EclatError, match=r"workers could not be sent .* within 0 s"),
-    ):
-        farm.ordered(lambda shared, item, bench: shared + item, 20, [1, 2])
+        accepted = iter([[NOBODY], None])
+        monkeypatch.setattr(farm.workers, "accepted", lambda: next(accepted))
+        assert ended(30, lambda: farm.ordered(lambda shared, item, bench: item, "", [1, 2])) == [1, 2]
+
+
+def test_ranges_that_are_lost_each_time_are_an_error(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    submit = client.submit
+
+    def lost(*arguments: Any, **keywords: Any) -> Any:
+        future = submit(*arguments, **keywords)
+        future.cancel(force=True)
+        return future
+
+    monkeypatch.setattr(client, "submit", lost)
+    with Farm(client) as farm, pytest.raises(EclatError, match="it was lost 6 times with all workers"):
+        ended(30, lambda: farm.ordered(lambda shared, item, bench: item, "", [1]))
+
+
+def test_a_scheduler_that_stands_still_is_an_error(client: Any, monkeypatch: pytest.MonkeyPatch) -> None:
+    async def wait_for_ever() -> None:
+        await asyncio.Event().wait()
+
+    monkeypatch.setattr(workers, "ANSWER", 0.2)
+    with Farm(client, patience=1.0) as farm:
+        monkeypatch.setattr(client, "nthreads", wait_for_ever)
+        with pytest.raises(EclatError, match="scheduler does not answer"):
+            ended(30, farm.workers.wait)
