@@ -24,7 +24,7 @@ formula above gives the error of s if w d(A) + (1 − w) k(A) takes the place of
 depend on B. As a function of w it is a parabola, which its values at w = 0, ½ and 1 determine. The weight with the
 least error is computed for windows of `WINDOW` × `WINDOW` pixels and interpolated between their centres. If it were
 chosen for each pixel separately, estimates that are low by chance would be selected, and the estimated error would be
-too low.
+too low. Where little is gained by samples, none are kept (`CLEAN`), because eyes see their grain.
 
 A picture s' with errors of its own that are independent of the noise of A and B, such as one that was read from records, may
 be shown beside s (`with_picture`): v s' + (1 − v) s. The formula gives its error, too, if v s' + (1 − v) s(A) takes the place of
@@ -57,6 +57,11 @@ from eclat.sampling.windows import WINDOW, between_centres, local_means, window_
 Float64 = NDArray[np.float64]
 DOUBT = 2.0
 """Standard errors by which halves must find another picture worse than it is known to be before they are doubted."""
+
+CLEAN = 0.8
+"""Weight w of the denoised picture from which on fewer samples are kept than the error asks for, and none from (1 + `CLEAN`) / 2
+on. If the errors of both are independent, keeping samples takes 1 − w of the squared error away, little for their grain on walls
+and ceilings. By judgement."""
 
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
 
@@ -149,6 +154,7 @@ def judged_halves(
         return w * denoised_a + (1 - w) * kept_a, w * denoised_b + (1 - w) * kept_b
 
     weight = _best_weights([_squared_error(a, b, *shown(w), scale) for w in (0.0, 0.5, 1.0)], counted)
+    weight = np.clip(2 * weight - CLEAN, weight, 1.0)
     scale = _scale(_blended_square(darker, a, b, weight[..., None], counted), counted)
     shown_a, shown_b = shown(weight[..., None])
     squared = _squared_error(a, b, shown_a, shown_b, scale) * counted

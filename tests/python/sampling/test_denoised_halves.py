@@ -68,6 +68,18 @@ def test_pixels_that_the_denoiser_makes_worse_keep_their_samples() -> None:
     assert np.abs(np.diff(found.weight, axis=1)).max() < 0.05  # no border shows
 
 
+@pytest.mark.parametrize(("wrong", "least", "most"), [(0.03, 0.99, 1.0), (0.1, 0.6, 0.75)])
+def test_no_grain_of_samples_for_little_gain(wrong: float, least: float, most: float) -> None:
+    """A denoiser that is wrong everywhere alike: the least error is at w = N / (N + D), 0.96 and 0.67, for the squared errors N
+    of the samples and D of the denoiser."""
+    reference = np.full((SIZE, SIZE, 3), 0.5)
+    denoised = reference * (1 + wrong)
+    found = [judged_halves(*halves(reference, 0.2, seed), denoised, denoised) for seed in range(16)]
+    assert least <= np.mean([one.weight.mean() for one in found]) <= most
+    true = np.mean([true_squared_error(one.pixels, reference) for one in found])
+    assert np.mean([one.squared_error for one in found]) == pytest.approx(true, rel=0.25)
+
+
 def test_specks_beside_what_keeps_its_samples_are_not_shown() -> None:
     """A dark wall with a few samples that are far too bright, beside fine detail that this denoiser destroys."""
     wall = np.broadcast_to(np.mgrid[0:SIZE, 0:SIZE][1] < SIZE // 2, (SIZE, SIZE))
