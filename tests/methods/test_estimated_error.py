@@ -69,7 +69,7 @@ def test_irradiance_at_points_and_everywhere(furnace: eclat.Scene) -> None:
         solution = scaled(eclat.solve(furnace, options, check=False, **keywords), 1.1)
         found = interval(estimated(solution, functions_for(furnace, purpose_of(furnace, **keywords))))
         shown = 1 + 1.1  # in units of π, as the cache shows it
-        assert found.error == pytest.approx(0.1 / (shown**2 * 1.01) ** 0.5, rel=0.1)
+        assert found.error == pytest.approx(0.1 / (shown**2 * 1.01) ** 0.5, rel=0.12)
 
 
 def test_the_mean_over_many_seeds_is_the_error_of_the_picture() -> None:
