@@ -213,6 +213,20 @@ TEST_CASE("a record's validity ends before the corner of a house that stands bet
     }
 }
 
+TEST_CASE("a record's validity ends before the near end of a wall that stands between two of its rays") {
+    Progress progress;
+    for (int step = 0; step < 12; ++step) {
+        const float phi = static_cast<float>(step) * 4 * pi / 180;
+        const Vec3 ahead{std::cos(phi), 0, std::sin(phi)}, aside{-std::sin(phi), 0, std::cos(phi)};
+        const Room room = build_room({{{-50, 0, -50}, {0, 0, 100}, {100, 0, 0}, 0.5f, 0},
+                                      {ahead * 15, (ahead + aside) * 10, {0, 3, 0}, 0.5f, 0}});
+        const std::vector<Candidate> wanted{candidate({0, 0, 0}, {0, 1, 0}, static_cast<uint32_t>(step))};
+        const auto r = gather_records(room.world(), wanted, {}, coarse(), stream, 8, progress)[0];
+        CHECK(r.clearance[clearance_sector(Frame::around({0, 1, 0}), ahead)] < 15.01f);
+        CHECK(r.clearance[clearance_sector(Frame::around({0, 1, 0}), ahead)] > 10);
+    }
+}
+
 TEST_CASE("if the lower bound increases a radius, the gradient is reduced by the same factor") {
     const Room room = closed_room({0.5f, 0.5f, 0.9f, 0.1f, 0.5f, 0.5f}, {0, 1, 0, 0, 0, 0});
     IrradianceCacheOptions options = coarse();
