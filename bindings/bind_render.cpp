@@ -335,11 +335,18 @@ void bind_estimators(nb::module_& m) {
     m.def(
         "cached_path_estimator",
         [](const CoreScene& scene, const SolvedCaches& caches, const RadianceTables* tables, int max_depth,
-           bool gather_first) {
-            return EstimatorHolder{cached_path_estimator(scene.world(), caches, tables, max_depth, gather_first)};
+           const PathGuide* guide) {
+            return EstimatorHolder{cached_path_estimator(scene.world(), caches, tables, max_depth, guide)};
         },
-        nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), nb::keep_alive<0, 3>(), "scene"_a, "caches"_a,
-        "tables"_a.none(), nb::kw_only(), "max_depth"_a, "gather_first"_a = false);
+        nb::keep_alive<0, 1>(), nb::keep_alive<0, 2>(), nb::keep_alive<0, 3>(), nb::keep_alive<0, 5>(), "scene"_a,
+        "caches"_a, "tables"_a.none(), nb::kw_only(), "max_depth"_a, "guide"_a = nb::none());
+    nb::class_<PathGuide>(m, "PathGuide").def("__len__", &PathGuide::size);
+    m.def(
+        "learn_path_guide",
+        [](const CoreScene& scene, const SolvedCaches& caches, int max_depth, int threads, Progress& progress) {
+            return learn_path_guide(scene.world(), caches, max_depth, threads, progress);
+        },
+        "scene"_a, "caches"_a, "max_depth"_a, "threads"_a, "progress"_a, nb::call_guard<nb::gil_scoped_release>());
     m.def(
         "cached_point_estimator",
         [](const CoreScene& scene, const SolvedCaches& caches, const IrradianceCacheOptions& options) {

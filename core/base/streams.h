@@ -37,6 +37,7 @@ enum class Stream : uint32_t {
     point_arrivals = 71,    // light that rays from points given by the user find
     photon_places = 72,     // view directions at the points of precomputed irradiance
     focused_light = 73,     // photons that measure the light from mirrors
+    path_guides = 74,       // paths from which guides of final gathers learn
     space_probes = 81,      // rays from probes in space
     space_lights = 82,      // light samples of these probes
 };
@@ -70,6 +71,7 @@ constexpr bool is_stream(Stream stream) {
         case Stream::point_arrivals:
         case Stream::photon_places:
         case Stream::focused_light:
+        case Stream::path_guides:
         case Stream::space_probes:
         case Stream::space_lights: return true;
     }

@@ -88,7 +88,8 @@ EvalPdf Bsdf::eval_lobes(Vec3 wo, Vec3 wi, Mask set) const {
     for_each_bit(set & ~delta_, [&](size_t i) {
         const EvalPdf e = visit_lobe([&](const auto& l) { return l.eval(wo, wi); }, entries_[i].lobe);
         sum.f += entries_[i].weight * e.f;
-        sum.pdf_solid_angle += probability[i] * e.pdf_solid_angle;
+        const float factor = (diffuse_ >> i & 1) != 0 ? aim(wi) : 1;
+        sum.pdf_solid_angle += probability[i] * e.pdf_solid_angle * factor;
     });
     return sum;
 }
@@ -110,8 +111,11 @@ std::optional<BsdfSample> Bsdf::sample_lobes(Vec3 wo, float u_lobe, Vec2 u, Lobe
     u_lobe = clamp(u_lobe / probability[chosen], 0, below_one);
 
     BsdfSample s;
+    const bool aims = guide_ != nullptr && (diffuse_ >> chosen & 1) != 0;
+    const float factor = aims ? aimed(u) : 1;
     if (!visit_lobe([&](const auto& l) { return l.sample(wo, u_lobe, u, s); }, entries_[chosen].lobe))
         return std::nullopt;
+    if (aims) turn_by(factor, s);
 
     if (s.delta || (lobes & (lobes - 1)) == 0) {
         s.weight = s.weight * entries_[chosen].weight * (1 / probability[chosen]);

@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "bsdf/lobe.h"
+#include "sampling/cosine_guide.h"
 
 namespace eclat {
 
@@ -59,6 +60,12 @@ class Bsdf {
     void set_cached(LobeSet set) { cached_ |= members(set); }
     /// Marks a share in 0..1 of lobe i as given by a cache; the rest becomes another lobe.
     void set_cached(int i, float share);
+    /// Makes `sample` aim the directions of the diffuse lobes by `guide`, whose x axis is (turn.x, turn.y, 0) in the local frame. The
+    /// guide must outlive the BSDF.
+    void aim_diffuse(const CosineGuide& guide, Vec2 turn) {
+        guide_ = &guide;
+        turn_ = turn;
+    }
     bool has(LobeSet set) const { return members(set) != 0; }
     bool has_uncached_diffuse() const { return (diffuse_ & ~cached_) != 0; }
     bool has_uncached_matte() const { return ((diffuse_ | translucent_) & ~cached_) != 0; }
@@ -71,15 +78,17 @@ class Bsdf {
     EvalPdf eval(Vec3 wo, Vec3 wi, LobeSet set) const {
         if (!is_lambertian_) return eval_lobes(wo, wi, members(set));
         if (members(set) == 0 || !(wo.z > 0 && wi.z > 0)) return {};
-        return {entries_[0].weight * inv_pi, wi.z * inv_pi};
+        return {entries_[0].weight * inv_pi, wi.z * inv_pi * aim(wi)};
     }
 
     /// Samples a direction from which light comes, or nothing if the light is absorbed. `u_lobe` and `u` are in [0, 1).
     std::optional<BsdfSample> sample(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const {
         if (!is_lambertian_) return sample_lobes(wo, u_lobe, u, set);
         BsdfSample s;
+        const float factor = guide_ != nullptr ? aimed(u) : 1;
         if (members(set) == 0 || !LambertLobe{}.sample(wo, u_lobe, u, s)) return std::nullopt;
         s.weight = entries_[0].weight;
+        if (guide_ != nullptr) turn_by(factor, s);
         return s;
     }
 
@@ -120,6 +129,23 @@ class Bsdf {
         }
         return all & ~cached_;
     }
+    /// Returns the density of a direction of the diffuse lobes over that of the cosine.
+    float aim(Vec3 wi) const {
+        if (guide_ == nullptr) return 1;
+        return guide_->factor({turn_.x * wi.x + turn_.y * wi.y, turn_.x * wi.y - turn_.y * wi.x, wi.z});
+    }
+    /// Makes `u` follow the guide; returns the density there.
+    float aimed(Vec2& u) const {
+        const CosineGuide::Place place = guide_->sample(u);
+        u = place.at;
+        return place.factor;
+    }
+    /// Turns a sample of a diffuse lobe, which is made from such a `u`, from the frame of the guide to the local one.
+    void turn_by(float factor, BsdfSample& s) const {
+        s.wi = {turn_.x * s.wi.x - turn_.y * s.wi.y, turn_.x * s.wi.y + turn_.y * s.wi.x, s.wi.z};
+        s.weight *= 1 / factor;
+        s.pdf_solid_angle *= factor;
+    }
     EvalPdf eval_lobes(Vec3 wo, Vec3 wi, Mask set) const;
     std::optional<BsdfSample> sample_lobes(Vec3 wo, float u_lobe, Vec2 u, LobeSet set) const;
     Color albedo_of_lobes(Vec3 wo, LobeSet set) const;
@@ -128,6 +154,8 @@ class Bsdf {
     // These are stored next to the first lobe, because most points read nothing else of a Bsdf.
     int count_ = 0;
     Mask diffuse_ = 0, translucent_ = 0, delta_ = 0, cached_ = 0;
+    const CosineGuide* guide_ = nullptr;
+    Vec2 turn_{1, 0};
     bool is_lambertian_ = false;  // one diffuse lobe with the same value everywhere: the fast path
     union {
         std::array<Entry, capacity> entries_;

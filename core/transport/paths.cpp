@@ -18,9 +18,17 @@ class Tracer {
         Paths<PathState> paths;
         paths.reserve(rays.size());
         const Arrival arrival = options_.emission_at_first_hit ? Arrival::whole : Arrival::none;
-        for (uint32_t i = 0; i < rays.size(); ++i)
-            paths.push({.sampler = rays[i].sampler, .index = i, .arrival = arrival, .from = rays[i].ray.origin},
-                       rays[i].ray);
+        for (uint32_t i = 0; i < rays.size(); ++i) {
+            const auto& [ray, sampler, pdf] = rays[i];
+            const bool weighted = pdf > 0;
+            paths.push({.sampler = sampler,
+                        .index = i,
+                        .pdf = pdf,
+                        .arrival = weighted ? Arrival::weighted : arrival,
+                        .from = ray.origin,
+                        .all_lights = weighted},
+                       ray);
+        }
         if (options_.estimate_irradiance) continued_.resize(rays.size());
         follow_paths(
             world_, std::move(paths), options_.coherence,
@@ -132,11 +140,16 @@ class Tracer {
         for (size_t i = 0; i < vertices.size(); ++i) {
             Vertex& v = vertices[i];
             if (v.missed() || !goes_on(paths[i])) continue;
-            if (!reads_caches(paths[i])) continue;
+            if (!reads_caches(paths[i])) {
+                if (v.point.bsdf.has(LobeSet::diffuse)) unread_.push_back(&v.point);
+                continue;
+            }
             if (v.point.bsdf.has(LobeSet::diffuse)) read_side(paths[i], v, v.point, LobeSet::diffuse);
             if (v.point.bsdf.has(LobeSet::translucent))
                 read_side(paths[i], v, v.point.other_side(), LobeSet::translucent);
         }
+        if (options_.aim && !unread_.empty()) options_.aim(unread_);
+        unread_.clear();
     }
 
     /// Adds what the cache knows of those `lobes` that scatter light from the side of `point`.
@@ -229,10 +242,11 @@ class Tracer {
     DirectLight lights_;
     std::span<PathResult> out_;
     Progress& progress_;
-    int edges_ = 0;                     // number of edges of all paths that have not ended
-    Paths<PathState> split_;            // additional paths, which follow all others
-    std::vector<WantedLight> wanted_;   // light samples of the vertices that are being processed
-    std::vector<Continued> continued_;  // of each ray, if irradiance is estimated
+    int edges_ = 0;                      // number of edges of all paths that have not ended
+    Paths<PathState> split_;             // additional paths, which follow all others
+    std::vector<SurfacePoint*> unread_;  // matte vertices that read no cache
+    std::vector<WantedLight> wanted_;    // light samples of the vertices that are being processed
+    std::vector<Continued> continued_;   // of each ray, if irradiance is estimated
     Shadows shadows_;
 };
 

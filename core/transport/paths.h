@@ -43,6 +43,9 @@ using CachedIrradiance = std::function<std::optional<Color>(const SurfacePoint& 
 /// It covers the lobes that a cache of radiance serves, and marks them in `point.bsdf`.
 using CachedReflection = std::function<Color(SurfacePoint& point, Vec3 wo)>;
 
+/// Aims the directions that the diffuse lobes of points sample (`Bsdf::aim_diffuse`), those of each alone.
+using Aim = std::function<void(std::span<SurfacePoint* const> points)>;
+
 struct PathOptions {
     int max_depth = -1;  // edges of a path: 1 emission only, 2 direct light, −1 unlimited
     int roulette_depth = roulette_after::picture_edges;
@@ -60,6 +63,7 @@ struct PathOptions {
     /// Whether a path reads no cache before it has gone on from a matte vertex, as in a final gather [Reichert92]. What the
     /// caches get wrong is then spread over many pixels and reduced by the albedo.
     bool gather_first = false;
+    Aim aim;  // called for those matte vertices
     /// Whether vertices at which no cache serves the matte lobes sample all lights, whatever `light_set` leaves out.
     bool all_lights_where_uncached = false;
     bool estimate_irradiance = false;  // whether results hold the irradiance that one path finds at the first vertex
@@ -68,6 +72,9 @@ struct PathOptions {
 struct PathRay {
     Ray ray;
     Sampler sampler;
+    /// The density of the ray's direction, if a sample of all lights is taken where it begins. Light that the ray finds is then
+    /// weighted against that sample. 0 if there is no such sample.
+    float pdf = 0;
 };
 
 /// The result of one path.

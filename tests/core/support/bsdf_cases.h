@@ -75,6 +75,21 @@ inline MetallicRoughness gltf(float metallic, float alpha, float transmission, b
     return p;
 }
 
+/// A guide whose densities lie between 0.2 and 4 times the mean, and which is symmetric about no axis.
+inline const CosineGuide& uneven_guide() {
+    static const CosineGuide guide = [] {
+        std::array<float, CosineGuide::cells> weights;
+        for (uint32_t i = 0; i < CosineGuide::cells; ++i) weights[i] = 0.2f + float(i * 37 % 64) / 16;
+        return CosineGuide(weights);
+    }();
+    return guide;
+}
+
+inline Bsdf aimed(Bsdf bsdf) {
+    bsdf.aim_diffuse(uneven_guide(), {0.6f, -0.8f});
+    return bsdf;
+}
+
 /// White versions, so that every loss of energy is the model's own.
 inline std::vector<BsdfCase> white_cases() {
     constexpr auto ggx = Distribution::ggx, beckmann = Distribution::beckmann;
@@ -124,6 +139,11 @@ inline std::vector<BsdfCase> white_cases() {
     blend.append(make_conductor(black, white, white, 0.3f, 0.3f, ggx), 0.25f);
     blend.append(make_plastic(smooth_coat(), {0.9f, 0.5f, 0.1f}, white, ggx, false), 0.75f);
     cases.push_back({"blend", blend});
+    cases.push_back({"aimed blend", aimed(blend)});
+    cases.push_back({"aimed diffuse", aimed(make_diffuse(white)), true});
+    cases.push_back({"aimed translucent", aimed(make_translucent(half, half)), true});
+    cases.push_back({"aimed plastic", aimed(make_plastic(smooth_coat(), white, white, ggx, false)), true});
+    cases.push_back({"aimed gltf", aimed(make_metallic_roughness(gltf(0, 0.3f, 0, true))), true});
     return cases;
 }
 
