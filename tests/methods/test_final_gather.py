@@ -48,6 +48,16 @@ def test_a_final_gather_agrees_with_paths(light: str) -> None:
     assert abs(ours.mean() / paths.mean() - 1) < 0.005
 
 
+def test_a_guided_path_depends_on_no_other() -> None:
+    scene, gather = court("sun"), solved(court("sun"), eclat.IrradianceCache(max_error=0.1)).final_gather()
+    whole = picture(scene, gather, 4, 1)
+    part = eclat.render(
+        scene, gather, samples=4, size=SIZE, seed=1, adaptive=False, check=False, crop=(5, 9, 23, 30), threads=1
+    )
+    np.testing.assert_array_equal(part.pixels[9:30, 5:23], whole[9:30, 5:23])
+    assert whole[9:30, 5:23].any()
+
+
 def test_wrong_records_reach_a_pixel_once_more_reflected() -> None:
     """In a furnace of emission L_e and reflectance ρ, the radiance is L = L_e / (1 − ρ). If records hold 1.5 times their
     irradiance π ρ L, a picture that reads them at first sight is too bright by ½ ρ² L, and a final gather by ½ ρ³ L.
