@@ -85,7 +85,8 @@ TEST_CASE("reciprocity: eta_i squared times f is symmetric") {
 
 TEST_CASE("lobes that reflect are black from behind and towards behind") {
     for (const BsdfCase& c : white_cases()) {
-        if (c.two_faced || c.name == "gltf frosted" || c.name == "gltf thin glass" || c.name == "translucent") continue;
+        if (c.two_faced || c.name == "gltf frosted" || c.name == "gltf thin glass") continue;
+        if (c.name.ends_with("translucent")) continue;
         for (const Vec3 above : directions_above())
             for (const Vec3 other : directions_above()) {
                 CAPTURE(c.name);

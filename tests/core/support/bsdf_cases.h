@@ -143,7 +143,7 @@ inline std::vector<BsdfCase> white_cases() {
     cases.push_back({"aimed diffuse", aimed(make_diffuse(white)), true});
     cases.push_back({"aimed translucent", aimed(make_translucent(half, half)), true});
     cases.push_back({"aimed plastic", aimed(make_plastic(smooth_coat(), white, white, ggx, false)), true});
-    cases.push_back({"aimed gltf", aimed(make_metallic_roughness(gltf(0, 0.3f, 0, true))), true});
+    cases.push_back({"aimed gltf", aimed(make_metallic_roughness(gltf(0, 0.3f, 0, true)))});
     return cases;
 }
 
