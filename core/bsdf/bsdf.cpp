@@ -88,7 +88,8 @@ EvalPdf Bsdf::eval_lobes(Vec3 wo, Vec3 wi, Mask set) const {
     for_each_bit(set & ~delta_, [&](size_t i) {
         const EvalPdf e = visit_lobe([&](const auto& l) { return l.eval(wo, wi); }, entries_[i].lobe);
         sum.f += entries_[i].weight * e.f;
-        const float factor = (diffuse_ >> i & 1) != 0 ? aim(wi) : 1;
+        const bool aims = (diffuse_ >> i & 1) != 0 && e.pdf_solid_angle > 0;
+        const float factor = aims ? aim(wi) : 1;
         sum.pdf_solid_angle += probability[i] * e.pdf_solid_angle * factor;
     });
     return sum;

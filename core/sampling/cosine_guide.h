@@ -8,6 +8,7 @@
 
 #pragma once
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
@@ -66,7 +67,7 @@ class CosineGuide {
     /// Returns the density of the direction over that of the cosine.
     float factor(Vec3 w) const { return factors_[cell_of(w)]; }
 
-    /// Returns the cell of a direction: the inverse of `square_to_cosine_hemisphere`.
+    /// Returns the cell of a direction: the inverse of `square_to_cosine_hemisphere`. Any vector has one.
     static uint32_t cell_of(Vec3 w) {
         const float radius = std::sqrt(w.x * w.x + w.y * w.y);
         const bool x_leads = std::abs(w.x) > std::abs(w.y);
@@ -78,7 +79,9 @@ class CosineGuide {
 
   private:
     static uint32_t cell(float x) {
-        return static_cast<uint32_t>(clamp((0.5f * x + 0.5f) * side, 0, static_cast<float>(side) - 0.5f));
+        // The order of the arguments makes NaN 0, so that no direction lies outside.
+        const float at = std::max(0.0f, (0.5f * x + 0.5f) * side);
+        return static_cast<uint32_t>(std::min(at, static_cast<float>(side) - 0.5f));
     }
     /// Returns the interval of `until` in which u lies, and makes u uniform in it.
     static uint32_t choose(const float* until, float& u) {

@@ -16,6 +16,7 @@
 #include <array>
 #include <bit>
 #include <cmath>
+#include <numeric>
 #include <optional>
 
 #include "base/parallel.h"
@@ -31,6 +32,10 @@ using Cells = std::array<float, cells>;
 // These are tuned in three scenes; the docs have the measurements (docs/algorithms/irradiance_cache.md, "Guiding").
 constexpr size_t shared_places = 25;    // places from which each learns, itself included
 constexpr float uniform_share = 0.25f;  // of all directions, so that no weight exceeds 4 times the albedo
+
+// The distance, in usual distances between places, beyond which a place says nothing. Without a limit, points on surfaces of a
+// rare orientation would look through all places.
+constexpr float reach = 32;
 
 constexpr float brightest = 1e15f;  // its square, summed over all cells, is still a float
 
@@ -61,15 +66,17 @@ PathGuide::PathGuide(const World& world, std::span<const PointNormal> places, co
     tree_ = KdTree(positions, threads);
     for (const uint32_t i : tree_.order())
         places_.push_back({places[i].position, Frame::around(places[i].normal), CosineGuide()});
-    width_ = usual_width(threads);
+    width_ = usual_width(threads, progress);
     progress.begin(places_.size());
     const auto seen = parallel_map<std::vector<Seen>>(places_.size(), threads, [&](size_t i) {
         progress.check();
         progress.advance();
         return look_around(world, static_cast<uint32_t>(i), options, progress);
     });
-    parallel_for(places_.size(), threads,
-                 [&](size_t i) { places_[i].guide = learnt_at(static_cast<uint32_t>(i), seen); });
+    parallel_for(places_.size(), threads, [&](size_t i) {
+        progress.check();
+        places_[i].guide = learnt_at(static_cast<uint32_t>(i), seen);
+    });
 }
 
 /// Traces a path in each cell of the hemisphere.
@@ -100,7 +107,7 @@ CosineGuide PathGuide::learnt_at(uint32_t place, std::span<const std::vector<See
     const Vec3 position = places_[place].position;
     const Frame& frame = places_[place].frame;
     std::vector<Neighbor> around;
-    nearest(position, frame.n, shared_places, around);
+    nearest({position, frame.n}, shared_places, around);
     Cells squares{}, counts{};
     for (const Neighbor& other : around) {
         const Vec3 shift = places_[other.index].position - position;
@@ -114,26 +121,24 @@ CosineGuide PathGuide::learnt_at(uint32_t place, std::span<const std::vector<See
         }
     }
     Cells weights{};
-    float mean = 0;
-    for (uint32_t i = 0; i < cells; ++i) {
+    for (uint32_t i = 0; i < cells; ++i)
         if (counts[i] > 0) weights[i] = std::sqrt(squares[i] / counts[i]);
-        mean += weights[i] / cells;
-    }
     weights = smoothed(weights);
+    const float mean = std::accumulate(weights.begin(), weights.end(), 0.0f) / cells;
     for (float& w : weights) w = uniform_share * mean + (1 - uniform_share) * w;
     return CosineGuide(weights);
 }
 
-float PathGuide::nearest(Vec3 position, Vec3 normal, size_t count, std::vector<Neighbor>& found) const {
-    const Disc disc{position, normal};
+float PathGuide::nearest(const Disc& disc, size_t count, std::vector<Neighbor>& found) const {
     return tree_.nearest(disc, count, found, [&](uint32_t i) { return disc.same_side(places_[i].frame.n); });
 }
 
 /// Returns the median distance between a place and the nearest of the others, or 1 m if there are no others.
-float PathGuide::usual_width(int threads) const {
+float PathGuide::usual_width(int threads, const Progress& progress) const {
     auto widths = parallel_map<float>(places_.size(), threads, [&](size_t i) {
         std::vector<Neighbor> found;
-        return nearest(places_[i].position, places_[i].frame.n, 1, found);
+        progress.check();
+        return nearest({places_[i].position, places_[i].frame.n}, 1, found);
     });
     std::erase_if(widths, [](float width) { return !(width > 0 && width < infinity); });
     if (widths.empty()) return 1;
@@ -160,7 +165,7 @@ PathGuide::Around PathGuide::around(const Region& region) const {
     thread_local std::vector<Neighbor> found;
     Around out;
     const Vec3 middle = (vector(region.cell) + Vec3{0.5f, 0.5f, 0.5f}) * width_;
-    out.radius = nearest(middle, normalize(vector(region.normal)), out.places.size(), found);
+    out.radius = nearest({middle, normalize(vector(region.normal)), reach * width_}, out.places.size(), found);
     std::sort(found.begin(), found.end());
     for (const Neighbor& place : found) out.places[out.count++] = place.index;
     return out;
@@ -201,8 +206,10 @@ void PathGuide::aim(SurfacePoint& point, const Around& around) const {
     if (sum > 0)
         while (chosen + 1 < around.count && left >= shares[chosen]) left -= shares[chosen++];
     const Place& place = places_[around.places[chosen]];
-    const Vec3 along = Frame::along(point.frame.n, place.frame.u).u;
-    point.bsdf.aim_diffuse(place.guide, {dot(along, point.frame.u), dot(along, point.frame.v)});
+    const Vec2 along{dot(place.frame.u, point.frame.u), dot(place.frame.u, point.frame.v)};
+    const float across = std::sqrt(along.x * along.x + along.y * along.y);
+    // Where the shading normal lies along the guide's x axis, no turn is better than another.
+    point.bsdf.aim_diffuse(place.guide, across > 1e-3f ? Vec2{along.x / across, along.y / across} : Vec2{1, 0});
 }
 
 }  // namespace eclat

@@ -47,8 +47,8 @@ class PathGuide {
     std::vector<Seen> look_around(const World& world, uint32_t place, const PathOptions& options,
                                   Progress& progress) const;
     CosineGuide learnt_at(uint32_t place, std::span<const std::vector<Seen>> seen) const;
-    /// Finds the places nearest to a point on surfaces that are turned like its own. Returns the radius that they fill.
-    float nearest(Vec3 position, Vec3 normal, size_t count, std::vector<Neighbor>& found) const;
+    /// Finds the places nearest to the middle of a disc on surfaces that are turned like it. Returns the radius that they fill.
+    float nearest(const Disc& disc, size_t count, std::vector<Neighbor>& found) const;
 
     /// The points that have the same places around them: those in a cell of a grid whose normals are about the same.
     struct Region {
@@ -63,7 +63,7 @@ class PathGuide {
         uint32_t count = 0;
         float radius = 0;  // distance at which a place is no longer chosen
     };
-    float usual_width(int threads) const;
+    float usual_width(int threads, const Progress& progress) const;
     Region region_of(Vec3 position, Vec3 normal) const;
     Around around(const Region& region) const;
     void aim(SurfacePoint& point, const Around& around) const;

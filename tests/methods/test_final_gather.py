@@ -14,6 +14,8 @@ import pytest
 from numpy.typing import NDArray
 
 import eclat
+from eclat import _core
+from eclat.bridge.compiled import compiled
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.measure.metrics import relative_rmse
 from eclat.methods.method import Prepared
@@ -56,6 +58,23 @@ def test_a_guided_path_depends_on_no_other() -> None:
     )
     np.testing.assert_array_equal(part.pixels[9:30, 5:23], whole[9:30, 5:23])
     assert whole[9:30, 5:23].any()
+
+
+def test_a_guide_of_very_many_records_learns_at_some_of_them() -> None:
+    scene = court("sun")
+    few = solved(scene, eclat.IrradianceCache(max_error=0.1))
+    column = {name: slice(first, first + count) for name, first, count in _core.record_layout()}
+
+    def places(copies: int) -> int:
+        near = np.tile(few.near, (copies, 1))
+        for radii in ("radii", "least_radii", "largest_radii"):
+            near[:, column[radii]] *= 1e-3  # Small records are found fast.
+        near[:, column["positions"]] += np.random.default_rng(1).normal(0, 0.05, (len(near), 3)).astype(np.float32)
+        caches = _core.SolvedCaches(near, few.far, _core.IrradianceCacheOptions())
+        return len(_core.learn_path_guide(compiled(scene).core, caches, 1, 2, _core.Progress()))
+
+    assert places(1) == len(few.near)
+    assert 1 << 14 < places(1 + (1 << 16) // len(few.near)) <= 1 << 16
 
 
 def test_wrong_records_reach_a_pixel_once_more_reflected() -> None:

@@ -71,17 +71,17 @@ def gathered(
         image, stated = picture.finished(before, probed), picture.error_of(before.found, before.noise, probed)
     part = replace(picture, prepared=prepared, estimate=None, first_seed=SEEDS)
     other = _judged(picture, before, stated or ErrorEstimate(0.0, 0.0, math.inf))
-    sampling = sampling_of(part, Halves.each, [], False, None, begun, other, GATHERED)
-    sampling.rays = before.rays
-    if preview is not None:
-        shown = preview
-
-        def show() -> None:
-            shown(_unfinished(_blended(part, image, sampling, None)))
-
-        shown(_unfinished(image))
-        sampling.after_pass = show
     try:
+        sampling = sampling_of(part, Halves.each, [], False, None, begun, other, GATHERED)
+        sampling.rays = before.rays
+        if preview is not None:
+            shown = preview
+
+            def show() -> None:
+                shown(_unfinished(_blended(part, image, sampling, None)))
+
+            shown(_unfinished(image))
+            sampling.after_pass = show
         aim, samples = AIM * goal.max_error, goal.gathered_samples
         sampling.run(replace(goal, max_error=aim, samples=samples, most_samples=MOST_SAMPLES, blended=True))
         found = None if probed is None else part.probed(sampling, None)

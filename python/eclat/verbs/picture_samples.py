@@ -45,8 +45,10 @@ def sampling_of(
     ]
     films = [_core.Film(*view.size) for _ in pixels]
     farm = current_farm()
-    take: SampleTaker | TakerOnFarm = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels, growing)
-    if farm is not None:
+    take: SampleTaker | TakerOnFarm
+    if farm is None:
+        take = SampleTaker(picture.scene, picture.prepared, view, work, films, pixels, growing)
+    else:
         seeds = tuple(seed_of_half(work.seed, picture.first_seed + half) for half in range(count))
         tiles = Tiles(picture.scene, picture.prepared, view, work, region, picture.filter.name, seeds)
         take = TakerOnFarm(farm, tiles, films)

@@ -6,6 +6,7 @@
 #include <doctest/doctest.h>
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 
 using namespace eclat;
@@ -37,6 +38,9 @@ TEST_CASE("the cell of a direction is that of its place on the square") {
     });
     CHECK(CosineGuide::cell_of({0, 0, 1}) < cells);
     for (const Vec3 w : {Vec3{1, 0, 0}, Vec3{-1, 0, 0}, Vec3{0, 1, 0}, Vec3{0, -1, 0}, Vec3{0.6f, 0.8f, 0}})
+        CHECK(CosineGuide::cell_of(w) < cells);
+    constexpr float huge = std::numeric_limits<float>::max(), none = std::numeric_limits<float>::quiet_NaN();
+    for (const Vec3 w : {Vec3{none, none, none}, Vec3{none, 0, 1}, Vec3{0, none, 1}, Vec3{huge, -huge, huge}})
         CHECK(CosineGuide::cell_of(w) < cells);
 }
 

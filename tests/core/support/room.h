@@ -22,13 +22,26 @@ struct Wall {
     float albedo, emission;
 };
 
+inline Value constant(float x) {
+    Value v;
+    v.constant = Color(x);
+    return v;
+}
+
 inline Material diffuse(float albedo, float emission) {
     Material m;
-    Value reflectance;
-    reflectance.constant = Color(albedo);
-    m.parameters = {reflectance};
+    m.parameters = {constant(albedo)};
     m.emits = emission > 0;
     m.emission.constant = Color(emission);
+    return m;
+}
+
+/// Plastic with an index of 1.5.
+inline Material varnish(float albedo, float alpha) {
+    Material m;
+    m.kind = MaterialKind::plastic;
+    m.parameters = {constant(albedo), constant(1), constant(1.5f), constant(alpha)};
+    m.prepare({});
     return m;
 }
 

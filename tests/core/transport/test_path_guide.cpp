@@ -15,12 +15,6 @@ using namespace eclat;
 
 namespace {
 
-Value constant(float x) {
-    Value v;
-    v.constant = Color(x);
-    return v;
-}
-
 /// A room with a floor of the given material, which is lit by way of its ceiling: a small lamp shines at that from close by.
 Room indirectly_lit_room(const Material& floor) {
     auto walls = closed_walls({0.7f, 0.8f, 0.3f, 0.3f, 0.3f, 0.3f}, {});
@@ -51,7 +45,7 @@ struct Traced {
     double difference_in_errors(const Traced& o) const { return std::fabs(mean - o.mean) / std::hypot(error, o.error); }
 };
 
-/// The radiance of the floor by paths of at most `edges` edges.
+/// The radiance of the floor.
 Traced traced(const Room& room, const PathOptions& options) {
     constexpr uint32_t count = 200000;
     std::vector<PathRay> rays;
@@ -79,15 +73,6 @@ PathOptions gathering(const PathGuide* guide) {
     return options;
 }
 
-Material varnish(float alpha) {
-    Material m;
-    m.kind = MaterialKind::plastic;
-    m.parameters = {constant(0.7f), constant(1), constant(1.5f), constant(alpha)};
-    std::vector<Material> alone{m};
-    m.prepare(alone);
-    return m;
-}
-
 }  // namespace
 
 TEST_CASE("guided paths find the same light as others, with less noise") {
@@ -106,7 +91,7 @@ TEST_CASE("guided paths find the same light as others, with less noise") {
 
 TEST_CASE("guided paths of a varnish find the same light as others") {
     for (const float alpha : {0.0f, 0.3f}) {
-        const Room room = indirectly_lit_room(varnish(alpha));
+        const Room room = indirectly_lit_room(varnish(0.7f, alpha));
         const auto places = places_on_floor();
         const PathGuide guide = guide_of(room, places);
         const Traced plain = traced(room, PathOptions{}), guided = traced(room, gathering(&guide));
@@ -169,6 +154,18 @@ TEST_CASE("guides without places, on surfaces turned elsewhere or in the dark le
     const PathGuide unlit = guide_of(dark, places_on_floor());
     CHECK(traced(dark, gathering(&unlit)).mean == 0);
     CHECK(traced(room, gathering(&unlit)).mean == doctest::Approx(unguided).epsilon(1e-3));
+}
+
+TEST_CASE("places far away and places with broken normals aim nothing") {
+    const Room room = indirectly_lit_room(diffuse(0.7f, 0));
+    const double unguided = traced(room, gathering(nullptr)).mean;
+    // Two places 1 mm from each other, a metre and more from all that is seen.
+    const std::vector<PointNormal> far{{{-0.9f, -1, -0.9f}, {0, 1, 0}}, {{-0.899f, -1, -0.9f}, {0, 1, 0}}};
+    const PathGuide distant = guide_of(room, far);
+    CHECK(traced(room, gathering(&distant)).mean == unguided);
+    const std::vector<PointNormal> broken{{{0, -1, 0}, {1e20f, 1e20f, 1e20f}}, {{0.1f, -1, 0}, {0, 1, 0}}};
+    const PathGuide partly = guide_of(room, broken);
+    CHECK(std::isfinite(traced(room, gathering(&partly)).mean));
 }
 
 TEST_CASE("a cancelled guide ends at once") {

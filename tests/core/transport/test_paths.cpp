@@ -14,21 +14,11 @@ using namespace eclat;
 
 namespace {
 
-Value constant(float x) {
-    Value v;
-    v.constant = Color(x);
-    return v;
-}
-
 /// A room whose ceiling shines, with a floor of bright varnish.
-Room varnished_room(std::vector<Material>& materials) {
+Room varnished_room() {
     const auto walls = closed_walls({0.9f, 0.5f, 0.5f, 0.5f, 0.5f, 0.5f}, {0, 1, 0, 0, 0, 0});
-    materials = own_materials(walls);
-    Material& varnish = materials[0];
-    varnish = {};
-    varnish.kind = MaterialKind::plastic;
-    varnish.parameters = {constant(0.9f), constant(1), constant(1.5f), constant(0.2f)};
-    varnish.prepare(materials);
+    std::vector<Material> materials = own_materials(walls);
+    materials[0] = varnish(0.9f, 0.2f);
     return build_room(walls, materials);
 }
 
@@ -59,8 +49,7 @@ Traced traced(const Room& room, float roulette_beside_cache) {
 }  // namespace
 
 TEST_CASE("roulette beside a cache leaves the mean radiance and saves rays") {
-    std::vector<Material> materials;
-    const Room room = varnished_room(materials);
+    const Room room = varnished_room();
     const Traced all = traced(room, 0), few = traced(room, 4);
     CHECK(few.rays < 0.8 * static_cast<double>(all.rays));
     CHECK(std::fabs(few.mean - all.mean) < 4 * std::hypot(few.deviation, all.deviation));

@@ -12,6 +12,7 @@ import pytest
 
 import eclat
 from eclat.measure.metrics import relative_rmse
+from eclat.methods.records.solution import FinalGather
 from eclat.scenes import build
 from eclat.verbs.gathered_picture import ADDED
 from eclat.verbs.picture import Picture
@@ -82,19 +83,21 @@ def test_a_blend_can_be_continued(scene: eclat.Scene, blend: eclat.Image, tmp_pa
     assert after[ADDED] >= 2 * before[ADDED] and after["estimated_error"] < before["estimated_error"]
 
 
+@pytest.mark.parametrize(("owner", "name", "call"), [(Picture, "probed", 2), (FinalGather, "radiance_estimator", 1)])
 def test_an_interrupted_blend_leaves_the_picture_of_the_records(
-    scene: eclat.Scene, alone: eclat.Image, monkeypatch: pytest.MonkeyPatch
+    scene: eclat.Scene, alone: eclat.Image, monkeypatch: pytest.MonkeyPatch, owner: type, name: str, call: int
 ) -> None:
-    probed, calls = Picture.probed, 0
+    """In the middle of its samples, or while its guide is learnt."""
+    whole, calls = getattr(owner, name), 0
 
-    def stop_at_second(*arguments: Any) -> Any:
+    def stop_at_call(*arguments: Any) -> Any:
         nonlocal calls
         calls += 1
-        if calls == 2:
+        if calls == call:
             raise KeyboardInterrupt
-        return probed(*arguments)
+        return whole(*arguments)
 
-    monkeypatch.setattr(Picture, "probed", stop_at_second)
+    monkeypatch.setattr(owner, name, stop_at_call)
     with pytest.raises(KeyboardInterrupt) as stopped:
         made(scene, keep_partial=True)
     partial = stopped.value.partial  # type: ignore[attr-defined]

@@ -249,6 +249,8 @@ def _damaged(array: np.ndarray) -> bool:
     if array.ndim != 2 or array.dtype != np.float32 or array.shape[1] < _COLUMNS["radii"].stop:
         return True
     # Distances may be infinite, as under an open sky.
+    if not np.allclose((array[:, _COLUMNS["normals"]].astype(np.float64) ** 2).sum(axis=1), 1, atol=1e-3):
+        return True
     known = np.delete(array, _COLUMNS["distances"], axis=1)[:, : _COLUMNS["radii"].stop - 1]
     return not np.isfinite(known).all() or bool((array[:, _COLUMNS["radii"]] < 0).any())
 
@@ -327,7 +329,7 @@ class FinalGather(Prepared):
         return self.solution.radiance_estimator(scene, work, guide=self._guide(scene, work))
 
     def _guide(self, scene: Scene, work: Work) -> _core.PathGuide:
-        """Return what guides its paths, which is learnt at the first call: it takes about a thirtieth as long as the records."""
+        """Return what guides its paths, which is learnt at the first call, in about an eighth of the time of the records."""
         found = _guides.get(self)
         if found is None:
             core, records = compiled(scene).core, self.solution.core()

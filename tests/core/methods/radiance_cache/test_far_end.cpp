@@ -14,12 +14,6 @@ namespace {
 
 constexpr int order = 8;
 
-Value constant(float x) {
-    Value v;
-    v.constant = Color(x);
-    return v;
-}
-
 /// The closed room, its ceiling shining, with a floor of rough metal that reflects nine tenths.
 struct MetalFloor {
     MetalFloor() {

@@ -82,6 +82,7 @@ def _write(path: Path, solution: eclat.Solution, **changes: Any) -> None:
         ({"max_depth": "deep"}, "the header is damaged"),
         ({"near": np.zeros((3, 2), np.float32)}, "the array 'near' is damaged"),
         ({"far": np.full((1, 45), np.nan, np.float32)}, "the array 'far' is damaged"),
+        ({"near": np.full((1, 53), 1e20, np.float32)}, "the array 'near' is damaged"),
         ({"center": np.zeros(2)}, "in the array 'center', got others"),
     ],
 )
