@@ -105,7 +105,7 @@ def test_denoised_pictures_are_final_gathers_and_can_be_repeated() -> None:
     scene, wanted, size = build("atrium"), 0.06, (64, 36)
     image = eclat.render(scene, max_error=wanted, size=size, seed=3)
     options, statistics = image.metadata["options"], image.metadata["statistics"]
-    assert options["final_gather"] and options["least_pixels"] == 1
+    assert options["final_gather"] and options["least_pixels"] == 1 and image.metadata["adaptive"] == "denoised"
     assert "cache_error" not in statistics and statistics["records"] > 0 and image.layers["record_density"].any()
     a, b = (eclat.render(scene, eclat.Path(), size=size, samples=256, seed=seed, adaptive=False) for seed in (8, 9))
     assert relative_rmse(image.pixels, a.pixels, b.pixels) < 1.2 * wanted

@@ -16,6 +16,7 @@ from eclat.cli.method_options import method_notes, method_option, options_of, se
 from eclat.cli.parameters import Name, Number, Parsed
 from eclat.cli.quality_options import (
     QUALITY,
+    adaptive_option,
     exposure_option,
     max_depth_option,
     max_error_option,
@@ -112,12 +113,7 @@ _frame_options = together(
 _quality_options = together(
     max_error_option("Stop when the estimated relative error of a frame is below this value", 0.03),
     samples_option("Take this many paths per pixel, instead of as many as --max-error needs"),
-    option(
-        "--adaptive/--no-adaptive",
-        default=None,
-        section=QUALITY,
-        help="Give noisy pixels more samples and the others fewer [on for methods with records].",
-    ),
+    adaptive_option("denoised if the frames are denoised, else noise; off for methods without records"),
     option(
         "--denoise/--no-denoise",
         default=None,

@@ -165,6 +165,19 @@ class Name(_Type):
         return [CompletionItem(name) for name in self.names if name.startswith(incomplete)]
 
 
+class Adaptive(Name):
+    """The type of `adaptive` of `eclat.render`: the name of the error that decides how many samples a pixel gets, or `off`."""
+
+    def __init__(self) -> None:
+        super().__init__("ERROR", "off", "noise", "denoised")
+
+    def convert(self, value: Any, param: click.Parameter | None, ctx: click.Context | None) -> Any:
+        if isinstance(value, bool):
+            return value  # The settings of a picture hold what `convert` returned.
+        name = super().convert(value, param, ctx)
+        return False if name == "off" else name
+
+
 class Parsed(_Type):
     """The type of a text that a function parses, which raises EclatError if the text is invalid. `expected` says what is."""
 

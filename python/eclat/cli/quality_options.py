@@ -8,7 +8,7 @@ from collections.abc import Callable
 
 from eclat.bridge.arguments import MAX_ERROR_RANGE
 from eclat.cli.command import F, option
-from eclat.cli.parameters import Depth, Exposure, Number
+from eclat.cli.parameters import Adaptive, Depth, Exposure, Number
 from eclat.errors import EclatError
 
 QUALITY = "Quality"
@@ -35,6 +35,15 @@ def samples_option(
 ) -> Callable[[F], F]:
     """Make the option `--samples`, or an option of another name whose value is a number of samples."""
     return option(name, type=Number(int, 1, 2**24), default=default, section=section, help=help + _shown(default))
+
+
+def adaptive_option(default: str) -> Callable[[F], F]:
+    """Make the option `--adaptive`; `default` says what it is when it is not given."""
+    help = (
+        "Give pixels more samples that err more, by their noise or by what the denoiser leaves of it (denoised), and others "
+        f"fewer, or all the same number (off); --samples is then the average [{default}]."
+    )
+    return option("--adaptive", type=Adaptive(), default=None, section=QUALITY, help=help)
 
 
 def time_option(help: str) -> Callable[[F], F]:

@@ -19,6 +19,7 @@ from eclat.cli.picture_summary import say_result, why_above
 from eclat.cli.previews import Previews, wants_previews
 from eclat.cli.quality_options import (
     QUALITY,
+    adaptive_option,
     cache_option,
     check_cache_alone,
     exposure_option,
@@ -150,12 +151,8 @@ _quality_options = together(
     max_error_option("Stop when the estimated relative error of the picture is below this value", 0.03),
     samples_option("Take this many paths per pixel, instead of as many as --max-error needs"),
     time_option("Finish in about this many seconds, with the scene loaded, instead of when --max-error is reached."),
-    option(
-        "--adaptive/--no-adaptive",
-        default=None,
-        section=QUALITY,
-        help="Give noisy pixels more samples and the others fewer; --samples is then the average "
-        "[on for methods with records, unless --crop is given].",
+    adaptive_option(
+        "denoised if the picture is denoised without --time, else noise; off with --crop and for methods without records"
     ),
     option(
         "--denoise/--no-denoise",

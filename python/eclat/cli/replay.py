@@ -68,7 +68,8 @@ def settings_of(flags: Mapping[str, Any], metadata: Mapping[str, Any]) -> dict[s
         settings["samples"], settings["time"] = int(taken), None
         added = metadata["statistics"].get("gathered_samples")
         settings["gathered_samples"] = None if added is None else int(added)
-        for name, made in (("adaptive", "adaptive"), ("denoise", "denoised"), ("halves", "halves")):
+        settings["adaptive"] = metadata.get("adaptive", False)
+        for name, made in (("denoise", "denoised"), ("halves", "halves")):
             settings[name] = bool(metadata.get(made))
     # Converting to JSON and back gives the same types that reading from a file gives.
     plain: dict[str, Any] = json.loads(json.dumps(settings))

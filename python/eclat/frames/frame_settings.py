@@ -5,6 +5,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
+from typing import Literal
 
 from eclat.errors import EclatError
 from eclat.images import denoiser
@@ -22,7 +23,7 @@ class FrameSettings:
     max_error: float
     max_depth: int
     seed: int
-    adaptive: bool | None
+    adaptive: bool | Literal["noise", "denoised"] | None
     denoise: bool | None
     shutter: float
     moments: int

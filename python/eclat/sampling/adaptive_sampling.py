@@ -20,6 +20,10 @@ lamp is on the other side of the edge, such pixels cause most of the error of a 
 known from the neighbouring pixels, though, which lie on both sides. After n samples that all missed it, the probability
 that the next sample hits it is 1 / (n + 2) by Laplace's rule of succession; the variance that follows from this
 probability is used until more samples show a smaller one.
+
+Where a picture is denoised, noise counts as far as the denoiser leaves it: a wall that it cleans needs few samples, and a window
+frame as many as without it. √v is then multiplied by the share of the error around the pixel that the denoiser leaves
+(`convergence.Sampling`), because more samples reduce the error that is left about as they reduce the noise.
 """
 
 from __future__ import annotations
@@ -31,6 +35,8 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from eclat.errors import EclatError, did_you_mean
+from eclat.images import denoiser
 from eclat.measure.metrics import RELATIVE_C
 
 FASTEST_GROWTH = 4
@@ -44,6 +50,38 @@ noise may have missed some light."""
 
 Counts = NDArray[np.uint32]
 Picture = NDArray[np.floating]
+
+Adaptive = Literal[False, "noise", "denoised"]
+"""By what error pixels get more or fewer samples: by none, by their noise, or by what a denoiser leaves of it."""
+
+ERRORS = ("noise", "denoised")
+
+
+def checked_adaptive(given: bool | str, denoised: bool, halves: bool) -> Adaptive:
+    """Return by what error pixels get their samples, for an argument of the verb `render`.
+
+    Parameters
+    ----------
+    given : the argument. True stands for "denoised" or "noise", as `denoised` says.
+    halves : whether the picture is taken in halves.
+
+    Raises
+    ------
+    EclatError : the name is unknown, or the error is that after a denoiser, which is not installed or needs halves.
+    """
+    if given is False or given == "noise":
+        return given
+    if given is True:
+        return "denoised" if denoised else "noise"
+    if given != "denoised":
+        expected = " or ".join(map(repr, ERRORS))
+        raise EclatError(f"adaptive: expected True, False, {expected}, got {given!r}{did_you_mean(given, ERRORS)}")
+    denoiser.require_denoiser()
+    if not halves:
+        raise EclatError(
+            "adaptive: expected halves=True with 'denoised', because the halves measure that error, got False"
+        )
+    return "denoised"
 
 
 class AdaptiveSamples:
@@ -73,9 +111,12 @@ class AdaptiveSamples:
         counts[self._region] = samples
         return counts
 
-    def unevenly(self, samples: int) -> Counts:
+    def unevenly(self, samples: int, left: NDArray[np.float64] | None = None) -> Counts:
         """Return the counts after a pass that brings their mean over pixels to about the given number, distributed so
         that the error decreases most.
+
+        `left`, (height, width) of the region, is the share of the error around each pixel that a denoiser leaves; None means
+        that nothing is denoised.
 
         Until two passes have been observed, all pixels get the same number of samples.
         """
@@ -84,6 +125,8 @@ class AdaptiveSamples:
         taken = self.counts[self._region].astype(np.float64)
         unseen = self._contrast * (taken + 1) / (taken + 2) ** 2  # The variance is p (1 − p) with p = 1 / (n + 2).
         weight = np.sqrt(np.maximum(self._variance_around, unseen))
+        if left is not None:
+            weight *= left
         weight = np.maximum(weight, LEAST_SHARE * weight.mean())
         wanted = samples * taken.size
         if not weight.any():

@@ -45,6 +45,10 @@ LEAST_ROUNDS, FORESIGHT = 8, 16
 """Numbers of rounds after which the measured error of a blend is certain enough to end sampling where it is small, and where it
 is clear that sampling will not reach its goal."""
 
+LEAST_JUDGED, LEAST_LEFT = 4, 0.1
+"""Number of rounds from which on samples go where the denoiser leaves most of their error, and the least share of the error that
+it is taken to leave. Fewer rounds say little about what it leaves of a window."""
+
 SLICE_SECONDS = 0.5
 """Seconds between two copies of the picture that are kept in case of an interrupt."""
 
@@ -97,9 +101,10 @@ class Sampling:
     `taken` is the number of samples per pixel so far, `rays` the number of rays, and `noise` the relative error
     estimated after the last complete pass (NaN before the first estimate). `found` is the picture and error that were
     computed from the halves, and `denoised` tells whether it is the denoised picture. `after_pass` is called between
-    passes. With `keep_partial`, `partial` is a copy of the film after `partial_taken` samples per pixel. The values of
-    the picture depend only on the number of samples, and not on how passes divide them: with adaptive sampling, each
-    pass except the last doubles the number of samples.
+    passes. With `by_denoised`, adaptive sampling goes by the error that is left after denoising. With `keep_partial`,
+    `partial` is a copy of the film after `partial_taken` samples per pixel. The values of the picture depend only on the
+    number of samples, and not on how passes divide them: with adaptive sampling, each pass except the last doubles the
+    number of samples.
 
     Internally, samples are counted in rounds: a round is one sample of the film, or one of each half.
     """
@@ -112,10 +117,12 @@ class Sampling:
         report: ProgressReport | None,
         adaptive: AdaptiveSamples | None = None,
         after_pass: Callable[[], None] | None = None,
+        by_denoised: bool = False,
     ) -> None:
         self.film, self.render_range, self.keep_partial, self.report = film, render_range, keep_partial, report
         self.adaptive, self.after_pass = adaptive, after_pass
         self._halves = film if isinstance(film, Halves) else None
+        self._by_denoised = by_denoised and adaptive is not None and self._halves is not None
         self._each = 1 if self._halves is None else self._halves.each
         self._first = (FIRST_PASS if adaptive is None else FIRST_ADAPTIVE_PASS) // self._each
         self.rays, self.noise = 0.0, math.nan
@@ -124,6 +131,7 @@ class Sampling:
         self.partial: _core.Film | Halves | None = None
         self.partial_taken = 0
         self._rounds, self._looked_at = 0, 0
+        self._noise_around: NDArray[np.float64] | None = None  # error around each pixel, before denoising
         self._counts = _everywhere(0) if adaptive is None else adaptive.counts
         self._deadline = math.inf
         self._seconds_per_sample: float | None = None
@@ -155,7 +163,7 @@ class Sampling:
 
     def take_up(self, taken: int) -> None:
         """Go on from a film, and from adaptive sampling, that already have `taken` samples per pixel."""
-        self._rounds = taken // self._each
+        self._rounds, self._noise_around = taken // self._each, None
         if self.adaptive is not None:
             self._counts = self.adaptive.counts
 
@@ -209,7 +217,7 @@ class Sampling:
         self.found = self._halves.denoised() if denoised else self._halves.sampled()
         self.denoised, self._looked_at = denoised, self._rounds
         if not denoised:
-            self.noise = self.found.error
+            self.noise, self._noise_around = self.found.error, self.found.local_error
         else:
             self._seconds_of_look = max(self._seconds_of_look, clock.perf_counter() - before)
 
@@ -235,13 +243,14 @@ class Sampling:
     def _pass(self, end: int) -> None:
         """Take samples until each pixel, or the mean over pixels, has `end` of them; take fewer if the deadline is near."""
         half = self.film.radiance if self._rounds and end == 2 * self._rounds else None
+        left = self._share_left()
         while self._rounds < end and (self._rounds == 0 or self._affordable() >= 1):
             step = self._step(end)
             first, last = _everywhere(self._rounds), _everywhere(self._rounds + step)
             if self.adaptive is not None:
                 # The number of samples of each pixel increases with the mean number, so the parts of a pass add up to
                 # the whole pass.
-                first, last = self._counts, self.adaptive.unevenly(self._rounds + step)
+                first, last = self._counts, self.adaptive.unevenly(self._rounds + step, left)
                 self._counts = last
             before = clock.perf_counter()
             self.rays += self.render_range(first.ravel(), last.ravel(), self._overall(step))
@@ -252,6 +261,20 @@ class Sampling:
         before = clock.perf_counter()
         self._estimate(half if self._rounds == end else None)
         self._seconds_of_estimate = max(self._seconds_of_estimate, clock.perf_counter() - before)
+
+    def _share_left(self) -> NDArray[np.float64] | None:
+        """Return the share of the error around each pixel that the denoiser leaves, if the next pass goes by it.
+
+        It depends on the samples so far alone, so that pictures can be repeated and continued.
+        """
+        if not self._by_denoised or self._rounds < LEAST_JUDGED:
+            return None
+        if self._noise_around is None:
+            self.look(False)
+        self.look(True)
+        assert self.found is not None and self._noise_around is not None
+        noise, left = self._noise_around, self.found.local_error
+        return np.clip(np.divide(left, noise, out=np.ones_like(noise), where=noise > 0), LEAST_LEFT, 1.0)
 
     def _tell(self) -> None:
         if self.after_pass is not None:

@@ -44,7 +44,7 @@ def animate(
     max_depth: int = -1,
     seed: int = 0,
     threads: int | None = None,
-    adaptive: bool | None = None,
+    adaptive: bool | Literal["noise", "denoised"] | None = None,
     denoise: bool | None = None,
     shutter: float = 0.0,
     moments: int = 8,

@@ -24,7 +24,7 @@ from eclat.images.record_overlay import record_density, visible_places
 from eclat.measure.error_estimate import ErrorEstimate, error_text, with_light_by_chance
 from eclat.methods import Prepared
 from eclat.methods.work import View, Work
-from eclat.sampling.adaptive_sampling import Counts
+from eclat.sampling.adaptive_sampling import Adaptive, Counts
 from eclat.sampling.convergence import Sampling
 from eclat.sampling.denoised_halves import DenoisedHalves
 from eclat.sampling.halves import Halves, Region, seed_of_half
@@ -140,7 +140,7 @@ class Picture:
     view: View
     region: Region
     work: Work
-    adaptive: bool
+    adaptive: Adaptive
     denoise: bool
     filter: _core.Filter
     estimate: ErrorEstimate | None

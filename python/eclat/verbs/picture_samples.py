@@ -54,7 +54,8 @@ def sampling_of(
         take = TakerOnFarm(farm, tiles, films)
     film = films[0] if len(films) == 1 else Halves(films[0], films[1], region, other)
     adaptive = AdaptiveSamples(view.size, region) if picture.adaptive else None
-    sampling = Sampling(film, take.samples, keep_partial, work.progress, adaptive)
+    by_denoised = picture.adaptive == "denoised"
+    sampling = Sampling(film, take.samples, keep_partial, work.progress, adaptive, by_denoised=by_denoised)
     if begun is not None:
         begun.restore(sampling, kind)
     return sampling

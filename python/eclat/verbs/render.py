@@ -9,7 +9,7 @@ import os
 import time as clock
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Literal
 
 from eclat import _core
 from eclat.bridge.arguments import (
@@ -30,6 +30,7 @@ from eclat.images.image import Image
 from eclat.measure.error_estimate import ErrorEstimate
 from eclat.methods import IrradianceCache, Method, Prepared, Source, as_method
 from eclat.methods.work import Care, View, Work
+from eclat.sampling.adaptive_sampling import checked_adaptive
 from eclat.sampling.convergence import MOST_SAMPLES, Goal, Sampling, noise_beside_records
 from eclat.scene import Camera, Scene
 from eclat.stage.staging import staged
@@ -76,7 +77,7 @@ def render(
     seed: int = 0,
     threads: int | None = None,
     filter: str = "box",
-    adaptive: bool | None = None,
+    adaptive: bool | Literal["noise", "denoised"] | None = None,
     denoise: bool | None = None,
     halves: bool | None = None,
     gathered_samples: int | None = None,
@@ -123,9 +124,11 @@ def render(
     seed : seed of the random numbers. The same seed gives the same picture, bit for bit.
     threads : number of threads; None uses all processors. The number does not change the picture.
     filter : the pixel filter, "box" or "tent".
-    adaptive : whether noisy pixels get more samples and the others fewer (`adaptive_sampling`). None means True for
-        methods with records if there is no `crop`, and otherwise False. Adaptive sampling biases the picture a little,
-        so `Path` uses it only on request.
+    adaptive : whether pixels that err more get more samples and the others fewer (`adaptive_sampling`): by their noise,
+        "noise", or by the error that the denoiser leaves, "denoised", which needs `halves`. True means the latter if the
+        picture is denoised and `time` is not given, because it denoises between passes, and otherwise the former. None means
+        True for methods with records if there is no `crop`, and otherwise False. Adaptive sampling biases the picture a
+        little, so `Path` uses it only on request. The metadata say which it was.
     denoise : whether Open Image Denoise removes the noise of the picture. The picture is then rendered in two halves,
         from which the remaining error is measured. Where denoising would increase the error, the samples are kept as
         they are (`sampling.denoised_halves`). While `max_error` decides when to stop, a picture whose samples alone
@@ -206,14 +209,14 @@ def render(
     """
     if isinstance(display_server, str) or shard is not None or light_groups is not False:
         return _rendered_by_other_calls(dict(locals()))
-    display, preview = display_server, with_display(preview, display_server)
+    preview = with_display(preview, display_server)
     _refuse_contradictions(samples, time, refine, check)
     scene = staged(scene)
     started = clock.perf_counter()
-    begun = None if continued is None else Begun.of(continued)
-    settings = _settings(begun, (size, crop, max_depth, seed, filter, adaptive, halves))
+    begun, settings = _begun(continued, (size, crop, max_depth, seed, filter, adaptive, halves))
     size, crop, max_depth, seed, filter, adaptive, halves = settings
     denoise, halves = _denoise_and_halves(denoise, halves, samples is None and crop is None)
+    by_error = checked_adaptive(crop is None if adaptive is None else adaptive, denoise and time is None, halves)
     goal = _goal(samples, gathered_samples, max_error, time, started, denoise, halves)
     view = _view(scene, camera, size)
     region = checked_crop(crop, *view.size)
@@ -225,14 +228,14 @@ def render(
     elif preview is not None:
         show_looks(scene, source, view, work, denoise, preview)
     prepared = source.prepare(scene, view, work, Care(check, refine, denoised=denoise, deadline=goal.deadline))
-    adaptive = (prepared.options.has_records and crop is None) if adaptive is None else adaptive
+    by_error = by_error if adaptive is not None or prepared.options.has_records else False
     picture = Picture(
-        scene, prepared, view, region, work, adaptive, denoise, pixel_filter, _own_estimate(prepared, source), started
+        scene, prepared, view, region, work, by_error, denoise, pixel_filter, _own_estimate(prepared, source), started
     )
-    sampling = sampling_of(picture, 1 + halves, order, keep_partial, display, begun)
-    image, samplings = _rendered(picture, sampling, goal, halves and check, preview, display, begun)
+    sampling = sampling_of(picture, 1 + halves, order, keep_partial, display_server, begun)
+    image, samplings = _rendered(picture, sampling, goal, halves and check, preview, display_server, begun)
     if continuable or begun is not None:
-        make_continuable(image, begun, samplings, scene, view.camera, (view.size, *settings[1:5], adaptive, halves))
+        make_continuable(image, begun, samplings, scene, view.camera, (view.size, *settings[1:5], by_error, halves))
     return image
 
 
@@ -255,12 +258,16 @@ def _view(scene: Scene, camera: int | Camera, size: tuple[int, int] | None) -> V
     return View(chosen, picture_size(chosen, size))
 
 
-def _settings(begun: Begun | None, given: tuple[Any, ...]) -> tuple[Any, ...]:
-    """Return the arguments that a continued picture determines: its own, or else those that were given."""
-    if begun is None:
-        return given
-    parameters = inspect.signature(render).parameters
-    return begun.settings(tuple(parameters[name].default for name in FROM_PICTURE), given)
+def _begun(
+    continued: Image | str | os.PathLike[str] | None, given: tuple[Any, ...]
+) -> tuple[Begun | None, tuple[Any, ...]]:
+    """Return the picture that is continued, if there is one, and the arguments that it determines: its own, or else those that
+    were given.
+    """
+    if continued is None:
+        return None, given
+    begun, parameters = Begun.of(continued), inspect.signature(render).parameters
+    return begun, begun.settings(tuple(parameters[name].default for name in FROM_PICTURE), given)
 
 
 def _source(what: Source | type[Method] | str | None, max_error: float, refine: bool) -> Source:

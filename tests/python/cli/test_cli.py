@@ -368,7 +368,8 @@ def test_quiet_keeps_warnings(capsys: Output) -> None:
 
 def test_settings_repeat_a_run(api: FakeApi, capsys: Output) -> None:
     flags = (
-        "--method path --set roulette-depth=3 --time 9 --size 8x6 --crop 1,2,3,4 --seed 7 --environment 1,2,3 --fov 40"
+        "--method path --set roulette-depth=3 --time 9 --adaptive noise --size 8x6 --crop 1,2,3,4 --seed 7 "
+        "--environment 1,2,3 --fov 40"
     )
     assert main(["render", "cornell-box", *flags.split(), "-o", "a.exr", "-o", "a.png"]) == 0
     for name in ("a.exr", "a.png"):
@@ -408,6 +409,7 @@ def test_edited_settings_pass_the_same_checks(capsys: Output) -> None:
     ("name", "value"),
     [
         *(("refine", value) for value in ({"a": 65536}, "yes", 1, [True])),
+        *(("adaptive", value) for value in ({}, "yes", 1, [True], "noise,denoised")),
         *(("samples", value) for value in ({}, "many", [1, 2], [[[1]]], 1e400, True)),
         *(("size", value) for value in (5, {"w": 1}, [[1], 2], ["a", "b"], [1e300, 1])),
         *(("materials", value) for value in (1, "a=b", [{}], [1])),

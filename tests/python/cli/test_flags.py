@@ -34,6 +34,7 @@ VALUES: dict[str, list[str]] = {
     "--exposure": ["1.5"],
     "--tone-mapping": ["filmic"],
     "--crop": ["1,1,3,3"],
+    "--adaptive": ["noise"],
     "--replay": ["1,1,2"],
     "--replay-settings": ["none.exr"],
     "--continue": ["none.exr"],

@@ -49,6 +49,17 @@ def test_samples_are_proportional_to_the_deviation() -> None:
     assert pixels.noise() == pytest.approx(expected, rel=0.08)
 
 
+def test_samples_are_proportional_to_what_a_denoiser_leaves() -> None:
+    """Noise that is the same everywhere, of which the denoiser leaves a third in one half of the picture."""
+    left = np.where(np.arange(48) < 24, 1 / 3, 1.0) * np.ones((48, 1))
+    noise, pixels = Noise(np.full((48, 48), 0.2), 5), AdaptiveSamples((48, 48), WHOLE)
+    for samples in (2, 4, 8, 16, 32, 64, 128):
+        counts = pixels.unevenly(samples, left)
+        assert counts.mean() == pytest.approx(samples, rel=0.1)
+        pixels.observe(counts, noise.take(counts))
+    assert counts[:, 24:].mean() / counts[:, :24].mean() == pytest.approx(3, rel=0.1)
+
+
 def test_only_the_region_is_sampled() -> None:
     pixels, noise = AdaptiveSamples((48, 48), (8, 4, 20, 30)), Noise(np.full((48, 48), 0.2), 6)
     for samples in (2, 4, 8):
@@ -125,7 +136,7 @@ def test_adaptive_sampling_finds_the_edge_of_the_lamp_and_its_noise(box: tuple[e
 def test_a_timed_picture_is_reproduced_by_its_number_of_samples(box: tuple[eclat.Scene, eclat.Solution]) -> None:
     scene, solution = box
     timed = eclat.render(scene, solution, time=0.3, size=(96, 96), denoise=False)
-    assert timed.metadata["adaptive"]
+    assert timed.metadata["adaptive"] == "noise"
     samples = int(timed.metadata["statistics"]["samples"])
     again = eclat.render(scene, solution, samples=samples, adaptive=True, size=(96, 96), threads=1)
     np.testing.assert_array_equal(again.pixels, timed.pixels)
