@@ -63,6 +63,11 @@ CLEAN = 0.8
 on. If the errors of both are independent, keeping samples takes 1 − w of the squared error away, little for their grain on walls
 and ceilings. By judgement."""
 
+FLAT, EDGE = 0.1, 0.3
+"""Contrasts (most − least) / most of 3 × 3 denoised pixels. Below the first one, samples are not kept where the denoised picture
+has a weight of ⅔ or more, and above the second one they are. Windows keep samples for the sake of their edges; on the walls
+around, where the denoiser is right, one would see their grain. By judgement."""
+
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
 
 
@@ -150,13 +155,13 @@ def judged_halves(
     darker = np.minimum(denoised_a, denoised_b) ** 2
     scale = _scale(_blended_square(darker, a, b, 0.5, counted), counted)
 
-    def shown(w: Float64 | float) -> tuple[Float64, Float64]:
+    def blended(w: float) -> tuple[Float64, Float64]:
         return w * denoised_a + (1 - w) * kept_a, w * denoised_b + (1 - w) * kept_b
 
-    weight = _best_weights([_squared_error(a, b, *shown(w), scale) for w in (0.0, 0.5, 1.0)], counted)
+    weight = _best_weights([_squared_error(a, b, *blended(w), scale) for w in (0.0, 0.5, 1.0)], counted)
     weight = np.clip(2 * weight - CLEAN, weight, 1.0)
     scale = _scale(_blended_square(darker, a, b, weight[..., None], counted), counted)
-    shown_a, shown_b = shown(weight[..., None])
+    shown_a, shown_b = _shown(a, denoised_a, weight, counted), _shown(b, denoised_b, weight, counted)
     squared = _squared_error(a, b, shown_a, shown_b, scale) * counted
     pixels = (shown_a + shown_b) / 2
     raw = _squared_error(a, b, a, b, scale)
@@ -180,9 +185,9 @@ def with_picture(found: DenoisedHalves, halves: Quadruple, other: JudgedPicture)
     EclatError : the arrays differ in shape or are not (H, W, 3).
     """
     a, b, denoised_a, denoised_b, others = _of_one_shape(*halves, other.pixels)
-    w, scale, counted = found.weight[..., None], other.scale, np.ones(found.weight.shape)
+    scale, counted = other.scale, np.ones(found.weight.shape)
     own_a, own_b = (
-        w * denoised + (1 - w) * _kept(half, denoised, counted) for half, denoised in ((a, denoised_a), (b, denoised_b))
+        _shown(half, denoised, found.weight, counted) for half, denoised in ((a, denoised_a), (b, denoised_b))
     )
 
     def squared_error(v: Float64 | float) -> Float64:
@@ -307,6 +312,18 @@ def _scale(square: Float64, counted: Float64) -> Float64:
 def _kept(samples: Float64, denoised: Float64, counted: Float64) -> Float64:
     """Limit the samples (H, W, 3) to `BRIGHTER` times the brightest denoised value of the 3 × 3 pixels around."""
     return np.minimum(samples, BRIGHTER * most_of_nine(denoised * counted[..., None]))
+
+
+def _shown(samples: Float64, denoised: Float64, weight: Float64, counted: Float64) -> Float64:
+    """Blend a denoised half (H, W, 3) of the given weight (H, W) with its samples. Away from edges of the denoised half, none of
+    these are kept from a weight of ⅔ on, and all of them up to ⅓, where the denoiser must be wrong everywhere."""
+    grey, outside = denoised.mean(axis=-1, keepdims=True), counted[..., None] == 0
+    most = most_of_nine(np.where(outside, 0.0, grey))
+    least = -most_of_nine(np.where(outside, -np.inf, -grey))
+    contrast = (most - least) / np.maximum(most, np.finfo(np.float64).tiny)
+    edge, w = np.clip((contrast - FLAT) / (EDGE - FLAT), 0.0, 1.0), weight[..., None]
+    left = np.maximum(edge, np.clip(2 - 3 * w, 0.0, 1.0))
+    return np.asarray(denoised + (1 - w) * left * (_kept(samples, denoised, counted) - denoised))
 
 
 def _squared_error(a: Float64, b: Float64, shown_a: Float64, shown_b: Float64, scale: Float64) -> Float64:

@@ -80,6 +80,26 @@ def test_no_grain_of_samples_for_little_gain(wrong: float, least: float, most: f
     assert np.mean([one.squared_error for one in found]) == pytest.approx(true, rel=0.25)
 
 
+def test_no_grain_beside_what_keeps_its_samples() -> None:
+    """A wall that the denoiser finds, beside fine detail that it destroys; windows hold parts of both."""
+    wall = np.broadcast_to(np.mgrid[0:SIZE, 0:SIZE][1] < SIZE // 2, (SIZE, SIZE))
+    reference = np.where(wall[..., None], 0.2, truth(True))
+    clean = np.where(wall[..., None], reference, blur(reference))
+    found = judged_halves(*halves(reference, 0.6, 4), clean, clean)
+    beside = np.s_[:, SIZE // 4 : SIZE // 2 - 1]
+    blended = (found.weight[beside] > 2 / 3) & (found.weight[beside] < 0.8)
+    assert blended.mean() > 0.1
+    np.testing.assert_allclose(found.pixels[beside][blended], 0.2, rtol=1e-6)
+    # Where it is wrong everywhere, samples are kept though it sees no edges.
+    a, b = halves(reference, 0.2, 4)
+    smooth = np.full_like(reference, 0.55)
+    wrong = judged_halves(a, b, smooth, smooth)
+    inside = np.s_[:, 5 * SIZE // 8 :]
+    assert true_squared_error(wrong.pixels[inside], reference[inside]) < 1.1 * true_squared_error(
+        (a + b)[inside] / 2, reference[inside]
+    )
+
+
 def test_specks_beside_what_keeps_its_samples_are_not_shown() -> None:
     """A dark wall with a few samples that are far too bright, beside fine detail that this denoiser destroys."""
     wall = np.broadcast_to(np.mgrid[0:SIZE, 0:SIZE][1] < SIZE // 2, (SIZE, SIZE))
