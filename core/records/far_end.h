@@ -18,8 +18,8 @@ struct FarEnd {
     bool wants_samples = false;  // whether gathers keep what paths find where nothing was read
 };
 
-/// Makes the reader by which gather rays read records where they end. It returns nothing for rays that are shorter than the
-/// radius of the records, because the error of the records would be visible in corners.
+/// Makes the reader by which gather rays, and paths of a final gather, read records where they end. It returns nothing for rays
+/// that are shorter than the radius of the records, because the error of the records would be visible in corners.
 CachedIrradiance read_beyond_radius(const RecordCache& records);
 /// Makes the reader by which paths read records of radiance.
 CachedReflection read_radiance(const RadianceCache& cache, const RadianceTables& tables,

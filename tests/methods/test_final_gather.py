@@ -93,6 +93,20 @@ def test_wrong_records_reach_a_pixel_once_more_reflected() -> None:
     assert 0.8 * 0.5 * rho**3 < excess < 1.02 * 0.5 * rho**3
 
 
+def test_short_rays_read_no_records() -> None:
+    """Beside an edge of a box, where half of the rays are shorter than the radii of records, wrong ones brighten pixels less."""
+    scene = eclat.load("furnace", rho=0.5, shape="box")
+    right = solved(scene, eclat.IrradianceCache(max_error=0.05))
+    wrong = replace(right, near=_brighter(right.near, 1.5), far=_brighter(right.far, 1.5))
+    image = eclat.render(scene, wrong.final_gather(), samples=512, size=SIZE, seed=4, adaptive=False, check=False)
+    excess, normal = image.pixels.mean(axis=-1) / 2 - 1, image.layers["normal"]
+    beside = np.zeros(excess.shape, bool)
+    for axis in (0, 1):
+        edge = np.abs(normal - np.roll(normal, 1, axis)).sum(axis=-1) > 0.5
+        beside |= edge | np.roll(edge, -1, axis)
+    assert excess[beside].mean() < 0.94 * excess[~beside].mean()  # without: 0.99
+
+
 def _brighter(records: NDArray[np.float32], factor: float) -> NDArray[np.float32]:
     """Scale the irradiance of records, with all that is in proportion to it."""
     probe = Solution(eclat.IrradianceCache(), "", records.copy(), records[:0], np.zeros(3))

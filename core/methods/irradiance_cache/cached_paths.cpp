@@ -40,7 +40,11 @@ Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, 
     PathOptions options = cached_paths(caches, max_depth);
     options.miss_paths = cached_miss_paths;
     options.gather_first = guide != nullptr;
-    if (guide) options.aim = [guide](std::span<SurfacePoint* const> points) { guide->aim(points); };
+    if (guide) {
+        // A short ray, as in a corner, sees one place of a record's error, not the mean of many.
+        options.cache = read_beyond_radius(caches.near);
+        options.aim = [guide](std::span<SurfacePoint* const> points) { guide->aim(points); };
+    }
     if (tables) options.reflection = read_radiance(caches.radiance, *tables);
     return path_estimator(world, std::move(options));
 }

@@ -12,7 +12,8 @@
 namespace eclat {
 
 /// Makes the estimator of camera paths that read `caches` and, with `tables`, their records of radiance. All arguments
-/// must outlive it. With `guide`, paths read them only after they have gone on from a matte vertex, where it aims them.
+/// must outlive it. With `guide`, paths read them only after they have gone on from a matte vertex, where it aims them, and at the
+/// end of an edge that is longer than the radius of the records there.
 Estimator cached_path_estimator(const World& world, const SolvedCaches& caches, const RadianceTables* tables,
                                 int max_depth, const PathGuide* guide = nullptr);
 
