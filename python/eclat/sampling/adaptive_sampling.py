@@ -79,7 +79,7 @@ def checked_adaptive(given: bool | str, denoised: bool, halves: bool) -> Adaptiv
     denoiser.require_denoiser()
     if not halves:
         raise EclatError(
-            "adaptive: expected halves=True with 'denoised', because the halves measure that error, got False"
+            "adaptive: expected denoising or halves=True with 'denoised', because the halves measure that error, got neither"
         )
     return "denoised"
 

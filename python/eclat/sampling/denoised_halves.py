@@ -68,6 +68,12 @@ FLAT, EDGE = 0.1, 0.3
 has a weight of ⅔ or more, and above the second one they are. Windows keep samples for the sake of their edges; on the walls
 around, where the denoiser is right, one would see their grain. By judgement."""
 
+NO_LESS = 1e-4
+"""The least mean of R², relative to that of the square of both halves' mean."""
+
+UNKNOWN = 1.0
+"""The standard error of the squared error of a single pixel, which no other pixel tells."""
+
 Quadruple = tuple[ArrayLike, ArrayLike, ArrayLike, ArrayLike]
 
 
@@ -153,14 +159,15 @@ def judged_halves(
     counted = np.ones(a.shape[:2]) if covered is None else covered.astype(np.float64)
     kept_a, kept_b = _kept(a, denoised_a, counted), _kept(b, denoised_b, counted)
     darker = np.minimum(denoised_a, denoised_b) ** 2
-    scale = _scale(_blended_square(darker, a, b, 0.5, counted), counted)
+    brightness = ((a + b) / 2) ** 2
+    scale = _scale(_blended_square(darker, a, b, 0.5, counted), brightness, counted)
 
     def blended(w: float) -> tuple[Float64, Float64]:
         return w * denoised_a + (1 - w) * kept_a, w * denoised_b + (1 - w) * kept_b
 
     weight = _best_weights([_squared_error(a, b, *blended(w), scale) for w in (0.0, 0.5, 1.0)], counted)
     weight = np.clip(2 * weight - CLEAN, weight, 1.0)
-    scale = _scale(_blended_square(darker, a, b, weight[..., None], counted), counted)
+    scale = _scale(_blended_square(darker, a, b, weight[..., None], counted), brightness, counted)
     shown_a, shown_b = _shown(a, denoised_a, weight, counted), _shown(b, denoised_b, weight, counted)
     squared = _squared_error(a, b, shown_a, shown_b, scale) * counted
     pixels = (shown_a + shown_b) / 2
@@ -239,7 +246,7 @@ def sampled_halves(a: ArrayLike, b: ArrayLike) -> DenoisedHalves:
     """
     first, last = _of_one_shape(a, b)
     counted = np.ones(first.shape[:2])
-    scale = _scale(_square(first * last, counted), counted)
+    scale = _scale(_square(first * last, counted), ((first + last) / 2) ** 2, counted)
     squared = _squared_error(first, last, first, last, scale)
     mean = _mean(squared, counted)
     weight = np.zeros(squared.shape)
@@ -262,13 +269,16 @@ def _mean(values: Float64, counted: Float64) -> float:
 
 def _deviation(squared: Float64, counted: Float64) -> float:
     """Compute the standard error of the mean from the differences between windows. In small pictures windows are
-    smaller, so that there are at least four along each side."""
+    smaller, so that there are at least four along each side. A single pixel does not show it, and gets `UNKNOWN` or more."""
+    count = int(np.count_nonzero(counted))
+    if count < 2:
+        return count * max(UNKNOWN, abs(_mean(squared, counted)))
     window = max(1, min(WINDOW, min(squared.shape) // 4))
+    if np.count_nonzero(window_sums(counted, window)) < 2:
+        window = 1
     means, counts = window_means(squared, counted, window), window_sums(counted, window)
-    if not counts.any():
-        return 0.0
     spread = float(np.average((means - _mean(squared, counted)) ** 2, weights=counts))
-    return math.sqrt(spread / max(1, int(np.count_nonzero(counts)) - 1))
+    return math.sqrt(spread / (np.count_nonzero(counts) - 1))
 
 
 def _local_error(squared: Float64, counted: Float64) -> Float64:
@@ -302,11 +312,14 @@ def _blended_square(denoised: Float64, a: Float64, b: Float64, weight: Float64 |
     return square
 
 
-def _scale(square: Float64, counted: Float64) -> Float64:
-    """Return R² + c, (H, W, 3), for an estimate of R² that noise may have made negative."""
-    square, counted = np.maximum(square, 0.0), counted[..., None]
-    mean = float((square * counted).sum()) / max(1.0, square.shape[2] * float(counted.sum()))
-    return np.asarray(np.maximum(square + RELATIVE_C * mean, np.finfo(np.float64).tiny))
+def _scale(square: Float64, brightness: Float64, counted: Float64) -> Float64:
+    """Return R² + c, (H, W, 3), for an estimate of R² that noise may have made negative, and the square of the mean of both
+    halves: where they have no light in common, as in a picture of a few samples, errors are relative to a share of that."""
+    counted = counted[..., None]
+    pixels = max(1.0, square.shape[2] * float(counted.sum()))
+    square = np.maximum(square, 0.0)
+    mean, most = (float((values * counted).sum()) / pixels for values in (square, brightness))
+    return np.asarray(np.maximum(square + RELATIVE_C * max(mean, NO_LESS * most), np.finfo(np.float64).tiny))
 
 
 def _kept(samples: Float64, denoised: Float64, counted: Float64) -> Float64:

@@ -33,7 +33,7 @@ from numpy.typing import NDArray
 from eclat.measure.error_estimate import SIGMAS, ErrorEstimate
 from eclat.measure.metrics import RELATIVE_C
 from eclat.sampling.adaptive_sampling import Counts
-from eclat.sampling.denoised_halves import DenoisedHalves
+from eclat.sampling.denoised_halves import NO_LESS, DenoisedHalves
 from eclat.sampling.windows import WINDOW
 
 Float64 = NDArray[np.float64]
@@ -132,7 +132,8 @@ def _measured(found: DenoisedHalves, take: TakeSamples, these: NDArray[np.intp])
     counts[where] = PATHS
     estimates = [np.asarray(take(counts, number), np.float64)[where] for number in range(ESTIMATES)]
     shown = found.pixels[where]
-    c = max(RELATIVE_C * float((found.pixels**2).mean()), float(np.finfo(np.float64).tiny))
+    brightness = max(float((found.pixels**2).mean()), NO_LESS * float(np.mean(np.square(estimates))))
+    c = max(RELATIVE_C * brightness, float(np.finfo(np.float64).tiny))
     squares = np.zeros_like(shown)
     for k in range(ESTIMATES):
         p, q, r = (estimates[k - turn] for turn in range(ESTIMATES))

@@ -11,7 +11,8 @@ from scipy.ndimage import binary_dilation, median_filter, uniform_filter
 from eclat.errors import EclatError
 from eclat.images.denoiser import within_edges
 from eclat.measure.metrics import RELATIVE_C
-from eclat.sampling.denoised_halves import DenoisedHalves, JudgedPicture, judged_halves, with_picture
+from eclat.sampling.denoised_halves import DenoisedHalves, JudgedPicture, judged_halves, sampled_halves, with_picture
+from eclat.sampling.picture_probes import ProbedError, joined
 
 SIZE = 128
 
@@ -98,6 +99,19 @@ def test_no_grain_beside_what_keeps_its_samples() -> None:
     assert true_squared_error(wrong.pixels[inside], reference[inside]) < 1.1 * true_squared_error(
         (a + b)[inside] / 2, reference[inside]
     )
+
+
+def test_a_few_pixels_say_little() -> None:
+    """Halves with no light in common state a large error, which is a number; a single pixel is never certain."""
+    one, two = np.ones((1, 1, 3)), np.zeros((1, 1, 3))
+    for pixel in (one, two):
+        assert judged_halves(pixel, pixel, pixel, pixel).estimate.high > 1
+        assert sampled_halves(pixel, pixel).estimate.high > 1
+    lit, dark = np.array([[[1.0] * 3, [0.0] * 3]]), np.zeros((1, 2, 3))
+    for found in (judged_halves(lit, dark, lit, dark), sampled_halves(lit, dark)):
+        known = joined(ProbedError(0.5, 0.1, 0.0), found.estimate)
+        assert 1 < found.error < 2000
+        assert 0.5 < known.error < known.high < 3000
 
 
 def test_specks_beside_what_keeps_its_samples_are_not_shown() -> None:

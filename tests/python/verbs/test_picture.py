@@ -109,7 +109,7 @@ def test_what_decides_where_samples_go(cornell: eclat.Scene, given: dict[str, An
     ("given", "message"),
     [
         ({"adaptive": "denoise"}, "adaptive: expected True, False, 'noise' or 'denoised', got 'denoise'; did you mean"),
-        ({"adaptive": "denoised", "denoise": False}, "adaptive: expected halves=True with 'denoised'"),
+        ({"adaptive": "denoised", "denoise": False}, "adaptive: expected denoising or halves=True with 'denoised'"),
     ],
 )
 def test_what_cannot_decide_is_refused(cornell: eclat.Scene, given: dict[str, Any], message: str) -> None:
